@@ -1,0 +1,63 @@
+"""A named physical quantity with unit, bounds and neutral value, and dataclass fields that are such quantities."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is known about one quantity before it is fitted.
+
+    Attributes:
+        name: as in code, reports and on the command line.
+        unit: ``"rad"``, ``"Nm s/rad"``, ``"1"`` for a ratio.
+        neutral: the value that leaves the nominal model as it is; for a shape parameter (a place, a width, a time
+            constant of something whose amplitude is zero) the value to start from.
+        lower, upper: hard bounds, included.
+        scale: a change of this size is of practical size; sets finite differences and starting values.
+        amplitude: True if the neutral value switches the effect off; False for a shape parameter.
+        description: one line.
+    """
+
+    name: str
+    unit: str
+    neutral: float
+    lower: float
+    upper: float
+    scale: float
+    amplitude: bool
+    description: str
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.neutral <= self.upper:
+            raise ValueError(f"{self.name}: neutral {self.neutral} outside [{self.lower}, {self.upper}]")
+        if not (math.isfinite(self.scale) and self.scale > 0):
+            raise ValueError(f"{self.name}: scale must be positive, got {self.scale}")
+
+
+def parameter(
+    neutral: float,
+    *,
+    lower: float,
+    upper: float,
+    unit: str,
+    scale: float,
+    description: str,
+    amplitude: bool = False,
+) -> Any:
+    """A dataclass field that is a :class:`Parameter`; its default is the neutral value."""
+    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description)
+    return dataclasses.field(default=neutral, metadata={"parameter": fact})
+
+
+def parameters_of(owner: Any) -> tuple[Parameter, ...]:
+    """The parameters of a dataclass (type or instance), in the order of its fields."""
+    return tuple(
+        dataclasses.replace(field.metadata["parameter"], name=field.name)
+        for field in dataclasses.fields(owner)
+        if "parameter" in field.metadata
+    )

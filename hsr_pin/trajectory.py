@@ -1,0 +1,164 @@
+"""Motion, simulated or measured, in one frozen type; trials and datasets made of it.
+
+World frame everywhere: z up, origin at the base of the arm, the arm bends in the x-z plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+MOUNTS = ("hanging", "upright", "horizontal")
+
+
+def read_only(values: ArrayLike | None) -> Array | None:
+    """A float copy that cannot be written to (None stays None)."""
+    if values is None:
+        return None
+    array = np.array(values, dtype=float)
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True)
+class Marker:
+    """A tracked point of the arm.
+
+    Attributes:
+        name: any; column prefix in a recording.
+        arc_length: distance from the base along the backbone [m].
+    """
+
+    name: str
+    arc_length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Marker positions over time, with the input that caused them.
+
+    Attributes:
+        time: (T,) [s], increasing, evenly spaced.
+        markers: (M,) the tracked points, in the order of ``positions``.
+        positions: (T, M, 3) [m] in the world frame; NaN where a marker was not seen.
+        torque: (T,) [N m] the commanded torque, held from each sample to the next; None without this input.
+        pressures: (T, 2) [bar] the commanded pressures P1, P2; None without this input.
+        joint_angles: (T, nq) [rad], simulated motion only.
+        joint_rates: (T, nv) [rad/s], simulated motion only.
+        notes: what was done to the data on the way here, one sentence each.
+    """
+
+    time: Array
+    markers: tuple[Marker, ...]
+    positions: Array
+    torque: Array | None = None
+    pressures: Array | None = None
+    joint_angles: Array | None = None
+    joint_rates: Array | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("time", "positions", "torque", "pressures", "joint_angles", "joint_rates"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+        samples = self.time.shape[0]
+        shapes = {
+            "time": (samples,),
+            "positions": (samples, len(self.markers), 3),
+            "torque": (samples,),
+            "pressures": (samples, 2),
+        }
+        for name, shape in shapes.items():
+            value = getattr(self, name)
+            if value is not None and value.shape != shape:
+                raise ValueError(f"{name}: expected shape {shape}, got {value.shape}")
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    @property
+    def has_input(self) -> bool:
+        """Whether a command was recorded; without one the motion is a free release."""
+        return self.torque is not None or self.pressures is not None
+
+    def marker(self, name: str) -> Array:
+        """(T, 3) [m] positions of one marker.
+
+        Raises:
+            KeyError: listing the markers that there are.
+        """
+        names = [marker.name for marker in self.markers]
+        if name not in names:
+            raise KeyError(f"no marker {name!r}; there are {', '.join(names)}")
+        return self.positions[:, names.index(name)]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One recorded run and what is declared about it.
+
+    Attributes:
+        name: the file's stem (``"trial_01"``).
+        trajectory: the whole recording, as it is on disk (or cleaned, as its notes say).
+        keq: declared bending stiffness [Nm/rad].
+        damping: declared damping C of the whole arm [Nm s/rad]; None if not declared.
+        tip_mass: declared payload at the tip [kg].
+        t_start: use the recording from here on [s]; None: from its first sample.
+    """
+
+    name: str
+    trajectory: Trajectory
+    keq: float
+    damping: float | None = None
+    tip_mass: float = 0.0
+    t_start: float | None = None
+
+    @property
+    def starts_at_rest(self) -> bool:
+        """Settled under its first input sample (True), or starting from the pose that the markers show (False)."""
+        return self.trajectory.has_input and self.t_start is None
+
+    @property
+    def first_sample(self) -> int:
+        """Index of the first sample at or after ``t_start``."""
+        if self.t_start is None:
+            return 0
+        return int(np.searchsorted(self.trajectory.time, self.t_start - 1e-9))
+
+
+@dataclass(frozen=True, eq=False)
+class Dataset:
+    """Recordings of one arm.
+
+    Attributes:
+        name: of the dataset.
+        length: arc length of the backbone [m].
+        mass: [kg].
+        diameter: [m].
+        mount: "hanging", "upright" or "horizontal".
+        trials: at least one.
+        description: one line.
+        path: the folder it was read from; None if it was made in memory.
+        notes: what was done to the data on the way here, one sentence each.
+    """
+
+    name: str
+    length: float
+    mass: float
+    diameter: float
+    mount: str
+    trials: tuple[Trial, ...]
+    description: str = ""
+    path: Path | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        """The tracked points, the same in every trial."""
+        return self.trials[0].trajectory.markers
