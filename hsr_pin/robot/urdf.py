@@ -1,0 +1,241 @@
+"""Arm <-> URDF text.
+
+The straight arm lies along +z of the frame ``base``; every joint turns about +y, so a positive angle bends the arm towards +x
+of ``base``. Mounts: upright, ``base`` is the world frame; hanging, it is turned by pi about x (still bends towards world +x);
+horizontal, by pi/2 about y (bends towards world -z). ``tilt`` is one more turn about y.
+
+Springs and dampers, and the arm's own numbers, travel in ``<hsr>`` under ``<robot>``: other readers ignore it.
+There is no collision geometry: thick short links of a bent arm would touch each other, which the real arm does not.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import Element
+
+from hsr_pin.errors import SpecificationError, UrdfError
+from hsr_pin.output import write_text
+from hsr_pin.resources import resource
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.xml_tree import XmlTree, parse_xml
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+#: Version of the extension element; a change of what its attributes mean raises it.
+VERSION = 1
+
+#: Base to tip: matplotlib's "viridis" at even steps, perceptually uniform and safe for colour-blind readers.
+_RAMP = ((0.267, 0.005, 0.329), (0.231, 0.318, 0.545), (0.129, 0.567, 0.551), (0.364, 0.786, 0.388), (0.993, 0.906, 0.144))
+
+_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification))
+
+
+@dataclass(frozen=True)
+class _Link:
+    """A uniform solid cylinder on its joint (``joint`` is empty: fixed)."""
+
+    name: str
+    parent: str
+    joint: str
+    start: float  # [m] along the parent
+    length: float  # [m]
+    mass: float  # [kg]
+    radius: float  # [m]
+    colour: tuple[float, float, float]
+
+    @property
+    def inertia_across(self) -> float:
+        """About an axis across the link through its middle [kg m^2]."""
+        return self.mass * (3 * self.radius**2 + self.length**2) / 12
+
+    @property
+    def inertia_along(self) -> float:
+        """About the link's own axis [kg m^2]."""
+        return self.mass * self.radius**2 / 2
+
+
+def arm_to_urdf(spec: ArmSpecification) -> str:
+    """Write the arm as URDF text, every number so that reading it gives back the same float."""
+    plain: dict[str, Any] = {name: _plain(getattr(spec, name)) for name in _FIELDS}
+    spec = ArmSpecification(**plain)
+    links = _links(spec)
+    middle = (spec.links + 1) // 2 - 1 if spec.placement == "base" else spec.links // 2
+    return _template().render(
+        version=VERSION,
+        arm=dataclasses.asdict(spec),
+        joint_stiffness=spec.joint_stiffness,
+        joint_damping=spec.joint_damping,
+        base_rpy=_base_rpy(spec),
+        links=links,
+        middle={"parent": links[middle].name, "z": spec.length / 2 - sum(link.length for link in links[:middle])},
+        shape={"outer": spec.diameter / 2, "backbone": 0.2 * spec.diameter, "marker": 0.12 * spec.diameter, "cover": 0.84},
+    )
+
+
+def urdf_to_arm(text: str, source: str | Path | None = None) -> ArmSpecification:
+    """Rebuild the arm from its URDF, equal to the one that :func:`arm_to_urdf` was given.
+
+    Args:
+        text: the file's content.
+        source: its name, for messages.
+
+    Raises:
+        UrdfError: not XML, not a URDF, not written by hsr_pin, or changed since (its bodies and joints are not those of the
+            arm that its extension element declares).
+    """
+    tree = parse_xml(text, source)
+    spec = _read_extension(tree)
+    _check_unchanged(tree, parse_xml(arm_to_urdf(spec)))
+    return spec
+
+
+def load_urdf(path: str | Path) -> ArmSpecification:
+    """Read a file with :func:`urdf_to_arm`.
+
+    Raises:
+        UrdfError: as there, or the file cannot be read.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "bytes that are not UTF-8 text"
+        raise UrdfError("cannot read the file", expected="a URDF written by hsr-urdf", received=reason, file=path) from error
+    return urdf_to_arm(text, path)
+
+
+def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
+    """Write :func:`arm_to_urdf` to a file, whole or not at all.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    write_text(path, arm_to_urdf(spec))
+
+
+def _links(spec: ArmSpecification) -> list[_Link]:
+    """List them from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
+    mid = spec.placement == "mid"
+    shares = [0.5, *[1.0] * (spec.links - 1), 0.5] if mid else [1.0] * spec.links
+    links: list[_Link] = []
+    for i, share in enumerate(shares):
+        number = i if mid else i + 1
+        links.append(
+            _Link(
+                name=f"link_{number}",
+                parent=links[-1].name if links else "base",
+                joint=f"joint_{number}" if number else "",
+                start=links[-1].length if links else 0.0,
+                length=share * spec.length / spec.links,
+                mass=share * spec.mass / spec.links,
+                radius=spec.diameter / 2,
+                colour=_colour(i / max(len(shares) - 1, 1)),
+            )
+        )
+    return links
+
+
+def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
+    """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
+    roll = math.pi if spec.mount == "hanging" else 0.0
+    pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
+    return roll, pitch, 0.0
+
+
+def _colour(place: float) -> tuple[float, float, float]:
+    """(r, g, b) of the ramp at ``place``, from 0 (base) to 1 (tip)."""
+    i = min(int(place * (len(_RAMP) - 1)), len(_RAMP) - 2)
+    share = place * (len(_RAMP) - 1) - i
+    red, green, blue = (round((1 - share) * a + share * b, 4) for a, b in zip(_RAMP[i], _RAMP[i + 1], strict=True))
+    return red, green, blue
+
+
+def _plain(value: Any) -> int | float | str:
+    """Turn a number of numpy's into Python's own."""
+    return value if isinstance(value, str) else int(value) if hasattr(value, "__index__") else float(value)
+
+
+@lru_cache(maxsize=1)
+def _template() -> Template:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: `--help` does without
+
+    folder = resource("urdf_templates", "arm.urdf.jinja").parent
+    environment = Environment(
+        loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template("arm.urdf.jinja")
+
+
+def _read_extension(tree: XmlTree) -> ArmSpecification:
+    make = "make one with hsr-urdf"
+    if tree.root.tag != "robot":
+        tree.fail("not a URDF", expected="<robot> around everything", received=f"<{tree.root.tag}>", hint=make)
+    found = tree.root.findall("hsr")
+    if len(found) != 1:
+        received = "none" if not found else len(found)
+        tree.fail("not a URDF of hsr_pin", expected="one <hsr> element under <robot>", received=received, hint=make)
+    element = found[0]
+    if element.get("version") != str(VERSION):
+        hint = "read it with the hsr_pin that wrote it"
+        tree.fail("<hsr>", element, expected=f'version="{VERSION}"', received=repr(element.get("version")), hint=hint)
+    values: dict[str, Any] = {}
+    for name in _FIELDS:
+        text = element.get(name)
+        if text is None:
+            tree.fail("<hsr>", element, expected=f"an attribute {name}", received="none", hint=make)
+        values[name] = text if name in ("placement", "mount") else _number(text, int if name == "links" else float)
+    try:
+        return ArmSpecification(**values)
+    except SpecificationError as error:
+        tree.fail(f"<hsr> {error.subject}", element, expected=error.expected, received=error.received, hint=make)
+
+
+def _number(text: str, kind: type[int] | type[float]) -> int | float | str:
+    """Read a number, or pass on the text itself, which the specification then refuses by name."""
+    try:
+        return kind(text)
+    except ValueError:
+        return text
+
+
+def _check_unchanged(tree: XmlTree, declared: XmlTree) -> None:
+    """Compare all that moves and weighs, to 1e-9, with what the declared arm gives; looks are free to change."""
+    got, wanted = _physics(tree.root), _physics(declared.root)
+    for name in (*got, *wanted):
+        element, value = got.get(name, (tree.root, "nothing"))
+        expected = wanted[name][1] if name in wanted else "nothing"
+        if not _same(value, expected):
+            hint = "change the arm with hsr-urdf, not the file by hand"
+            tree.fail(f"{name} disagrees with <hsr>", element, expected=expected, received=value, hint=hint)
+
+
+def _physics(root: Element) -> dict[str, tuple[Element, str]]:
+    """Every attribute of links and joints but for their looks: "link link_1 inertial mass value" -> (element, text)."""
+    facts: dict[str, tuple[Element, str]] = {}
+
+    def walk(element: Element, path: str) -> None:
+        while f"{path} " in facts:
+            path += " (again)"
+        facts[f"{path} "] = element, ""
+        facts.update({f"{path} {name}": (element, value) for name, value in element.items()})
+        for part in element:
+            if part.tag not in ("visual", "collision"):
+                walk(part, f"{path} {part.tag}")
+
+    for body in root:
+        if body.tag in ("link", "joint"):
+            walk(body, f"{body.tag} {body.get('name')}")
+    return facts
+
+
+def _same(a: str, b: str) -> bool:
+    """Equal as text, or as rows of numbers."""
+    try:
+        return a == b or all(math.isclose(float(x), float(y), rel_tol=1e-9) for x, y in zip(a.split(), b.split(), strict=True))
+    except ValueError:
+        return False
