@@ -1,0 +1,161 @@
+"""What an effect is: one law that the nominal model lacks, with its parameters, and the place where it acts.
+
+A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the bending angle that the whole arm would have if it were
+curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for every number
+of links. Angles, rates and states have the shape (N, B): N joints, B columns simulated side by side. A parameter is a number, or
+(B,) when each column has its own.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from hsr_pin.errors import EffectError
+from hsr_pin.parameters import Parameter, parameters_of
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Array
+
+
+class Bending(NamedTuple):
+    """How the arm is bent now, as a law sees it.
+
+    Attributes:
+        angle: (N, B) [rad] bending angle of a whole arm with this curvature.
+        rate: (N, B) [rad/s] its rate.
+        keq: (B,) [Nm/rad] bending stiffness of the whole arm.
+        stiffness: (N, 1) or (N, B) stiffness along the arm, relative to keq.
+        state: (states, N, B) the law's internal state.
+    """
+
+    angle: Array
+    rate: Array
+    keq: Array
+    stiffness: Array
+    state: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """The torque that drives the arm.
+
+    Attributes:
+        torque: (S, B) [N m] mean over each step.
+        initial: (B,) [N m] the constant torque before the first step.
+        step: [s].
+        keq: (B,) [Nm/rad].
+    """
+
+    torque: Array
+    initial: Array
+    step: float
+    keq: Array
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What the cameras see.
+
+    Attributes:
+        positions: (T, B, M, 3) [m] of the markers, in the world frame.
+        normals: (T, B, M, 3) across the backbone there, towards positive bending.
+        arc_lengths: (M,) [m].
+        axis: (3,) the joint axis, in the world frame.
+    """
+
+    positions: Array
+    normals: Array
+    arc_lengths: Array
+    axis: Array
+
+
+@dataclass(frozen=True)
+class Effect(ABC):
+    """One unmodelled effect. A subclass is a frozen dataclass whose fields are :func:`hsr_pin.parameters.parameter`.
+
+    It overrides the one method (or two) where it acts; the others leave the nominal model as it is. Setting its amplitude
+    parameters to their neutral values must give back the nominal model exactly.
+    """
+
+    name: ClassVar[str]
+    lacks: ClassVar[str]
+    cause: ClassVar[str]
+    citation: ClassVar[str]
+    states: ClassVar[int] = 0
+    passive: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for fact in self.parameters():
+            value = getattr(self, fact.name)
+            if not np.all((np.asarray(value) >= fact.lower) & (np.asarray(value) <= fact.upper)):
+                raise EffectError(
+                    f"{self.name}.{fact.name}", expected=f"{fact.lower:g} to {fact.upper:g} [{fact.unit}]", received=value
+                )
+
+    @classmethod
+    def parameters(cls) -> tuple[Parameter, ...]:
+        """Names, units, bounds and neutral values, in the order of the fields."""
+        return parameters_of(cls)
+
+    def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        """The arm with this effect, where it changes the rigid bodies or the mount."""
+        return specification
+
+    def stiffness(self, s: Array) -> Array | None:
+        """Stiffness at arc length s (..., 1) in [0, 1], relative to the uniform arm; None: unchanged."""
+        return None
+
+    def damping(self, s: Array) -> Array | None:
+        """Damping at arc length s (..., 1) in [0, 1], relative to the uniform arm; None: unchanged."""
+        return None
+
+    def actuation(self, s: Array) -> Array | None:
+        """Torque that arrives at arc length s (..., 1) in [0, 1], relative to the command; None: all of it."""
+        return None
+
+    def command(self, command: Command) -> Command:
+        """The torque that the muscles make of the command."""
+        return command
+
+    def moment(self, bending: Bending) -> Array | None:
+        """(N, B) [N m] further moment with which the arm resists bending; None: nothing."""
+        return None
+
+    def tangent(self, keq: Array) -> tuple[Any, Any]:
+        """Upper bounds of d moment / d angle [Nm/rad] and d moment / d rate [Nm s/rad]: what the integrator treats implicitly."""
+        return 0.0, 0.0
+
+    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
+        """The internal state (states, N, B) after the angle went evenly from ``start`` to ``end`` (N, B) in ``elapsed`` [s].
+
+        ``elapsed`` is infinite when the arm was settled at ``end`` before the simulation began.
+        """
+        return state
+
+    def observe(self, view: View) -> Array:
+        """(T, B, M, 3) [m] marker positions as they are seen."""
+        return view.positions
+
+    def acts_through(self, hook: str) -> bool:
+        """Whether this effect overrides a method."""
+        return getattr(type(self), hook) is not getattr(Effect, hook)
+
+
+def stack(effects: list[Effect]) -> Effect:
+    """One effect whose parameters are (B,) arrays, from B effects of the same type."""
+    kind = type(effects[0])
+    return kind(**{fact.name: np.array([getattr(e, fact.name) for e in effects]) for fact in kind.parameters()})
+
+
+def neutral(effect: type[Effect]) -> Effect:
+    """The effect with every parameter at its neutral value."""
+    return effect(**{fact.name: fact.neutral for fact in effect.parameters()})
+
+
+def with_values(effect: Effect, **values: float) -> Effect:
+    """A copy with some parameters changed."""
+    return dataclasses.replace(effect, **values)

@@ -1,0 +1,54 @@
+"""What a simulation gives back, and how it may end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from hsr_pin.errors import SimulationFailure
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.trajectory import Trajectory
+
+
+class Outcome(Enum):
+    """How a run ended; the value says what to try."""
+
+    COMPLETED = "completed"
+    BENDING_LIMIT = "the arm bent beyond its limit; lower the torque or raise the stiffness or the bending limit"
+    DIVERGED = "the motion diverged; try a smaller step, or parameters nearer to a real arm's"
+    NO_EQUILIBRIUM = "no equilibrium was found to start from; lower the torque or raise the stiffness"
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationResult:
+    """One run.
+
+    Attributes:
+        scenario: what was simulated.
+        trajectory: the motion, up to the failure if there was one.
+        outcome: how it ended.
+        failure_time: [s] of the failure; None if there was none.
+        failure_joint: number of the joint that went furthest, from 1; None if there was no failure.
+    """
+
+    scenario: Scenario
+    trajectory: Trajectory
+    outcome: Outcome = Outcome.COMPLETED
+    failure_time: float | None = None
+    failure_joint: int | None = None
+
+    @property
+    def completed(self) -> bool:
+        """Whether the run reached its end."""
+        return self.outcome is Outcome.COMPLETED
+
+    def raise_on_failure(self) -> SimulationResult:
+        """This result, if it is complete.
+
+        Raises:
+            SimulationFailure: with this result as its ``result``.
+        """
+        if self.completed:
+            return self
+        where = f"at t = {self.failure_time:.4g} s, joint {self.failure_joint}"
+        raise SimulationFailure(f"simulation stopped {where}: {self.outcome.value}", self)

@@ -1,0 +1,96 @@
+"""What to simulate: an arm, what drives it, how it starts, where it is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Array, Marker, read_only
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Start at rest, in equilibrium under a constant torque [N m]."""
+
+    torque: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest)."""
+
+    angles: Array
+    rates: Array | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angles", read_only(self.angles))
+        object.__setattr__(self, "rates", read_only(np.zeros_like(self.angles) if self.rates is None else self.rates))
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One run.
+
+    Attributes:
+        arm: the nominal arm.
+        time: (T,) [s] evenly spaced; the result is given at these times.
+        torque: (T,) [N m] the command, held from each sample to the next.
+        start: settled under a torque, or a pose.
+        effects: what acts beside the nominal model, at most one of a kind.
+        markers: the points to follow; default: base, middle and tip.
+        implicit_as: the scenario whose springs and dampers the integrator treats implicitly; default: this one. Scenarios that differ
+            a little (a perturbed parameter) are stepped side by side when they share it.
+    """
+
+    arm: ArmSpecification
+    time: Array
+    torque: Array
+    start: Settled | Pose = field(default_factory=Settled)
+    effects: tuple[Effect, ...] = ()
+    markers: tuple[Marker, ...] = ()
+    implicit_as: Scenario | None = None
+
+    def __post_init__(self) -> None:
+        time, torque = read_only(self.time), read_only(self.torque)
+        assert time is not None and torque is not None
+        if time.ndim != 1 or len(time) < 2 or not np.all(np.isfinite(time)):
+            raise InputError("time", expected="at least two finite times [s]", received=f"shape {time.shape}")
+        steps = np.diff(time)
+        if np.any(steps <= 0) or np.ptp(steps) > 1e-6 * steps.mean():
+            raise InputError(
+                "time", expected="increasing, evenly spaced", received=f"steps from {steps.min():g} to {steps.max():g} s"
+            )
+        if torque.shape != time.shape or not np.all(np.isfinite(torque)):
+            raise InputError("torque", expected=f"{len(time)} finite values [N m]", received=f"shape {torque.shape}")
+        kinds = [type(effect) for effect in self.effects]
+        if len(set(kinds)) < len(kinds):
+            raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
+        if isinstance(self.start, Pose) and self.start.angles.shape != (self.arm.links,):
+            raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {self.start.angles.shape}")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "torque", torque)
+        if not self.markers:
+            object.__setattr__(self, "markers", standard_markers(self.arm.length))
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+
+def standard_markers(length: float) -> tuple[Marker, ...]:
+    """Base, middle and tip of an arm of this length [m]."""
+    return (Marker("base", 0.0), Marker("mid", length / 2), Marker("tip", length))
+
+
+def step_scenario(
+    arm: ArmSpecification, torque: ArrayLike, *, rest: float = 0.1, duration: float = 3.0, step: float = 0.01, **more: object
+) -> Scenario:
+    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] up to ``duration`` [s]: the runs of the paper's Fig. 4."""
+    time = np.arange(round(duration / step) + 1) * step
+    return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, float(np.asarray(torque))), Settled(0.0), **more)  # type: ignore[arg-type]
