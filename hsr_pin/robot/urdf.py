@@ -21,6 +21,7 @@ from xml.etree.ElementTree import Element
 from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
+from hsr_pin.robot.appearance import colour, shape
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
 
 #: Version of the extension element; a change of what its attributes mean raises it.
 VERSION = 1
-
-#: Base to tip: matplotlib's "viridis" at even steps, perceptually uniform and safe for colour-blind readers.
-_RAMP = ((0.267, 0.005, 0.329), (0.231, 0.318, 0.545), (0.129, 0.567, 0.551), (0.364, 0.786, 0.388), (0.993, 0.906, 0.144))
 
 _FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification))
 
@@ -74,7 +72,7 @@ def arm_to_urdf(spec: ArmSpecification) -> str:
         base_rpy=_base_rpy(spec),
         links=links,
         middle={"parent": links[middle].name, "z": spec.length / 2 - sum(link.length for link in links[:middle])},
-        shape={"outer": spec.diameter / 2, "backbone": 0.2 * spec.diameter, "marker": 0.12 * spec.diameter, "cover": 0.84},
+        shape=shape(spec),
     )
 
 
@@ -134,7 +132,7 @@ def _links(spec: ArmSpecification) -> list[_Link]:
                 length=share * spec.length / spec.links,
                 mass=share * spec.mass / spec.links,
                 radius=spec.diameter / 2,
-                colour=_colour(i / max(len(shares) - 1, 1)),
+                colour=colour(i / max(len(shares) - 1, 1)),
             )
         )
     return links
@@ -145,14 +143,6 @@ def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
     roll = math.pi if spec.mount == "hanging" else 0.0
     pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
     return roll, pitch, 0.0
-
-
-def _colour(place: float) -> tuple[float, float, float]:
-    """(r, g, b) of the ramp at ``place``, from 0 (base) to 1 (tip)."""
-    i = min(int(place * (len(_RAMP) - 1)), len(_RAMP) - 2)
-    share = place * (len(_RAMP) - 1) - i
-    red, green, blue = (round((1 - share) * a + share * b, 4) for a, b in zip(_RAMP[i], _RAMP[i + 1], strict=True))
-    return red, green, blue
 
 
 def _plain(value: Any) -> int | float | str:
