@@ -1,1 +1,55 @@
-"""Simulate hybrid soft robots on Pinocchio, and find out which physics the model lacks."""
+"""Simulate hybrid soft robots on Pinocchio, and find out which physics the model lacks.
+
+The names below are the ones that most programs need; each is imported on first use, so that `import hsr_pin` costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hsr_pin.recordings.read import read_dataset
+    from hsr_pin.recordings.write import write_dataset
+    from hsr_pin.robot.pressure import PressureMap
+    from hsr_pin.robot.specification import ArmSpecification
+    from hsr_pin.simulation.batch import simulate_batch
+    from hsr_pin.simulation.scenario import Scenario, step_scenario
+    from hsr_pin.simulation.simulate import simulate
+    from hsr_pin.trajectory import Dataset, Trajectory
+
+#: Public name -> the module that holds it. A new name stands here, above (for type checkers) and in `__all__`.
+_MODULES = {
+    "ArmSpecification": "robot.specification",
+    "Dataset": "trajectory",
+    "PressureMap": "robot.pressure",
+    "Scenario": "simulation.scenario",
+    "Trajectory": "trajectory",
+    "read_dataset": "recordings.read",
+    "simulate": "simulation.simulate",
+    "simulate_batch": "simulation.batch",
+    "step_scenario": "simulation.scenario",
+    "write_dataset": "recordings.write",
+}
+
+__all__ = [
+    "ArmSpecification",
+    "Dataset",
+    "PressureMap",
+    "Scenario",
+    "Trajectory",
+    "read_dataset",
+    "simulate",
+    "simulate_batch",
+    "step_scenario",
+    "write_dataset",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"hsr_pin has no {name!r}; it offers {', '.join(__all__)}")
+    value = globals()[name] = getattr(import_module(f"hsr_pin.{_MODULES[name]}"), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -7,21 +7,24 @@ Only the public index is asked, whatever this machine is set up for, and its add
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 HEADER = "# Every dependency, all groups, Python 3.10 to 3.13. Written by: python scripts/pin_dependencies.py\n"
+COMPILE = (
+    "-m uv pip compile pyproject.toml --all-extras --universal --python-version 3.10 --generate-hashes --output-file constraints.txt"
+    " --no-config --no-emit-index-url --no-emit-find-links --no-header --no-annotate --quiet"
+)
 
 
 def main() -> None:
     """Run uv, which must be installed (group test), then set the header."""
     target = ROOT / "constraints.txt"
-    command = "uv pip compile pyproject.toml --all-extras --universal --python-version 3.10 --generate-hashes --no-config".split()
-    plain = "--no-annotate --no-header --no-emit-index-url --no-emit-find-links --quiet --output-file constraints.txt".split()
     environment = {name: value for name, value in os.environ.items() if not name.startswith("UV_")}
-    subprocess.run([sys.executable, "-m", *command, *plain, *sys.argv[1:]], check=True, cwd=ROOT, env=environment)
+    subprocess.run([sys.executable, *shlex.split(COMPILE), *sys.argv[1:]], check=True, cwd=ROOT, env=environment)
     pins = target.read_text(encoding="utf-8").removeprefix(HEADER)
     if "://" in pins:
         sys.exit("constraints.txt holds an address: a dependency is pinned by where it lies instead of by version")
