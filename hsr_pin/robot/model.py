@@ -42,6 +42,7 @@ class ArmModel:
         return direction
 
 
+@lru_cache(maxsize=4096)
 def rigid_body(specification: ArmSpecification) -> ArmSpecification:
     """The same arm with the stiffness and damping of Table I: what its Pinocchio model depends on."""
     return replace(specification, keq=ArmSpecification.keq, damping=ArmSpecification.damping)

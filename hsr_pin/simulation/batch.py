@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hsr_pin.effects.effect import View
+from hsr_pin.effects.effect import View, columns_of
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import rigid_body
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns, Shape, arm_of, shape_of
-from hsr_pin.simulation.forward import ForwardDynamics, forward_dynamics
+from hsr_pin.simulation.forward import forward_dynamics
 from hsr_pin.simulation.integrators import Integrator
 from hsr_pin.simulation.integrators import integrator as integrator_named
 from hsr_pin.simulation.result import Outcome, SimulationResult
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.statics import equilibrium
 from hsr_pin.trajectory import Array, Trajectory
+
+BoolArray = NDArray[np.bool_]
 
 #: Default largest step [s]: with the default integrator the tip is within 0.05 mm of the chain's exact motion for N = 4 to 32.
 STEP = 0.01
@@ -44,86 +49,92 @@ def simulate_batch(
         One result per scenario, in their order. Each is what the scenario gives alone.
     """
     method = integrator_named(integrator)
+    bodies = [rigid_body(arm_of(scenario)) for scenario in scenarios]
+    first: dict[ArmSpecification, int] = {}
+    for index, body in enumerate(bodies):
+        first.setdefault(body, index)
     groups: dict[Shape, list[int]] = defaultdict(list)
     for index, scenario in enumerate(scenarios):
         groups[shape_of(scenario, step)].append(index)
     results: dict[int, SimulationResult] = {}
     for shape, members in groups.items():
-        members.sort(key=lambda i: hash(rigid_body(arm_of(scenarios[i]))))
+        members.sort(key=lambda i: first[bodies[i]])
         columns = Columns([scenarios[i] for i in members], shape)
-        results.update(zip(members, _run(columns, method, dynamics, threads), strict=True))
+        with np.errstate(over="ignore", invalid="ignore"):  # a column that diverges is reported as such
+            results.update(zip(members, _run(columns, method, dynamics, threads), strict=True))
     return [results[i] for i in range(len(scenarios))]
 
 
 class _Step:
     """The equations of motion during one step: the drive and the laws' states are those at its beginning."""
 
-    def __init__(self, columns: Columns, forward: ForwardDynamics) -> None:
-        self._columns, self._forward = columns, forward
+    def __init__(self, columns: Columns, lengths: tuple[float, ...], dynamics: str, threads: int) -> None:
+        self._columns = columns
         self.stiffness, self.damping = columns.stiffness, columns.damping
+        armatures = [(d * self.damping + d * d * self.stiffness)[:, 0] for d in lengths]
+        self._forward = forward_dynamics(dynamics, [arm.model for arm in columns.arm_models], armatures, threads)
+        self._dampers = [columns.damper + d * self.stiffness for d in lengths]
 
     def begin(self, drive: Array, states: tuple[Array, ...], start: Array) -> None:
         self._drive, self._states, self._start = drive, states, start
 
-    def solve(self, slot: int, q: Array, v: Array, elapsed: float, shift: Array) -> Array:
+    def solve(self, slot: int, q: Array, v: Array, elapsed: float, push: Array | None = None) -> Array:
         states = self._states
         if states and elapsed > 0:
             states = self._columns.update(states, self._start, q, elapsed)
-        return self._forward.solve(slot, q, v, self._columns.torque(q, v, states) + self._drive - shift)
+        force = self._columns.torque(q, v, states, self._dampers[slot])
+        force += self._drive
+        if push is not None:
+            force += push
+        return self._forward.solve(slot, q, v, force)
 
 
 def _run(columns: Columns, method: Integrator, dynamics: str, threads: int) -> list[SimulationResult]:
     step, substeps = columns.step, columns.shape.substeps
-    armatures = [d * columns.damping[:, 0] + d * d * columns.stiffness[:, 0] for d in method.lengths(step)]
-    models = [arm.model for arm in columns.arm_models]
-    chain = _Step(columns, forward_dynamics(dynamics, models, armatures, threads))
-    torques = columns.torques()
-    q, v, states, found = _start(columns)
-    failures = {int(b): (0, Outcome.NO_EQUILIBRIUM, 1) for b in np.flatnonzero(~found)}
+    chain = _Step(columns, method.lengths(step), dynamics, threads)
+    command = columns.command()
+    q, v, states, alive = _start(columns, command.initial)
+    failures = {int(b): (0, Outcome.NO_EQUILIBRIUM, _furthest(q[:, b])) for b in np.flatnonzero(~alive)}
     limit = np.array([arm.bending_limit for arm in columns.arms])
-    samples = len(torques) // substeps + 1
-    angles, rates = (np.empty((samples, len(models), columns.shape.links)) for _ in range(2))
+    angles, rates = (np.empty((len(command.torque) // substeps + 1, *q.T.shape)) for _ in range(2))
     angles[0], rates[0] = q.T, v.T
-    alive = np.array(found, dtype=bool)
-    for n, torque in enumerate(torques):
+    for n, torque in enumerate(command.torque, start=1):
         chain.begin(np.asfortranarray(columns.drive * torque), states, q)
-        q_next, v_next = method.advance(chain, q, v, step)
-        states = columns.update(states, q, q_next, step)
-        q, v = q_next, v_next
-        inside = np.asarray(np.abs(q.sum(axis=0)) <= limit, dtype=bool)
-        if not (inside | ~alive).all():
-            for b in np.flatnonzero(~inside & alive):
-                failures[int(b)] = (n + 1, *_failure(q[:, b]))
-            alive &= inside
+        start = q
+        q, v = method.advance(chain, q, v, step)
+        states = columns.update(states, start, q, step)
+        lost = alive & ~(np.abs(q.sum(axis=0)) <= limit)
+        if lost.any():
+            failures |= {int(b): (n, _reason(q[:, b]), _furthest(q[:, b])) for b in np.flatnonzero(lost)}
+            alive &= ~lost
         if failures:
             q[:, ~alive], v[:, ~alive] = 0.0, 0.0
             states = tuple(np.where(alive, state, 0.0) for state in states)
-        if (n + 1) % substeps == 0:
-            angles[(n + 1) // substeps], rates[(n + 1) // substeps] = q.T, v.T
+        if n % substeps == 0:
+            angles[n // substeps], rates[n // substeps] = q.T, v.T
     return _results(columns, angles, rates, failures)
 
 
-def _start(columns: Columns) -> tuple[Array, Array, tuple[Array, ...], Array]:
-    """Angles, rates (N, B), internal states, and (B,) whether there is a start."""
-    q, states, found = equilibrium(columns, columns.settled_torques())
+def _start(columns: Columns, torque: Array) -> tuple[Array, Array, tuple[Array, ...], BoolArray]:
+    """Angles, rates (N, B), internal states, and (B,) whether there is a start, under the torques (B,) [N m] before it."""
+    poses = {b: s.start for b, s in enumerate(columns.scenarios) if isinstance(s.start, Pose)}
+    settled = np.array([b not in poses for b in range(len(columns.scenarios))])
+    q, found = equilibrium(columns, torque, settled)
     v = np.zeros_like(q)
-    posed = np.array([isinstance(scenario.start, Pose) for scenario in columns.scenarios])
-    if posed.any():
-        for b in np.flatnonzero(posed):
-            start = columns.scenarios[b].start
-            assert isinstance(start, Pose)
-            q[:, b], v[:, b] = start.angles, start.rates
-        states = columns.update(columns.virgin_states(), 0 * q, q, np.inf)
-        found = found | posed
-    return q, v, states, found
+    for b, pose in poses.items():
+        q[:, b], v[:, b] = pose.angles, pose.rates
+    states = columns.update(columns.virgin_states(), np.zeros_like(q), q, math.inf)
+    return q, v, states, found | ~settled
 
 
-def _failure(q: Array) -> tuple[Outcome, int]:
-    finite = np.isfinite(q)
-    if not finite.all():
-        return Outcome.DIVERGED, int(np.argmin(finite)) + 1
-    outcome = Outcome.DIVERGED if np.abs(q).max() > 4 * np.pi else Outcome.BENDING_LIMIT
-    return outcome, int(np.argmax(np.abs(q))) + 1
+def _reason(q: Array) -> Outcome:
+    far = not np.abs(q).max() <= 4 * np.pi  # nan counts as far
+    return Outcome.DIVERGED if far else Outcome.BENDING_LIMIT
+
+
+def _furthest(q: Array) -> int:
+    """Number, from 1, of the joint that is bent most; of the first that is not a number, if there is one."""
+    return int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf))) + 1
 
 
 def _results(
@@ -166,7 +177,7 @@ def _positions(columns: Columns, angles: Array) -> list[Array]:
         seen = places.positions(q)
         for effect in columns.effects:
             if effect.acts_through("observe"):
-                own = type(effect)(**{p.name: getattr(effect, p.name)[members] for p in effect.parameters()})
+                own = columns_of(effect, members)
                 seen = own.observe(View(seen, places.normals(q), reach, model.joint_axis))
         for place, b in enumerate(members):
             positions[b] = seen[:, place]

@@ -25,7 +25,7 @@ class Shape:
     Attributes:
         links, placement: of the arms.
         step: between samples [s]; ``substeps`` steps of the integrator each.
-        effects: their types.
+        effects: their types and options.
         stiffness, damping: (N,) [Nm/rad], [Nm s/rad] at the joints, what the integrator treats implicitly.
         length_class: recordings of about the same number of samples go together.
     """
@@ -34,7 +34,7 @@ class Shape:
     placement: str
     step: float
     substeps: int
-    effects: tuple[type[Effect], ...]
+    effects: tuple[tuple[type[Effect], tuple[tuple[str, str], ...]], ...]
     stiffness: tuple[float, ...]
     damping: tuple[float, ...]
     length_class: int
@@ -57,7 +57,7 @@ def shape_of(scenario: Scenario, largest_step: float) -> Shape:
         placement=scenario.arm.placement,
         step=round(scenario.step, 12),
         substeps=substeps,
-        effects=tuple(type(effect) for effect in scenario.effects),
+        effects=tuple((type(effect), effect.options) for effect in scenario.effects),
         stiffness=stiffness,
         damping=damping,
         length_class=math.ceil(math.log(len(scenario.time), 1.25)),
@@ -105,14 +105,15 @@ class Columns:
         self.scenarios, self.shape = scenarios, shape
         links = shape.links
         self.arms = [arm_of(scenario) for scenario in scenarios]
-        models = {rigid_body(arm): build_model(arm) for arm in dict.fromkeys(self.arms)}
-        self.arm_models = [models[rigid_body(arm)] for arm in self.arms]
+        bodies = [rigid_body(arm) for arm in self.arms]
+        models = {body: build_model(body) for body in dict.fromkeys(bodies)}
+        self.arm_models = [models[body] for body in bodies]
         self.keq = np.array([arm.keq for arm in self.arms])
         self.effects = tuple(stack([scenario.effects[i] for scenario in scenarios]) for i in range(len(shape.effects)))
         self.profile = along(self.effects, "stiffness", links)
         damping = np.array([arm.damping for arm in self.arms])
-        self._spring = np.asfortranarray(links * self.keq * self.profile)
-        self._damper = np.asfortranarray(links * damping * along(self.effects, "damping", links))
+        self._minus_spring = np.asfortranarray(-links * self.keq * self.profile)
+        self.damper = np.asfortranarray(links * damping * along(self.effects, "damping", links))
         self.drive = along(self.effects, "actuation", links)
         self.laws = tuple(effect for effect in self.effects if effect.acts_through("moment"))
         self.stiffness = np.array(shape.stiffness)[:, None]
@@ -123,23 +124,16 @@ class Columns:
         """The integrator's step [s]."""
         return self.shape.step / self.shape.substeps
 
-    def torques(self) -> Array:
-        """(S, B) [N m] what the muscles make of the commands: mean over each step."""
+    def command(self) -> Command:
+        """What the muscles make of the commands."""
         samples = max(len(scenario.time) for scenario in self.scenarios)
         held = np.empty((samples - 1, len(self.scenarios)))
         for column, scenario in enumerate(self.scenarios):
             count = min(len(scenario.torque), samples - 1)
             held[:count, column] = scenario.torque[:count]
             held[count:, column] = scenario.torque[-1]
-        return self._delivered(np.repeat(held, self.shape.substeps, axis=0)).torque
-
-    def settled_torques(self) -> Array:
-        """(B,) [N m] what the muscles deliver before the first step."""
-        return self._delivered(np.empty((0, len(self.scenarios)))).initial
-
-    def _delivered(self, torque: Array) -> Command:
         initial = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in self.scenarios])
-        command = Command(torque, initial, self.step, np.array([s.arm.keq for s in self.scenarios]))
+        command = Command(np.repeat(held, self.shape.substeps, axis=0), initial, self.step, self.keq)
         for effect in self.effects:
             command = effect.command(command)
         return command
@@ -156,12 +150,13 @@ class Columns:
             for law, state in zip(self.laws, states, strict=True)
         )
 
-    def torque(self, q: Array, v: Array, states: tuple[Array, ...]) -> Array:
-        """(N, B) [N m] of springs, dampers and effect laws at the joints."""
-        total = -(self._spring * q) - self._damper * v
+    def torque(self, q: Array, v: Array, states: tuple[Array, ...], damper: Array | None = None) -> Array:
+        """(N, B) [N m] of springs, dampers (``damper`` [Nm s/rad] in place of the arm's own) and effect laws at the joints."""
+        total: Array = self._minus_spring * q
+        total -= (self.damper if damper is None else damper) * v
         links = self.shape.links
         for law, state in zip(self.laws, states, strict=True):
             moment = law.moment(Bending(links * q, links * v, self.keq, self.profile, state))
             if moment is not None:
-                total = total - moment
-        return np.asarray(total)
+                total -= moment
+        return total

@@ -43,7 +43,7 @@ class SimulationResult:
         return self.outcome is Outcome.COMPLETED
 
     def raise_on_failure(self) -> SimulationResult:
-        """This result, if it is complete.
+        """The result itself, if it is complete.
 
         Raises:
             SimulationFailure: with this result as its ``result``.

@@ -19,6 +19,10 @@ class Settled:
 
     torque: float = 0.0
 
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.torque):
+            raise InputError("start", expected="a finite torque [N m]", received=self.torque)
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -30,6 +34,13 @@ class Pose:
     def __post_init__(self) -> None:
         object.__setattr__(self, "angles", read_only(self.angles))
         object.__setattr__(self, "rates", read_only(np.zeros_like(self.angles) if self.rates is None else self.rates))
+        assert self.rates is not None
+        if self.rates.shape != self.angles.shape or not np.all(np.isfinite([self.angles, self.rates])):
+            raise InputError(
+                "start",
+                expected="as many finite rates [rad/s] as joint angles [rad]",
+                received=f"angles {self.angles}, rates {self.rates}",
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +54,8 @@ class Scenario:
         start: settled under a torque, or a pose.
         effects: what acts beside the nominal model, at most one of a kind.
         markers: the points to follow; default: base, middle and tip.
-        implicit_as: the scenario whose springs and dampers the integrator treats implicitly; default: this one. Scenarios that differ
-            a little (a perturbed parameter) are stepped side by side when they share it.
+        implicit_as: the scenario whose springs and dampers the integrator treats implicitly; default: this one. Scenarios that
+            differ a little (a perturbed parameter) are stepped side by side when they share it.
     """
 
     arm: ArmSpecification
@@ -91,6 +102,6 @@ def standard_markers(length: float) -> tuple[Marker, ...]:
 def step_scenario(
     arm: ArmSpecification, torque: ArrayLike, *, rest: float = 0.1, duration: float = 3.0, step: float = 0.01, **more: object
 ) -> Scenario:
-    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] up to ``duration`` [s]: the runs of the paper's Fig. 4."""
+    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4."""
     time = np.arange(round(duration / step) + 1) * step
     return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, float(np.asarray(torque))), Settled(0.0), **more)  # type: ignore[arg-type]

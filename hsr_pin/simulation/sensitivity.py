@@ -1,8 +1,8 @@
 """How marker positions change with parameters: finite differences through one batch.
 
 A parameter is named as in a report: a number of the arm ("keq", "damping", "mass", "tip_mass", "tilt") or of one of the
-scenario's effects ("effect.parameter"). Every perturbed run shares the base run's integration (``implicit_as``), so that what differs is the
-parameter alone and the differences are smooth to rounding.
+scenario's effects ("effect.parameter"). Every perturbed run shares the base run's integration (``implicit_as``), so that what
+differs is the parameter alone and the differences are smooth to rounding.
 """
 
 from __future__ import annotations

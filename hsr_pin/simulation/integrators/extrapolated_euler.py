@@ -1,13 +1,15 @@
 """The linearly implicit Euler method, extrapolated to order p.
 
 P. Deuflhard, E. Hairer, J. Zugck, One-step and extrapolation methods for differential-algebraic systems, Numer. Math. 51 (1987);
-E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.9. The step is done with 1, 2, ..., p substeps, and the p
-results are combined so that the first p - 1 terms of their common error cancel: p (p + 1) / 2 evaluations.
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.9. The step is done with 1, 2, ..., p substeps, and
+the p results are combined so that the first p - 1 terms of their common error cancel: p (p + 1) / 2 evaluations.
 """
 
 from __future__ import annotations
 
 from math import prod
+
+import numpy as np
 
 from hsr_pin.simulation.integrators.integrator import Chain, Integrator
 from hsr_pin.trajectory import Array
@@ -16,12 +18,10 @@ from hsr_pin.trajectory import Array
 class ExtrapolatedEuler(Integrator):
     """Order 1 (plain linearly implicit Euler) to 6."""
 
-    name = "extrapolated"
-
     def __init__(self, order: int = 4) -> None:
         if not 1 <= order <= 6:
             raise ValueError(f"order: expected 1 to 6, got {order}")
-        self.order = order  # type: ignore[misc]  # a family of methods: the order is the instance's
+        self.order = order
         self._weights = [prod(n / (n - m) for m in range(1, order + 1) if m != n) for n in range(1, order + 1)]
         assert abs(sum(self._weights) - 1) < 1e-12
 
@@ -29,14 +29,12 @@ class ExtrapolatedEuler(Integrator):
         return tuple(step / n for n in range(1, self.order + 1))
 
     def advance(self, chain: Chain, q: Array, v: Array, step: float) -> tuple[Array, Array]:
-        q_sum, v_sum = 0.0 * q, 0.0 * v
+        q_sum, v_sum = np.zeros_like(q), np.zeros_like(v)
         for slot, weight in enumerate(self._weights):
             length = step / (slot + 1)
-            pull = length * chain.stiffness
             q_n, v_n = q, v
             for substep in range(slot + 1):
-                a = chain.solve(slot, q_n, v_n, substep * length, pull * v_n)
-                v_n = v_n + length * a
+                v_n = v_n + length * chain.solve(slot, q_n, v_n, substep * length)
                 q_n = q_n + length * v_n
             q_sum += weight * q_n
             v_sum += weight * v_n

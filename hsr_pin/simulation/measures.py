@@ -1,0 +1,129 @@
+"""What a run's tip path says: where it settles, how fast, how far it overshoots, and how far its path is from a circle.
+
+The path is looked at in the plane of bending, x and z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from hsr_pin.trajectory import Array, Trajectory
+
+#: The tip has settled when it stays within this share of its whole way.
+BAND = 0.02
+#: It must have stayed there for this share of the time since the step; else the run was too short to tell.
+STAY = 0.1
+#: A tip that moves less than this [m] does not move.
+STILL = 1e-9
+
+
+@dataclass(frozen=True)
+class Circle:
+    """The circle nearest to a path, in the least-squares sense.
+
+    Attributes:
+        radius: [m]; infinite for a straight line.
+        distance: RMS distance of the path from it [m], every stretch of the path counting by its length.
+    """
+
+    radius: float
+    distance: float
+
+
+@dataclass(frozen=True)
+class TipMeasures:
+    """What the tip did after the last change of the command.
+
+    Attributes:
+        x, z: of the tip at the end of the run [m].
+        settled: whether it had come to rest there.
+        settling_time: from the last change of the command until it stays within 2 % of its way [s]; None if it did not settle.
+        overshoot: how far it went beyond its end, over its whole way [1]; None if it did not settle.
+        circle: nearest to the path of the whole run; None if the tip did not move.
+    """
+
+    x: float
+    z: float
+    settling_time: float | None
+    overshoot: float | None
+    circle: Circle | None
+
+    @property
+    def settled(self) -> bool:
+        """Whether the tip had come to rest at the end of the run."""
+        return self.settling_time is not None
+
+
+def measure_tip(trajectory: Trajectory, marker: str = "tip") -> TipMeasures:
+    """Measure the path of one marker; samples at which it was not seen are left out.
+
+    Raises:
+        KeyError: no such marker.
+    """
+    path = trajectory.marker(marker)[:, [0, 2]]
+    seen = np.isfinite(path).all(axis=1)
+    if not seen.any():
+        return TipMeasures(np.nan, np.nan, None, None, None)
+    step = trajectory.time[_last_change(trajectory)]
+    after = seen & (trajectory.time >= step)
+    settling_time, overshoot = _settling(trajectory.time[after] - step, path[after])
+    x, z = path[seen][-1].tolist()
+    return TipMeasures(x, z, settling_time, overshoot, nearest_circle(path[seen]))
+
+
+def nearest_circle(path: Array) -> Circle | None:
+    """The circle nearest to a path (T, 2) [m], a straight line being one of infinite radius; None for a single point.
+
+    A point's distance from a curve that crosses the path's second principal axis at ``offset``, with the direction ``turn`` and
+    the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n: regular where circles become lines.
+    """
+    pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    length = float(pieces.sum())
+    if length < STILL:
+        return None
+    weight = np.sqrt((np.append(pieces, 0.0) + np.append(0.0, pieces)) / (2 * length))
+    centred = path - np.average(path, axis=0, weights=weight**2)
+    _, extent, axes = np.linalg.svd(weight[:, None] * centred, full_matrices=False)
+    scale = float(extent[0])
+    points = centred @ axes.T / scale
+
+    def distances(curve: Array) -> Array:
+        bend, turn, offset = curve
+        normal = np.array([-np.sin(turn), np.cos(turn)])
+        w = points - np.array([0.0, offset])
+        q = bend * (w * w).sum(axis=1) - 2 * w @ normal
+        return np.asarray(weight * q / (1 + np.sqrt(np.maximum(1 + bend * q, 0.0))))
+
+    fits = [least_squares(distances, (bend, 0.0, 0.0), method="lm", xtol=1e-12, ftol=1e-12) for bend in (0.0, 1.0, -1.0)]
+    best = min(fits, key=lambda fit: fit.cost)
+    bend = abs(float(best.x[0]))
+    return Circle(radius=scale / bend if bend > 0 else np.inf, distance=scale * float(np.linalg.norm(best.fun)))
+
+
+def _last_change(trajectory: Trajectory) -> int:
+    """Index of the last sample that brings a new command; 0 without any."""
+    command = trajectory.torque if trajectory.pressures is None else trajectory.pressures
+    if command is None:
+        return 0
+    changed = np.diff(command.reshape(len(command), -1), axis=0).any(axis=1)
+    return int(np.flatnonzero(changed)[-1]) + 1 if changed.any() else 0
+
+
+def _settling(elapsed: Array, path: Array) -> tuple[float | None, float | None]:
+    """Settling time [s] and overshoot [1] of a path (T, 2) whose command changed at time 0; (None, None) if it did not settle."""
+    if len(path) < 2:
+        return None, None
+    way = path[-1] - path[0]
+    whole = float(np.linalg.norm(way))
+    farthest = float(np.linalg.norm(path - path[0], axis=1).max())
+    if farthest < STILL:
+        return 0.0, 0.0
+    outside = np.flatnonzero(np.linalg.norm(path - path[-1], axis=1) > BAND * whole)
+    first_inside = outside[-1] + 1 if len(outside) else 0
+    if elapsed[first_inside] > (1 - STAY) * elapsed[-1]:
+        return None, None
+    overshoot = float(((path - path[0]) @ way).max()) / whole**2 - 1
+    return float(elapsed[first_inside]), max(0.0, overshoot)
