@@ -15,8 +15,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HEADER = "# Every dependency, all groups, Python 3.10 to 3.13. Written by: python scripts/pin_dependencies.py\n"
 COMPILE = (
-    "-m uv pip compile pyproject.toml --all-extras --universal --python-version 3.10 --generate-hashes --output-file constraints.txt"
-    " --no-config --no-emit-index-url --no-emit-find-links --no-header --no-annotate --quiet"
+    "-m uv pip compile pyproject.toml --all-extras --universal --python-version 3.10 --generate-hashes"
+    " --output-file constraints.txt --no-config --no-emit-index-url --no-emit-find-links --no-header --no-annotate --quiet"
 )
 
 
