@@ -14,20 +14,56 @@ def write_text(path: str | Path, text: str) -> None:
     Raises:
         OutputError: the file cannot be written.
     """
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | Path, content: bytes) -> None:
+    """Write ``content`` to ``path``, as :func:`write_text` does.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
     try:
         target = Path(path).resolve()
         if target.exists() and not target.is_file():  # a device or a pipe cannot be replaced; a folder is refused here
-            target.write_text(text, encoding="utf-8")
+            target.write_bytes(content)
             return
-        draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+        draft = _draft(target)
         try:
-            draft.write_text(text, encoding="utf-8")
+            draft.write_bytes(content)
             os.replace(draft, target)
         except BaseException:
             draft.unlink(missing_ok=True)
             raise
     except (OSError, ValueError, RuntimeError) as error:  # ValueError: a null byte in the name; RuntimeError: a loop of links
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OutputError(
-            "cannot write the file", expected="a path in a folder that exists and can be written", received=reason, file=path
-        ) from error
+        raise _refusal(path, error) from error
+
+
+def check_writable(path: str | Path) -> None:
+    """Find out now whether :func:`write_bytes` will be able to write to ``path`` later; leaves everything as it was.
+
+    Raises:
+        OutputError: it will not.
+    """
+    try:
+        target = Path(path).resolve()
+        if target.is_dir():
+            raise IsADirectoryError(None, "Is a directory")
+        if target.exists() and not target.is_file():
+            return
+        draft = _draft(target)
+        draft.touch()
+        draft.unlink()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise _refusal(path, error) from error
+
+
+def _draft(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{os.getpid()}.part")
+
+
+def _refusal(path: str | Path, error: Exception) -> OutputError:
+    reason = getattr(error, "strerror", None) or str(error)
+    return OutputError(
+        "cannot write the file", expected="a path in a folder that exists and can be written", received=reason, file=path
+    )

@@ -1,0 +1,34 @@
+"""``hsr-urdf``: write the arm as a URDF."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import click
+
+from hsr_pin.cli.arm import arm_from, arm_options
+from hsr_pin.cli.command import run
+
+
+@click.command(name="hsr-urdf")
+@arm_options
+@click.option("-o", "--output", metavar="FILE", help="Where to write it.  [default: standard output]")
+def command(output: str | None, **arm: Any) -> None:
+    """Write a hybrid soft robot as a URDF.
+
+    It loads in Pinocchio and in every other reader of URDF; springs, dampers and all else that it takes to rebuild the very
+    same arm stand in an extension element, <hsr>, that other readers ignore. Without options: the paper's arm, Table I.
+    """
+    from hsr_pin.robot.urdf import arm_to_urdf, save_urdf  # loads the template engine
+
+    spec = arm_from(arm)
+    if output is None:
+        click.echo(arm_to_urdf(spec), nl=False)
+    else:
+        save_urdf(spec, output)
+
+
+def main() -> None:
+    """Entry point of ``hsr-urdf``."""
+    sys.exit(run(command))
