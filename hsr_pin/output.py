@@ -24,10 +24,11 @@ def write_bytes(path: str | Path, content: bytes) -> None:
         OutputError: the file cannot be written.
     """
     try:
-        target = Path(path).resolve()
+        target = Path(path)
         if target.exists() and not target.is_file():  # a device or a pipe cannot be replaced; a folder is refused here
             target.write_bytes(content)
             return
+        target = target.resolve()  # a link stays, what it points to is replaced; not sooner: a pipe's link resolves to nothing
         draft = _draft(target)
         try:
             draft.write_bytes(content)
@@ -46,12 +47,12 @@ def check_writable(path: str | Path) -> None:
         OutputError: it will not.
     """
     try:
-        target = Path(path).resolve()
+        target = Path(path)
         if target.is_dir():
             raise IsADirectoryError(None, "Is a directory")
         if target.exists() and not target.is_file():
             return
-        draft = _draft(target)
+        draft = _draft(target.resolve())
         draft.touch()
         draft.unlink()
     except (OSError, ValueError, RuntimeError) as error:
