@@ -1,14 +1,15 @@
 """What an effect is: one law that the nominal model lacks, with its parameters, and the place where it acts.
 
-A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the bending angle that the whole arm would have if it were
-curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for every number
-of links. Angles, rates and states have the shape (N, B): N joints, B columns simulated side by side. A parameter is a number, or
-(B,) when each column has its own.
+A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the bending angle that the whole arm would have if it
+were curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for
+every number of links. Angles, rates and states have the shape (N, B): N joints, B columns simulated side by side. A parameter is
+a number, or (B,) when each column has its own.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from abc import ABC
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
@@ -73,12 +74,18 @@ class View:
     axis: Array
 
 
+def option(*choices: str, description: str) -> Any:
+    """A dataclass field that says which reading of a law is meant: one of ``choices``, never fitted; its default is the first."""
+    return dataclasses.field(default=choices[0], metadata={"option": choices, "description": description})
+
+
 @dataclass(frozen=True)
 class Effect(ABC):
-    """One unmodelled effect. A subclass is a frozen dataclass whose fields are :func:`hsr_pin.parameters.parameter`.
+    """One unmodelled effect.
 
-    It overrides the one method (or two) where it acts; the others leave the nominal model as it is. Setting its amplitude
-    parameters to their neutral values must give back the nominal model exactly.
+    A subclass is a frozen dataclass whose fields are :func:`hsr_pin.parameters.parameter` or :func:`option`. It overrides the one
+    method (or two) where it acts; the others leave the nominal model as it is. Setting its amplitude parameters to their neutral
+    values must give back the nominal model exactly.
     """
 
     name: ClassVar[str]
@@ -95,11 +102,30 @@ class Effect(ABC):
                 raise EffectError(
                     f"{self.name}.{fact.name}", expected=f"{fact.lower:g} to {fact.upper:g} [{fact.unit}]", received=value
                 )
+        for name, choices in self.choices().items():
+            if getattr(self, name) not in choices:
+                raise EffectError(f"{self.name}.{name}", expected=" or ".join(choices), received=repr(getattr(self, name)))
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
         """Names, units, bounds and neutral values, in the order of the fields."""
         return parameters_of(cls)
+
+    @classmethod
+    def choices(cls) -> dict[str, tuple[str, ...]]:
+        """The options and the values that each can take, the default first."""
+        return {field.name: field.metadata["option"] for field in dataclasses.fields(cls) if "option" in field.metadata}
+
+    @classmethod
+    def variants(cls) -> tuple[dict[str, str], ...]:
+        """Every reading of this law, as keyword arguments; the default first. One empty dict for a law without options."""
+        choices = cls.choices()
+        return tuple(dict(zip(choices, values, strict=True)) for values in itertools.product(*choices.values()))
+
+    @property
+    def options(self) -> tuple[tuple[str, str], ...]:
+        """The options and their values here."""
+        return tuple((name, getattr(self, name)) for name in self.choices())
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         """The arm with this effect, where it changes the rigid bodies or the mount."""
@@ -146,14 +172,20 @@ class Effect(ABC):
 
 
 def stack(effects: list[Effect]) -> Effect:
-    """One effect whose parameters are (B,) arrays, from B effects of the same type."""
-    kind = type(effects[0])
-    return kind(**{fact.name: np.array([getattr(e, fact.name) for e in effects]) for fact in kind.parameters()})
+    """One effect whose parameters are (B,) arrays, from B effects of the same type and options."""
+    return dataclasses.replace(
+        effects[0], **{fact.name: np.array([getattr(e, fact.name) for e in effects]) for fact in effects[0].parameters()}
+    )
 
 
-def neutral(effect: type[Effect]) -> Effect:
+def columns_of(effect: Effect, members: list[int]) -> Effect:
+    """Some columns of a stacked effect."""
+    return dataclasses.replace(effect, **{fact.name: getattr(effect, fact.name)[members] for fact in effect.parameters()})
+
+
+def neutral(effect: type[Effect], **options: str) -> Effect:
     """The effect with every parameter at its neutral value."""
-    return effect(**{fact.name: fact.neutral for fact in effect.parameters()})
+    return effect(**{fact.name: fact.neutral for fact in effect.parameters()}, **options)
 
 
 def with_values(effect: Effect, **values: float) -> Effect:

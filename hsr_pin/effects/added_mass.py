@@ -1,0 +1,25 @@
+"""More mass along the arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.robot.specification import ArmSpecification
+
+
+@dataclass(frozen=True)
+class AddedMass(Effect):
+    """Mass spread evenly over the arm, beside its own."""
+
+    name = "added_mass"
+    lacks = "extra mass along the arm"
+    cause = "pneumatic tubes"
+    citation = "R. D. Blevins, Formulas for Natural Frequency and Mode Shape, Van Nostrand Reinhold (1979)"
+    passive = True
+
+    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="spread over the arm")
+
+    def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        return replace(specification, mass=specification.mass + self.mass)

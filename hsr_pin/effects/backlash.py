@@ -1,0 +1,36 @@
+"""Play: no restoring torque inside a gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Backlash(Effect):
+    """m = -k clip(angle, -gap/2, gap/2): together with the spring, a dead zone."""
+
+    name = "backlash"
+    lacks = "no restoring torque inside a gap"
+    cause = "play between backbone links"
+    citation = "M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash - a survey, Automatica 38 (2002)"
+    passive = True
+
+    gap: float = parameter(
+        0.0,
+        lower=0.0,
+        upper=0.8,
+        unit="rad",
+        scale=0.05,
+        amplitude=True,
+        description="bending of the whole arm, from end to end of the play",
+    )
+
+    def moment(self, bending: Bending) -> Array:
+        half = np.asarray(self.gap) / 2
+        return np.asarray(-bending.keq * bending.stiffness * np.clip(bending.angle, -half, half))

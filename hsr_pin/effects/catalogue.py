@@ -1,0 +1,104 @@
+"""Every effect there is, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from hsr_pin.effects.actuator_lag import ActuatorLag
+from hsr_pin.effects.added_mass import AddedMass
+from hsr_pin.effects.backlash import Backlash
+from hsr_pin.effects.bending_stop import BendingStop
+from hsr_pin.effects.damping_gradient import DampingGradient
+from hsr_pin.effects.dead_time import DeadTime
+from hsr_pin.effects.dry_friction import DryFriction
+from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.gravity_tilt import GravityTilt
+from hsr_pin.effects.hysteresis import Hysteresis
+from hsr_pin.effects.marker_offset import MarkerOffset
+from hsr_pin.effects.quadratic_damping import QuadraticDamping
+from hsr_pin.effects.soft_spot import SoftSpot
+from hsr_pin.effects.stiffening import Stiffening
+from hsr_pin.effects.stiffness_gradient import StiffnessGradient
+from hsr_pin.effects.tip_mass import TipMass
+from hsr_pin.effects.torque_bias import TorqueBias
+from hsr_pin.effects.torque_decay import TorqueDecay
+from hsr_pin.effects.torque_map import TorqueMap
+from hsr_pin.effects.viscoelastic import Viscoelastic
+from hsr_pin.errors import EffectError
+
+#: In the order of reports: along the arm, with bending, with time, the drive, the surroundings.
+EFFECTS: dict[str, type[Effect]] = {
+    effect.name: effect
+    for effect in (
+        StiffnessGradient,
+        SoftSpot,
+        Stiffening,
+        BendingStop,
+        Backlash,
+        DryFriction,
+        Hysteresis,
+        Viscoelastic,
+        QuadraticDamping,
+        DampingGradient,
+        ActuatorLag,
+        DeadTime,
+        TorqueBias,
+        TorqueMap,
+        TorqueDecay,
+        GravityTilt,
+        TipMass,
+        AddedMass,
+        MarkerOffset,
+    )
+}
+
+
+def effect_named(name: str) -> type[Effect]:
+    """An effect by its name.
+
+    Raises:
+        EffectError: listing the names there are, and the nearest.
+    """
+    if name not in EFFECTS:
+        raise EffectError("effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, EFFECTS))
+    return EFFECTS[name]
+
+
+def parse_effect(text: str) -> Effect:
+    """An effect as written on the command line: ``name:parameter=value,option=choice``. What is not given stays neutral.
+
+    Raises:
+        EffectError: unknown names, values that are none or out of bounds, or nothing that switches the effect on.
+    """
+    name, _, rest = text.partition(":")
+    effect = effect_named(name.strip())
+    facts, choices = {fact.name: fact for fact in effect.parameters()}, effect.choices()
+    values: dict[str, float | str] = {}
+    for item in filter(None, (part.strip() for part in rest.split(","))):
+        key, _, value = (part.strip() for part in item.partition("="))
+        if key not in facts and key not in choices:
+            known = [*facts, *choices]
+            raise EffectError(
+                f"parameter of {effect.name}", expected=", ".join(known), received=repr(key), hint=_nearest(key, known)
+            )
+        if key in values:
+            raise EffectError(f"{effect.name}.{key}", expected="one value", received="two")
+        values[key] = value if key in choices else _number(f"{effect.name}.{key}", value)
+    for fact in facts.values():
+        if fact.amplitude and fact.name not in values:
+            example = f"{effect.name}:{fact.name}={fact.scale:g}"
+            raise EffectError(f"{effect.name}.{fact.name}", expected="a value, as in " + example, received="none")
+    return effect(**values)
+
+
+def _number(subject: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise EffectError(subject, expected="a number", received=repr(text)) from None
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    close = get_close_matches(name, list(known), n=1)
+    return f"did you mean {close[0]}?" if close else ""

@@ -1,0 +1,33 @@
+"""Damping that changes along the arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class DampingGradient(Effect):
+    """c(s) / C = 1 + slope (s - 1/2): the mean stays C."""
+
+    name = "damping_gradient"
+    lacks = "damping varies from base to tip"
+    cause = "tubes, muscle ends"
+    citation = "H. T. Banks, D. J. Inman, On damping mechanisms in beams, J. Appl. Mech. 58 (1991)"
+    passive = True
+
+    slope: float = parameter(
+        0.0,
+        lower=-1.8,
+        upper=1.8,
+        unit="1",
+        scale=0.3,
+        amplitude=True,
+        description="damping at the tip minus at the base, over the middle",
+    )
+
+    def damping(self, s: Array) -> Array:
+        return 1 + self.slope * (s - 0.5)

@@ -1,0 +1,43 @@
+"""A base that is not mounted as declared."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View, option
+from hsr_pin.parameters import parameter
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class GravityTilt(Effect):
+    """The base is turned in the plane, towards positive bending, against gravity.
+
+    ``frame`` says to what the markers refer: "world", and the whole arm is seen turned; or "base", which was turned with the arm
+    (the cameras were calibrated on it), and only gravity seems turned: p_seen = R(axis, -angle) p.
+    """
+
+    name = "gravity_tilt"
+    lacks = "the base is not mounted as declared"
+    cause = "mounting"
+    citation = "B. W. Mooring, Z. S. Roth, M. R. Driels, Fundamentals of Manipulator Calibration, Wiley (1991)"
+    passive = True
+
+    angle: float = parameter(
+        0.0, lower=-0.5, upper=0.5, unit="rad", scale=0.05, amplitude=True, description="turn of the base in the plane"
+    )
+    frame: str = option("world", "base", description="what the markers' frame is fixed to")
+
+    def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        return replace(specification, tilt=math.remainder(specification.tilt + self.angle, 2 * math.pi))
+
+    def observe(self, view: View) -> Array:
+        if self.frame == "world":
+            return view.positions
+        p, axis, angle = view.positions, view.axis, np.asarray(self.angle)[..., None, None]
+        along = axis * (p @ axis)[..., None]  # Rodrigues' formula, by -angle
+        return np.asarray(p * np.cos(angle) - np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))

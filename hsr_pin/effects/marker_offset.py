@@ -1,0 +1,37 @@
+"""Markers beside the backbone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View, option
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class MarkerOffset(Effect):
+    """p_seen = p + offset n, n across the backbone towards positive bending. ``base`` "kept": not the marker at s = 0."""
+
+    name = "marker_offset"
+    lacks = "markers sit off the backbone's neutral line"
+    cause = "marker plates"
+    citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
+    passive = True
+
+    offset: float = parameter(
+        0.0,
+        lower=-0.03,
+        upper=0.03,
+        unit="m",
+        scale=0.002,
+        amplitude=True,
+        description="from the neutral line, towards positive bending",
+    )
+    base: str = option("moved", "kept", description="whether the marker at the base is off the line too")
+
+    def observe(self, view: View) -> Array:
+        moved = (view.arc_lengths > 0) | (self.base == "moved")
+        return np.asarray(view.positions + np.asarray(self.offset)[..., None, None] * moved[:, None] * view.normals)

@@ -1,0 +1,39 @@
+"""One stretch of the arm that is softer or stiffer than the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class SoftSpot(Effect):
+    """k(s) / Keq = 1 - depth exp(-((s - centre) / width)^2 / 2)."""
+
+    name = "soft_spot"
+    lacks = "one stretch of the arm is softer or stiffer"
+    cause = "a worn or cracked backbone link"
+    citation = (
+        "S. Christides, A. D. S. Barr, One-dimensional theory of cracked Bernoulli-Euler beams, Int. J. Mech. Sci. 26 (1984)"
+    )
+    passive = True
+
+    depth: float = parameter(
+        0.0,
+        lower=-3.0,
+        upper=0.95,
+        unit="1",
+        scale=0.3,
+        amplitude=True,
+        description="stiffness missing at the centre (negative: added)",
+    )
+    centre: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="arc length over L")
+    width: float = parameter(0.1, lower=0.02, upper=0.4, unit="1", scale=0.05, description="standard width over L")
+
+    def stiffness(self, s: Array) -> Array:
+        return np.asarray(1 - self.depth * np.exp(-(((s - self.centre) / self.width) ** 2) / 2))

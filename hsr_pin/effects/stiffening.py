@@ -1,0 +1,42 @@
+"""Stiffness that grows or falls with bending."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+#: Range of the tangent stiffness added, relative to the arm's; beyond it the law goes on as a straight line.
+SOFTEST, STIFFEST = 0.8, 20.0
+#: Bending angle [rad] up to which the integrator's implicit part bounds the tangent; beyond, it still covers half of it.
+REACH = 1.5
+
+
+@dataclass(frozen=True)
+class Stiffening(Effect):
+    """m = k cubic angle^3, continued along its tangent where that reaches -0.8 k or 20 k: some stiffness is always left."""
+
+    name = "stiffening"
+    lacks = "stiffness grows (or falls) with bending"
+    cause = "braid geometry, silicone"
+    citation = "I. Kovacic, M. J. Brennan (eds.), The Duffing Equation, Wiley (2011)"
+    passive = True
+
+    cubic: float = parameter(
+        0.0, lower=-1.0, upper=5.0, unit="1/rad^2", scale=0.1, amplitude=True, description="relative gain of stiffness at 1 rad"
+    )
+
+    def moment(self, bending: Bending) -> Array:
+        limit = np.where(np.asarray(self.cubic) < 0, SOFTEST, STIFFEST)
+        last = np.sqrt(limit / (3 * np.maximum(np.abs(self.cubic), 1e-9)))  # [rad] where the tangent reaches its limit
+        angle = np.clip(bending.angle, -last, last)
+        relative = self.cubic * angle**2 * (angle + 3 * (bending.angle - angle))
+        return np.asarray(bending.keq * bending.stiffness * relative)
+
+    def tangent(self, keq: Array) -> tuple[Any, Any]:
+        return keq * np.clip(3 * self.cubic * REACH**2, 0.0, STIFFEST), 0.0

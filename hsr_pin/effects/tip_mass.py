@@ -1,0 +1,25 @@
+"""A mass at the tip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.robot.specification import ArmSpecification
+
+
+@dataclass(frozen=True)
+class TipMass(Effect):
+    """A point mass at s = 1, beside the one that was declared."""
+
+    name = "tip_mass"
+    lacks = "an extra mass at the tip"
+    cause = "marker plate, connectors"
+    citation = "C. G. Atkeson et al., Estimation of inertial parameters of manipulator loads and links, IJRR 5 (1986)"
+    passive = True
+
+    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="at the tip")
+
+    def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        return replace(specification, tip_mass=specification.tip_mass + self.mass)

@@ -1,0 +1,34 @@
+"""Actuation that falls or grows along the arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class TorqueDecay(Effect):
+    """tau(s) / tau = 1 - decay s."""
+
+    name = "torque_decay"
+    lacks = "actuation falls (or grows) along the arm"
+    cause = "friction of the muscle along the backbone"
+    citation = (
+        "G. Subramani, M. R. Zinn, Tackling friction: an analytical modeling approach (tendon-driven manipulators), ICRA (2015)"
+    )
+
+    decay: float = parameter(
+        0.0,
+        lower=-1.0,
+        upper=1.0,
+        unit="1",
+        scale=0.1,
+        amplitude=True,
+        description="share of the torque lost on the way to the tip",
+    )
+
+    def actuation(self, s: Array) -> Array:
+        return 1 - self.decay * s

@@ -1,0 +1,37 @@
+"""A torque that is not linear in the commanded bending."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.effects.effect import Command, Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class TorqueMap(Effect):
+    """y = u + quadratic u |u| / Keq, also before the first step: u / Keq is the commanded bending."""
+
+    name = "torque_map"
+    lacks = "torque is not linear in the commanded bending"
+    cause = "the fit of Eqs. (1) and (4)"
+    citation = "C.-P. Chou, B. Hannaford, Measurement and modeling of McKibben pneumatic artificial muscles, IEEE TRA 12 (1996)"
+
+    quadratic: float = parameter(
+        0.0,
+        lower=-0.3,
+        upper=1.0,
+        unit="1/rad",
+        scale=0.1,
+        amplitude=True,
+        description="relative gain of torque per commanded bending",
+    )
+
+    def command(self, command: Command) -> Command:
+        def bent(torque: Array) -> Array:
+            return np.asarray(torque + self.quadratic * torque * np.abs(torque) / command.keq)
+
+        return replace(command, torque=bent(command.torque), initial=bent(command.initial))

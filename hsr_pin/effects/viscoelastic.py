@@ -1,0 +1,42 @@
+"""Creep and relaxation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Viscoelastic(Effect):
+    """m = ratio Keq e, de/dt = dangle/dt - e / time_constant: a Maxwell branch beside the spring (standard linear solid).
+
+    e is the stretch of the branch's spring; the update is exact for an angle that changes evenly.
+    """
+
+    name = "viscoelastic"
+    lacks = "creep and relaxation"
+    cause = "silicone"
+    citation = "J. D. Ferry, Viscoelastic Properties of Polymers, 3rd ed., Wiley (1980)"
+    states = 1
+    passive = True
+
+    ratio: float = parameter(
+        0.0, lower=0.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="stiffness of the branch over Keq"
+    )
+    time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="of relaxation")
+
+    def moment(self, bending: Bending) -> Array:
+        return np.asarray(self.ratio * bending.keq * bending.state[0])
+
+    def tangent(self, keq: Array) -> tuple[Any, Any]:
+        return self.ratio * keq, 0.0
+
+    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
+        x = elapsed / np.asarray(self.time_constant)
+        return np.asarray(state * np.exp(-x) - (end - start) * np.expm1(-x) / x)
