@@ -1,0 +1,71 @@
+"""The marker map is Pinocchio's forward kinematics, for any pose, place and mount."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.model import build_model
+from hsr_pin.robot.specification import ArmSpecification
+
+ARMS = [
+    ArmSpecification(links=links, placement=placement, mount=mount, tilt=tilt)
+    for links, tilt in ((1, 0.0), (2, -0.4), (5, 0.2), (16, 3.0))
+    for placement in ("base", "mid")
+    for mount in ("hanging", "upright", "horizontal")
+]
+arms = pytest.mark.parametrize("arm", ARMS, ids=lambda a: f"{a.links}-{a.placement}-{a.mount}")
+
+
+def places(arm):
+    """At the ends, at every joint, half-way between joints and at random."""
+    joints = arm.joint_arc_lengths * arm.length
+    between = (np.append(joints[1:], arm.length) + joints) / 2
+    return np.concatenate([[0.0, arm.length], joints, between, np.random.default_rng(0).uniform(0, arm.length, 5)])
+
+
+def on_link(arm, model, data, s):
+    """Placement of the frame that carries the point at arc length s [m], with its origin there."""
+    joints = arm.joint_arc_lengths * arm.length
+    number = int(np.sum(joints < s))
+    if number == 0:
+        return data.oMf[model.getFrameId("base")] * pin.SE3(np.eye(3), np.array([0.0, 0.0, s]))
+    return data.oMi[number] * pin.SE3(np.eye(3), np.array([0.0, 0.0, s - joints[number - 1]]))
+
+
+def frames(arm, q, reach):
+    model = build_model(arm).model
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    return [on_link(arm, model, data, s) for s in reach]
+
+
+@arms
+def test_positions_are_those_of_pinocchio(arm):
+    reach = places(arm)
+    q = np.random.default_rng(1).normal(0, 1, (20, arm.links))
+    expected = [[frame.translation for frame in frames(arm, pose, reach)] for pose in q]
+    np.testing.assert_allclose(marker_map(build_model(arm), reach).positions(q), expected, rtol=0, atol=1e-14)
+
+
+@arms
+def test_normals_are_the_x_axes_of_the_links(arm):
+    reach = places(arm)
+    q = np.random.default_rng(2).normal(0, 1, (20, arm.links))
+    expected = [[frame.rotation[:, 0] for frame in frames(arm, pose, reach)] for pose in q]
+    np.testing.assert_allclose(marker_map(build_model(arm), reach).normals(q), expected, rtol=0, atol=1e-14)
+
+
+@arms
+def test_base_middle_and_tip_are_the_frames_of_the_urdf(arm):
+    model = build_model(arm).model
+    data, q = model.createData(), np.random.default_rng(3).normal(0, 1, arm.links)
+    pin.framesForwardKinematics(model, data, q)
+    expected = [data.oMf[model.getFrameId(name)].translation for name in ("base", "middle", "tip")]
+    reach = np.array([0, arm.length / 2, arm.length])
+    np.testing.assert_allclose(marker_map(build_model(arm), reach).positions(q), expected, rtol=0, atol=1e-14)
+
+
+def test_leading_dimensions_are_kept():
+    places = marker_map(build_model(ArmSpecification(links=3)), np.array([0.1, 0.2]))
+    assert places.positions(np.zeros((7, 5, 3))).shape == places.normals(np.zeros((7, 5, 3))).shape == (7, 5, 2, 3)
