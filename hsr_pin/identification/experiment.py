@@ -1,0 +1,146 @@
+"""A dataset made ready to be compared with simulations: cleaned, cut to its start, its input a torque."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.release import held_pose, release_time
+from hsr_pin.recordings.clean import clean, noise_floor
+from hsr_pin.robot.pressure import PAPER
+from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
+
+#: Markers nearer to the base than this share of the length do not tell anything about bending.
+BASE = 0.02
+#: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
+_STILL = (6.0, 0.002)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One trial as the model must reproduce it.
+
+    Attributes:
+        trial: where it comes from.
+        time: (T,) [s] of the measured samples, from the start on.
+        torque: (T,) [N m] commanded: tau, or Eqs. (4) and (5) with the declared Keq; zeros for a release.
+        measured: (T, M, 3) [m]; NaN in gaps.
+        start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
+        lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
+    """
+
+    trial: Trial
+    time: Array
+    torque: Array
+    measured: Array
+    start_pose: Array | None
+    lead: float
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """All usable trials of a dataset.
+
+    Attributes:
+        dataset: cleaned.
+        runs: one per usable trial.
+        markers: (M,) those that tell about bending (not the base's).
+        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates.
+        notes: what was left out and why.
+    """
+
+    dataset: Dataset
+    runs: tuple[Run, ...]
+    markers: tuple[Marker, ...]
+    noise: Array
+    notes: tuple[str, ...] = ()
+
+    @property
+    def noise_rms(self) -> float:
+        """RMS distance [m] that noise alone leaves between model and markers."""
+        return float(np.sqrt(3 * np.mean(self.noise**2)))
+
+
+def prepare(dataset: Dataset) -> Experiment:
+    """Clean a dataset and cut it to what a model can be compared with.
+
+    Raises:
+        IdentificationError: nothing usable is left.
+    """
+    dataset = clean(dataset)
+    moving = [i for i, m in enumerate(dataset.markers) if m.arc_length > BASE * dataset.length]
+    if not moving:
+        raise IdentificationError("markers", expected="at least one beyond the base", received="base markers only")
+    noise = np.array([_noise(dataset, i) for i in moving])
+    runs, notes = [], []
+    for trial in dataset.trials:
+        run = _run(trial, moving, noise)
+        if isinstance(run, str):
+            notes.append(f"{trial.name} is left out: {run}")
+        else:
+            runs.append(run)
+    if not runs:
+        raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
+    markers = tuple(dataset.markers[i] for i in moving)
+    return Experiment(dataset, tuple(runs), markers, noise, tuple(notes))
+
+
+def moves(run: Run, noise: Array) -> bool:
+    """Whether any marker of a run moves by more than its noise."""
+    low, high = (np.nanpercentile(run.measured, p, axis=0) for p in (2, 98))
+    span = np.linalg.norm(high - low, axis=1)
+    return bool(np.any(span > np.maximum(_STILL[0] * noise, _STILL[1])))
+
+
+def _noise(dataset: Dataset, marker: int) -> float:
+    floors = [float(noise_floor(trial)[marker]) for trial in dataset.trials]
+    known = [floor for floor in floors if np.isfinite(floor)]
+    return max(float(np.median(known)), 1e-6) if known else np.nan
+
+
+def _run(trial: Trial, moving: list[int], noise: Array) -> Run | str:
+    """The run, or in words why there is none."""
+    trajectory = trial.trajectory
+    if np.isfinite(trajectory.positions[trial.first_sample :, moving]).all(axis=2).sum() < 10:
+        return "fewer than 10 positions were seen"
+    first, lead, pose = trial.first_sample, 0.0, None
+    if not trial.starts_at_rest:
+        pose = held_pose(trial)[moving]
+        begin = release_time(trial, float(np.nanmax(noise)))
+        first = int(np.searchsorted(trajectory.time, begin + 1e-9))
+        lead = float((trajectory.time[first] - begin) / trajectory.step)
+    if len(trajectory.time) - first < 5:
+        return f"only {len(trajectory.time) - first} samples follow its start"
+    if trajectory.torque is not None:
+        torque = trajectory.torque
+    elif trajectory.pressures is not None:
+        torque = trial.keq * _bending(trajectory.pressures)
+    else:
+        torque = np.zeros(len(trajectory.time))
+    return Run(
+        trial=trial,
+        time=_held(trajectory.time[first:]),
+        torque=_held(torque[first:]),
+        measured=_held(trajectory.positions[first:, moving]),
+        start_pose=None if pose is None else _held(pose),
+        lead=lead,
+    )
+
+
+def _held(values: Array) -> Array:
+    array = read_only(values)
+    assert array is not None
+    return array
+
+
+def _bending(pressures: Array) -> Array:
+    """Eq. (4) as it stands: measured pressures may leave the regulators' range by their noise."""
+    constant, first, second = PAPER.bending_plane
+    return np.asarray(constant + first * pressures[:, 0] + second * pressures[:, 1])

@@ -1,0 +1,176 @@
+"""Bounded, robust least squares on marker distances, weighted by the noise floor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from hsr_pin.identification.evaluation import Prediction, predict, predict_with_slopes, residuals, rms
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.trajectory import Array
+
+#: The chain and step that stand for the continuous arm: against them the fitted, coarser chain is corrected.
+FINE_LINKS, FINE_STEP = 20, 0.005
+_ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Where a fit ended.
+
+    Attributes:
+        hypothesis: what was fitted.
+        values: (P,) of its open parameters.
+        residuals: for each run (T, M, 3) [m] predicted (by the fine chain) minus measured.
+        slopes: for each run (T, M, 3, P) derivatives of the prediction there.
+        weights: for each run (T, M, 3) [1/m] with which the residuals counted; zero in gaps.
+        converged: whether the search came to its end.
+        evaluations: how many times the experiment was simulated.
+    """
+
+    hypothesis: Hypothesis
+    values: Array
+    residuals: tuple[Array, ...]
+    slopes: tuple[Array, ...]
+    weights: tuple[Array, ...]
+    converged: bool
+    evaluations: int
+
+    @property
+    def rms(self) -> float:
+        """RMS marker distance [m] on the trials that were fitted."""
+        return rms(self.residuals)
+
+    @property
+    def named(self) -> dict[str, float]:
+        """The values by name."""
+        return dict(zip(self.hypothesis.free, map(float, self.values), strict=True))
+
+    def on_bound(self) -> tuple[str, ...]:
+        """Names of parameters that ended on a bound which is not their neutral value."""
+        return tuple(
+            fact.name
+            for fact, value in zip(self.hypothesis.parameters, self.values, strict=True)
+            if min(value - fact.lower, fact.upper - value) < 1e-3 * fact.scale and abs(value - fact.neutral) > 1e-3 * fact.scale
+        )
+
+
+def fit(
+    experiment: Experiment,
+    hypothesis: Hypothesis,
+    *,
+    start: Array | None = None,
+    spread: float | None = None,
+    max_evaluations: int = 12,
+    tell: Callable[[str], None] | None = None,
+) -> Fit:
+    """Fit the open parameters of a hypothesis to an experiment.
+
+    The search runs on the hypothesis' own, coarse chain. What that chain and its step get wrong at the optimum (fine minus coarse
+    prediction) is then added as a constant and the search goes on from there (defect correction): so the values belong to the
+    continuous arm.
+
+    Args:
+        experiment: what to fit to.
+        hypothesis: the model and what is open in it.
+        start: (P,) values to start from; default: those of the hypothesis.
+        spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: three times
+            the robust spread at the start.
+        max_evaluations: of each of the two rounds.
+        tell: called with a line now and then.
+    """
+    facts = hypothesis.parameters
+    scale = np.array([fact.scale for fact in facts])
+    lower, upper = np.array([fact.lower for fact in facts]) / scale, np.array([fact.upper for fact in facts]) / scale
+    x = np.clip((hypothesis.start if start is None else np.asarray(start)) / scale, lower, upper)
+    misfit = _Misfit(experiment, hypothesis, scale)
+    if spread is None:
+        spread = max(3.0, 3.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
+    converged = True
+    for round_ in range(_ROUNDS):
+        x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
+        answer = least_squares(
+            misfit.residual,
+            x,
+            jac=misfit.jacobian,
+            bounds=(lower, upper),
+            loss="soft_l1",
+            f_scale=spread,
+            ftol=1e-5,
+            xtol=1e-4,
+            max_nfev=max_evaluations,
+        )
+        x, converged = answer.x, answer.status > 0
+        misfit.correct(x)
+        if tell:
+            tell(f"round {round_ + 1}: cost {answer.cost:.6g}")
+    return misfit.fit_at(x, spread, converged)
+
+
+class _Misfit:
+    """Weighted residuals and their derivatives at the values last asked for, simulated once."""
+
+    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, scale: Array) -> None:
+        self.experiment, self.hypothesis, self.scale = experiment, hypothesis, scale
+        self.evaluations = 0
+        self._defect: list[Array | float] = [0.0] * len(experiment.runs)
+        self._at: Array | None = None
+        self._mask = [np.isfinite(run.measured) for run in experiment.runs]
+        self._weights = [np.where(mask, 1 / experiment.noise[:, None], 0.0) for mask in self._mask]
+
+    def _simulate(self, x: Array) -> list[Prediction]:
+        if self._at is None or not np.array_equal(self._at, x):
+            self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale)
+            self._at = np.array(x)
+            self.evaluations += 1
+        return self._predictions
+
+    def residual(self, x: Array) -> Array:
+        missed = residuals(self.experiment, self._simulate(x))
+        parts = zip(missed, self._defect, self._weights, self._mask, strict=True)
+        return np.concatenate([((r + d) * w)[m] for r, d, w, m in parts])
+
+    def jacobian(self, x: Array) -> Array:
+        parts = zip(self._simulate(x), self._weights, self._mask, strict=True)
+        return np.concatenate([(p.slopes * w[..., None])[m] for p, w, m in parts if p.slopes is not None]) * self.scale
+
+    def correct(self, x: Array) -> None:
+        """Take fine minus coarse prediction at ``x`` as the coarse chain's defect."""
+        fine = self._fine(x)
+        coarse = self._simulate(x)
+        self._defect = [
+            0.0 if f.failed or c.failed else f.positions - c.positions for f, c in zip(fine, coarse, strict=True)
+        ]
+
+    def _fine(self, x: Array) -> list[Prediction]:
+        fine = self.hypothesis.finer(FINE_LINKS, FINE_STEP)
+        return predict(self.experiment, fine, [(run, x * self.scale) for run in self.experiment.runs])
+
+    def fit_at(self, x: Array, spread: float, converged: bool) -> Fit:
+        predictions = self._simulate(x)
+        missed = [
+            np.asarray(r + d) for r, d in zip(residuals(self.experiment, predictions), self._defect, strict=True)
+        ]
+        weights = [
+            np.nan_to_num(w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25)
+            for r, w in zip(missed, self._weights, strict=True)
+        ]
+        slopes = [p.slopes for p in predictions if p.slopes is not None]
+        return Fit(
+            self.hypothesis, x * self.scale, tuple(missed), tuple(slopes), tuple(weights), converged, self.evaluations
+        )
+
+
+def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:
+    """Weighted residuals (n,) and derivatives (n, P) of some runs (default: all), without gaps."""
+    chosen = range(len(fit.residuals)) if runs is None else runs
+    rows, slopes = [], []
+    for k in chosen:
+        mask = fit.weights[k] > 0
+        rows.append((np.nan_to_num(fit.residuals[k]) * fit.weights[k])[mask])
+        slopes.append((fit.slopes[k] * fit.weights[k][..., None])[mask])
+    return np.concatenate(rows), np.concatenate(slopes)
