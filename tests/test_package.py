@@ -139,7 +139,7 @@ def tracked():
 
 #: A place on somebody's machine; an address that dependencies come from.
 MACHINE_PATH = re.compile(r"(?<![\w.})~-])/(?:work|home|root|Users|opt|mnt)/\w")
-PACKAGE_INDEX = re.compile(r"(?:index-url|find-links)[ =\"']+(?:\w+:|/)|://\S+/simple\b|pythonhosted")
+PACKAGE_INDEX = re.compile(r"(?:index-url|find-links)[ =\"']+(?:\w+:|/)|://\S+/simple\b|python[h]osted")
 
 
 def test_no_file_names_a_place_on_one_machine_or_a_package_index():
