@@ -1,0 +1,127 @@
+"""Cleaning: what a tracking system got wrong becomes a gap, and a note says so. Files are never touched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.errors import InputError
+from hsr_pin.recordings.noise import noise_floor
+from hsr_pin.recordings.outliers import exchanges, spikes
+from hsr_pin.trajectory import Array, Dataset, Trajectory, Trial
+
+__all__ = ["clean", "moving_average", "noise_floor"]
+
+Recording = TypeVar("Recording", Trajectory, Trial, Dataset)
+
+
+def clean(
+    recording: Recording,
+    *,
+    remove_spikes: bool = True,
+    restore_exchanges: bool = True,
+    threshold: float = 5.0,
+    half_window: int = 5,
+    smoothing: int | None = None,
+    long_gap: float = 0.1,
+) -> Recording:
+    """Clean a recording.
+
+    Args:
+        recording: a trajectory, a trial, or a dataset.
+        remove_spikes: make gaps of samples far off their neighbours (:func:`~hsr_pin.recordings.outliers.spikes`).
+        restore_exchanges: give markers back their names where they were taken for one another.
+        threshold: of a spike, in standard deviations.
+        half_window: samples on either side that a spike is judged by.
+        smoothing: width of the moving average that the paper smooths its recordings with, an odd number of samples;
+            None: none. It rounds off fast motion.
+        long_gap: gaps longer than this [s] are reported.
+
+    Returns:
+        A new one; ``notes`` of each trajectory say what was done.
+
+    Raises:
+        InputError: ``smoothing`` is not an odd number of samples, or ``half_window`` or ``threshold`` not positive.
+    """
+    if smoothing is not None and (smoothing < 1 or smoothing % 2 == 0):
+        raise InputError("smoothing", expected="an odd number of samples", received=smoothing)
+    if half_window < 1 or not threshold > 0:
+        raise InputError(
+            "spikes", expected="half_window of at least 1, threshold above 0", received=f"{half_window}, {threshold}"
+        )
+
+    def cleaned(trajectory: Trajectory) -> Trajectory:
+        positions, notes = np.array(trajectory.positions), list(trajectory.notes)
+        if restore_exchanges:
+            positions = _restore(positions, trajectory, notes)
+        if remove_spikes:
+            positions = _without_spikes(positions, trajectory, notes, threshold, half_window)
+        _report_gaps(positions, trajectory, notes, long_gap)
+        if smoothing is not None and smoothing > 1:
+            positions = moving_average(positions, smoothing)
+            notes.append(f"smoothed with a moving average of {smoothing} samples")
+        return replace(trajectory, positions=positions, notes=tuple(dict.fromkeys(notes)))
+
+    return cast(Recording, _with_each_trajectory(recording, cleaned))
+
+
+def _with_each_trajectory(
+    recording: Trajectory | Trial | Dataset, change: Callable[[Trajectory], Trajectory]
+) -> Trajectory | Trial | Dataset:
+    if isinstance(recording, Trajectory):
+        return change(recording)
+    if isinstance(recording, Trial):
+        return replace(recording, trajectory=change(recording.trajectory))
+    return replace(recording, trials=tuple(replace(trial, trajectory=change(trial.trajectory)) for trial in recording.trials))
+
+
+def moving_average(positions: Array, width: int) -> Array:
+    """(T, M, 3) the mean over ``width`` samples around each; fewer towards the ends, as many on either side; gaps stay gaps."""
+    samples = len(positions)
+    seen = np.isfinite(positions)
+    total = np.concatenate([np.zeros((1, *positions.shape[1:])), np.cumsum(np.where(seen, positions, 0.0), axis=0)])
+    count = np.concatenate([np.zeros((1, *positions.shape[1:])), np.cumsum(seen, axis=0)])
+    index = np.arange(samples)
+    half = np.minimum(np.minimum(index, samples - 1 - index), width // 2)
+    number = count[index + half + 1] - count[index - half]
+    mean = (total[index + half + 1] - total[index - half]) / np.where(number == 0, 1, number)
+    return np.where(seen, mean, np.nan)
+
+
+def _restore(positions: Array, trajectory: Trajectory, notes: list[str]) -> Array:
+    order = exchanges(positions)
+    wrong = np.asarray(order != np.arange(len(trajectory.markers)), dtype=bool)
+    if wrong.any():
+        names = ", ".join(
+            marker.name for marker, any_wrong in zip(trajectory.markers, wrong.any(axis=0), strict=True) if any_wrong
+        )
+        notes.append(f"{names}: exchanged for one another in {_of(wrong.any(axis=1))} samples, given back their names")
+    return np.asarray(np.take_along_axis(positions, order[:, :, None], axis=1))
+
+
+def _without_spikes(positions: Array, trajectory: Trajectory, notes: list[str], threshold: float, half_window: int) -> Array:
+    found = spikes(positions, threshold, half_window)
+    for index, marker in enumerate(trajectory.markers):
+        if found[:, index].any():
+            notes.append(
+                f"{marker.name}: {_of(found[:, index])} samples removed as spikes (Hampel, {2 * half_window + 1} samples, "
+                f"{threshold:g} standard deviations)"
+            )
+    return np.where(found[:, :, None], np.nan, positions)
+
+
+def _report_gaps(positions: Array, trajectory: Trajectory, notes: list[str], long_gap: float) -> None:
+    missing = np.asarray(np.isnan(positions).any(axis=2), dtype=bool)
+    for index, marker in enumerate(trajectory.markers):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], missing[:, index], [False]]).astype(int)))
+        longest = int((edges[1::2] - edges[::2]).max(initial=0)) * trajectory.step
+        if longest > long_gap and not missing[:, index].all():
+            notes.append(f"{marker.name}: {_of(missing[:, index])} samples missing, the longest gap {longest:.3g} s")
+
+
+def _of(flags: NDArray[np.bool_]) -> str:
+    return f"{int(flags.sum())} of {len(flags)}"

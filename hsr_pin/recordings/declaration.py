@@ -1,0 +1,141 @@
+"""What a ``dataset.toml`` declares, checked value by value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from hsr_pin.recordings.document import Section, read_document
+from hsr_pin.recordings.text import nearest
+from hsr_pin.trajectory import MOUNTS, Marker
+
+#: The version of the format that is read and written.
+VERSION = 1
+#: Name of the file that makes a folder a dataset.
+FILE_NAME = "dataset.toml"
+#: An arm outside of these lengths [m] is not measured in metres.
+SHORTEST, LONGEST = 1e-3, 50.0
+
+
+@dataclass(frozen=True, eq=False)
+class TrialDeclaration:
+    """One ``[[trial]]``: its file (relative to the dataset) and numbers as in :class:`~hsr_pin.trajectory.Trial`."""
+
+    file: str
+    keq: float
+    damping: float | None
+    tip_mass: float
+    t_start: float | None
+    section: Section
+
+    @property
+    def name(self) -> str:
+        """The file's stem."""
+        return PurePosixPath(self.file).stem
+
+
+@dataclass(frozen=True, eq=False)
+class Declaration:
+    """A ``dataset.toml``; the attributes are those of :class:`~hsr_pin.trajectory.Dataset`."""
+
+    name: str
+    description: str
+    length: float
+    mass: float
+    diameter: float
+    mount: str
+    markers: tuple[Marker, ...]
+    trials: tuple[TrialDeclaration, ...]
+
+
+def read_declaration(path: Path) -> Declaration:
+    """Read and check a ``dataset.toml``.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+    """
+    top = read_document(path)
+    _check_version(top)
+    top.only("format", "name", "description", "robot", "marker", "trial")
+    robot = top.section("robot")
+    robot.only("length", "mass", "diameter", "mount", "keq", "damping")
+    length = robot.number("length", "m")
+    if not SHORTEST <= length <= LONGEST:
+        raise robot.fault(
+            "length",
+            "length",
+            expected=f"{SHORTEST} to {LONGEST} m",
+            received=length,
+            hint="lengths and coordinates are in metres",
+        )
+    mount = robot.text("mount")
+    if mount not in MOUNTS:
+        raise robot.fault("mount", "mount", expected=" or ".join(MOUNTS), received=mount, hint=nearest(mount, MOUNTS, "mounts"))
+    return Declaration(
+        name=top.text("name"),
+        description=top.text("description", ""),
+        length=length,
+        mass=robot.number("mass", "kg"),
+        diameter=robot.number("diameter", "m"),
+        mount=mount,
+        markers=_markers(top, length),
+        trials=_trials(top, robot),
+    )
+
+
+def _check_version(top: Section) -> None:
+    version = top.values.get("format")
+    if version != VERSION or isinstance(version, (bool, float)):
+        raise top.fault(
+            "format version",
+            "format",
+            expected=f"format = {VERSION}",
+            received="none" if version is None else repr(version)[:60],
+            hint="only this version is known",
+        )
+
+
+def _markers(top: Section, length: float) -> tuple[Marker, ...]:
+    markers: list[Marker] = []
+    for section in top.sections("marker"):
+        section.only("name", "arc_length")
+        name = section.text("name")
+        if name != name.strip():
+            raise section.fault("marker name", "name", expected="no space around it", received=repr(name))
+        if name in [marker.name for marker in markers]:
+            raise section.fault(f"two markers are named {name!r}", "name", hint="give each its own name")
+        arc_length = section.number("arc_length", "m", zero=True)
+        if arc_length > length * (1 + 1e-9):
+            raise section.fault(
+                "arc_length", "arc_length", expected=f"from 0 to the arm's length, {length} m", received=arc_length
+            )
+        markers.append(Marker(name, arc_length))
+    if all(marker.arc_length == 0 for marker in markers):
+        raise top.sections("marker")[0].fault("no moving marker", expected="at least one with arc_length above 0")
+    return tuple(markers)
+
+
+def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
+    keq = robot.number("keq", "Nm/rad") if "keq" in robot.values else None
+    damping = robot.number("damping", "Nm s/rad", zero=True) if "damping" in robot.values else None
+    trials: list[TrialDeclaration] = []
+    for section in top.sections("trial"):
+        section.only("file", "keq", "damping", "tip_mass", "t_start")
+        values = section.values
+        if keq is None and "keq" not in values:
+            raise section.fault("keq is missing", expected="a number [Nm/rad], in [robot] or in this [[trial]]")
+        trial = TrialDeclaration(
+            file=section.text("file"),
+            keq=section.number("keq", "Nm/rad") if keq is None or "keq" in values else keq,
+            damping=section.number("damping", "Nm s/rad", zero=True) if "damping" in values else damping,
+            tip_mass=section.number("tip_mass", "kg", zero=True) if "tip_mass" in values else 0.0,
+            t_start=section.number("t_start", "s", sign=True) if "t_start" in values else None,
+            section=section,
+        )
+        parts = PurePosixPath(trial.file).parts
+        if not trial.name or ".." in parts or PurePosixPath(trial.file).is_absolute() or "\\" in trial.file:
+            raise section.fault("file", "file", expected="a file inside of the dataset's folder", received=repr(trial.file))
+        if trial.name in [other.name for other in trials]:
+            raise section.fault(f"two trials are named {trial.name!r}", "file", hint="give each its own file")
+        trials.append(trial)
+    return tuple(trials)

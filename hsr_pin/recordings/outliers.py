@@ -1,0 +1,97 @@
+"""Samples that no arm can have passed through: spikes, and markers exchanged for one another."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from hsr_pin.recordings.noise import MAD_TO_SIGMA, white_noise
+from hsr_pin.trajectory import Array
+
+#: A deviation of less than ``threshold`` times this [m] is never called a spike, however quiet the recording.
+SMALLEST_SCALE = 1e-4
+#: Fewer seen samples than this in a window judge nothing.
+FEWEST = 4
+#: An exchange must bring the markers this much closer to where they were than leaving them does.
+CLEARLY_CLOSER = 0.5
+
+
+def spikes(positions: Array, threshold: float = 5.0, half_window: int = 5) -> NDArray[np.bool_]:
+    """Find samples that stand far off their neighbours (Hampel's identifier).
+
+    A sample is a spike where a coordinate is farther from the median of its window than ``threshold`` times the larger of the
+    window's spread (its median absolute deviation, which is wide where the arm moves fast) and the marker's noise.
+    R. K. Pearson, Outliers in process modeling and identification, IEEE Trans. Control Syst. Technol. 10, 2002.
+
+    Args:
+        positions: (T, M, 3) [m] evenly sampled; NaN where not seen.
+        threshold: in standard deviations.
+        half_window: samples on either side.
+
+    Returns:
+        (T, M) True at spikes.
+    """
+    samples, markers, _ = positions.shape
+    noise = np.fmax(white_noise(positions), SMALLEST_SCALE)
+    edge = np.full((half_window, markers, 3), np.nan)
+    windows = sliding_window_view(np.concatenate([edge, positions, edge]), 2 * half_window + 1, axis=0)
+    found = np.zeros((samples, markers), dtype=bool)
+    judged = np.isfinite(positions).all(axis=2) & (np.isfinite(windows).sum(axis=3).min(axis=2) >= FEWEST)
+    window = windows[judged]  # (J, 3, W)
+    median = np.nanmedian(window, axis=2)
+    spread = MAD_TO_SIGMA * np.nanmedian(np.abs(window - median[:, :, None]), axis=2)
+    scale = np.maximum(spread, noise[np.nonzero(judged)[1]])
+    found[judged] = np.any(np.abs(positions[judged] - median) > threshold * scale, axis=1)
+    return found
+
+
+def exchanges(positions: Array) -> NDArray[np.intp]:
+    """Find frames in which the tracking system took markers for one another.
+
+    Markers are followed from frame to frame. Where two or more leap together, each to where another one just was, they have
+    changed names, until they leap back. The names that hold for most of the recording are taken for the right ones.
+
+    Args:
+        positions: (T, M, 3) [m]; NaN where not seen.
+
+    Returns:
+        (T, M) for each frame and marker, the index under which that marker stands; ``arange(M)`` where all is well.
+    """
+    samples, markers, _ = positions.shape
+    order = np.arange(markers)
+    orders = np.tile(order, (samples, 1))
+    last = _last_seen(positions)
+    suspects = set(_leaps_together(last).tolist())
+    for frame in range(1, samples):
+        if frame in suspects:
+            start = max(0, frame - 3)
+            before = np.median(np.take_along_axis(last[start:frame], orders[start:frame, :, None], axis=1), axis=0)
+            distance = np.linalg.norm(before[:, None] - last[frame][None], axis=2)
+            distance = np.nan_to_num(distance, nan=1.0)  # never seen so far: any place will do
+            _, best = linear_sum_assignment(distance)
+            stay, go = distance[np.arange(markers), order].sum(), distance[np.arange(markers), best].sum()
+            if go < CLEARLY_CLOSER * stay:
+                order = best
+        orders[frame] = order
+    usual = np.array(Counter(map(tuple, orders.tolist())).most_common(1)[0][0])
+    return orders[:, np.argsort(usual)]
+
+
+def _last_seen(positions: Array) -> Array:
+    """(T, M, 3) each marker where it was last seen; NaN before it was first seen."""
+    seen = np.isfinite(positions).all(axis=2)
+    latest = np.maximum.accumulate(np.where(seen, np.arange(len(positions))[:, None], 0), axis=0)
+    return np.asarray(np.take_along_axis(positions, latest[:, :, None], axis=0))
+
+
+def _leaps_together(last: Array) -> NDArray[np.intp]:
+    """Frames in which two markers or more leap farther than half the way to their nearest neighbour."""
+    markers = last.shape[1]
+    leap = np.nan_to_num(np.linalg.norm(np.diff(last, axis=0), axis=2))  # (T - 1, M)
+    apart = np.linalg.norm(last[:-1, :, None] - last[:-1, None], axis=3) + np.where(np.eye(markers), np.inf, 0.0)
+    nearest = np.nan_to_num(apart, nan=np.inf, posinf=np.inf).min(axis=2)
+    return np.flatnonzero((leap > 0.5 * nearest).sum(axis=1) >= 2) + 1

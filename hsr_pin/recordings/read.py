@@ -1,0 +1,200 @@
+"""A dataset on disk into the frozen types of :mod:`hsr_pin.trajectory`. The format: see the documentation of recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
+from hsr_pin.recordings.grid import even_grid
+from hsr_pin.recordings.text import Table, nearest, read_table
+from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
+
+#: No coordinate [m], time [s] or input is larger.
+LARGEST = 1e10
+#: No two samples are closer [s].
+SHORTEST_STEP = 1e-9
+#: A marker is never farther from the base than its arc length; times this, it is not measured in metres.
+TOO_FAR = 5.0
+#: Nor does an arm fold up so far that a marker stays closer to the base than this share of its arc length.
+TOO_NEAR = 0.02
+#: A marker that moves less than this in every trial [m] does not move.
+STILL = 1e-9
+
+
+def read_dataset(path: str | Path) -> Dataset:
+    """Read a dataset.
+
+    Args:
+        path: its folder (or its ``dataset.toml``).
+
+    Returns:
+        The dataset; what was done to a trial's data (resampling) stands in its trajectory's ``notes``.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault, what was expected there, and what to try.
+    """
+    folder = Path(path)
+    if folder.name == FILE_NAME:
+        folder = folder.parent
+    if not _holds(folder.is_dir):
+        raise RecordingError("no such dataset", expected=f"a folder with a {FILE_NAME} in it", file=path)
+    declaration = read_declaration(folder / FILE_NAME)
+    tables = [_table(folder, trial) for trial in declaration.trials]
+    trials = tuple(_trial(declaration, trial, table) for trial, table in zip(declaration.trials, tables, strict=True))
+    _check_markers(declaration, trials, tables)
+    return Dataset(
+        name=declaration.name,
+        length=declaration.length,
+        mass=declaration.mass,
+        diameter=declaration.diameter,
+        mount=declaration.mount,
+        trials=trials,
+        description=declaration.description,
+        path=folder,
+    )
+
+
+def _holds(question: Callable[[], bool]) -> bool:
+    try:
+        return question()
+    except (OSError, ValueError):  # a name too long; a null byte in it
+        return False
+
+
+def _table(folder: Path, trial: TrialDeclaration) -> Table:
+    path = folder / trial.file
+    if not _holds(path.is_file):
+        there = sorted(other.name for other in folder.glob("*.csv"))
+        raise trial.section.fault(f"trial file {trial.file!r} is not there", "file", hint=nearest(trial.file, there, "CSV files"))
+    return read_table(path)
+
+
+def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> Trial:
+    _check_columns(table, declaration.markers)
+    _check_size(table)
+    trajectory = _on_even_grid(table, declaration.markers)
+    time = trajectory.time
+    if trial.t_start is not None and not time[0] - 1e-9 <= trial.t_start < time[-1]:
+        raise trial.section.fault(
+            "t_start", "t_start", expected=f"a time in the recording, {time[0]:g} to {time[-1]:g} s", received=trial.t_start
+        )
+    return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, trial.t_start)
+
+
+def _check_columns(table: Table, markers: tuple[Marker, ...]) -> None:
+    wanted = ["t", *(f"{marker.name}_{axis}" for marker in markers for axis in "xyz")]
+    inputs = [name for name in ("P1", "P2", "tau") if name in table.header]
+    if inputs and inputs not in (["P1", "P2"], ["tau"]):
+        field = table.header.index(inputs[-1])
+        raise table.fault("input columns", None, field, expected="P1 and P2, or tau, or none", received=" and ".join(inputs))
+    known = [*wanted, *(inputs or ("P1", "P2", "tau"))]
+    missing = [name for name in wanted if name not in table.header]
+    for field, name in enumerate(table.header):
+        if name not in known:
+            raise table.fault(f"unknown column {name!r}", None, field, hint=nearest(name, missing or known, "columns"))
+    if missing:
+        raise table.fault(
+            f"column {missing[0]!r} is missing",
+            None,
+            len(table.header),
+            expected=", ".join(wanted),
+            hint="a marker that was never seen has empty fields",
+        )
+
+
+def _check_size(table: Table) -> None:
+    if len(table.lines) < 2:
+        raise table.fault("recording", 0, 0, expected="at least two samples", received="one")
+    large = np.argwhere(np.abs(np.nan_to_num(table.values)) > LARGEST)
+    if large.size:
+        row, field = large[0]
+        raise table.fault(
+            f"column {table.header[field]}",
+            int(row),
+            int(field),
+            expected=f"at most {LARGEST:g}",
+            received=f"{table.values[row, field]:g}",
+            hint="times are in seconds, positions in metres, torques in Nm, pressures in bar",
+        )
+    for name in ("t", "P1", "P2", "tau"):
+        if name in table.header and np.isnan(table.column(name)).any():
+            row = int(np.argmax(np.isnan(table.column(name))))
+            raise table.fault(f"column {name}", row, table.header.index(name), expected="a number", received="no value")
+    steps = np.diff(table.column("t"))
+    if np.any(steps < SHORTEST_STEP):
+        row = int(np.argmax(steps < SHORTEST_STEP)) + 1
+        before, here = table.column("t")[row - 1 : row + 1]
+        raise table.fault(
+            "time", row, table.header.index("t"), expected=f"more than {before:.9g} s, the time before it", received=f"{here:.9g}"
+        )
+
+
+def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> Trajectory:
+    time, positions = table.column("t"), _positions(table, markers)
+    pressures = np.stack([table.column("P1"), table.column("P2")], axis=1) if "P1" in table.header else None
+    torque = table.column("tau") if "tau" in table.header else None
+    notes = [
+        f"marker {marker.name} was not seen" for marker, p in zip(markers, positions.swapaxes(0, 1), strict=True) if not _seen(p)
+    ]
+    try:
+        grid = even_grid(time)
+    except ValueError:
+        row = int(np.argmax(np.diff(time))) + 1
+        raise table.fault(
+            "time",
+            row,
+            table.header.index("t"),
+            expected="nearly even sampling",
+            received=f"a step of {np.diff(time).max():.3g} s where {np.median(np.diff(time)):.3g} s is usual",
+            hint="times are in seconds; split the recording at long pauses",
+        ) from None
+    if grid is not None:
+        time, positions = grid.time, grid.positions(positions)
+        pressures = None if pressures is None else grid.held(pressures)
+        torque = None if torque is None else grid.held(torque)
+        notes.insert(0, grid.note)
+    return Trajectory(time, markers, positions, torque=torque, pressures=pressures, notes=tuple(notes))
+
+
+def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:
+    return np.stack([np.stack([table.column(f"{m.name}_{axis}") for axis in "xyz"], axis=1) for m in markers], axis=1)
+
+
+def _seen(positions: Array) -> bool:
+    """Whether (..., 3) positions hold a whole one."""
+    return bool(np.isfinite(positions).all(axis=-1).any())
+
+
+def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
+    moved = 0.0
+    for index, marker in enumerate(declaration.markers):
+        field = tables[0].header.index(f"{marker.name}_x")
+        if not any(_seen(trial.trajectory.positions[:, index]) for trial in trials):
+            raise tables[0].fault(
+                f"marker {marker.name!r} has no data in any trial", None, field, hint="take it out of the dataset"
+            )
+        for trial, table in zip(trials, tables, strict=True):
+            seen = trial.trajectory.positions[:, index]
+            seen = seen[np.isfinite(seen).all(axis=1)]
+            if len(seen) == 0:
+                continue
+            if marker.arc_length > 0:
+                moved = max(moved, float(np.ptp(seen, axis=0).max()))
+            distance = float(np.median(np.linalg.norm(seen, axis=1)))
+            low = TOO_NEAR * marker.arc_length
+            if not low <= distance <= TOO_FAR * declaration.length:
+                row = int(np.argmax(np.isfinite(table.column(f"{marker.name}_x"))))
+                raise table.fault(
+                    f"marker {marker.name!r} cannot be in metres, or not from the base of this arm",
+                    row,
+                    table.header.index(f"{marker.name}_x"),
+                    expected=f"{low:.3g} to {TOO_FAR * declaration.length:.3g} m from the origin",
+                    received=f"{distance:.4g} (median)",
+                    hint="if it is in millimetres, divide by 1000; hsr-import converts units",
+                )
+    if moved <= STILL:
+        raise tables[0].fault("no moving marker", None, 0, expected="a marker with arc_length above 0 that moves in some trial")
