@@ -96,10 +96,9 @@ def _restore(positions: Array, trajectory: Trajectory, notes: list[str]) -> Arra
     order = exchanges(positions)
     wrong = np.asarray(order != np.arange(len(trajectory.markers)), dtype=bool)
     if wrong.any():
-        names = ", ".join(
-            marker.name for marker, any_wrong in zip(trajectory.markers, wrong.any(axis=0), strict=True) if any_wrong
-        )
-        notes.append(f"{names}: exchanged for one another in {_of(wrong.any(axis=1))} samples, given back their names")
+        names = ", ".join(marker.name for index, marker in enumerate(trajectory.markers) if wrong[:, index].any())
+        frames = int(wrong.any(axis=1).sum())
+        notes.append(f"{names}: exchanged for one another in {frames} of {len(wrong)} samples, given back their names")
     return np.asarray(np.take_along_axis(positions, order[:, :, None], axis=1))
 
 
