@@ -1,0 +1,1 @@
+"""The blind check: recordings from plants that share nothing with the model, whose effect is withheld."""

@@ -1,0 +1,15 @@
+"""Independent plants: arms simulated by other engines, with laws written afresh.
+
+- ``arm``: what is simulated, in its own frame
+- ``chain``: ChainPlant, a fine chain in MuJoCo
+- ``laws``: the nineteen effects of the catalogue, and laws outside of it
+- ``march``: the time loop that both engines share
+- ``nuisance``: what is always a little wrong
+- ``plant``: Plant.run: a program and effects in, a folder of recordings out
+- ``program``: steps, staircase, chirp, releases, payload
+- ``rod``: RodPlant, a Cosserat rod in PyElastica
+- ``scaling``: give an effect the strength that a marker gap asks for
+- ``writing``: markers and files
+
+Nothing here imports any other part of hsr_pin but its errors, and no engine is imported before it runs.
+"""

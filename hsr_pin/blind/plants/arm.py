@@ -1,0 +1,115 @@
+"""The arm that a plant simulates, and the frame it is simulated in.
+
+Arm frame: origin at the base, z along the straight arm, x towards positive bending; everything happens
+in this plane. A mount says where the two axes point in the world (z up).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.errors import InputError
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81  # m/s2
+#: mount -> (world direction of the arm frame's x, of its z)
+MOUNTS: dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
+    "hanging": ((1, 0, 0), (0, 0, -1)),
+    "horizontal": ((0, 0, -1), (1, 0, 0)),
+    "upright": ((1, 0, 0), (0, 0, 1)),
+}
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A uniform planar rod, clamped at its base, and what is bolted to it.
+
+    Attributes:
+        length: [m], mass: [kg], diameter: [m] of the bare arm.
+        mount: a name of `MOUNTS`.
+        tip_mass: point mass at the tip [kg].
+        added_mass: mass spread evenly along the arm [kg].
+        tilt: turn of the true mount from the declared one, towards positive bending [rad].
+        tilt_seen: whether the markers' frame stays with the world (True: the arm is seen turned) or
+            turns with the base (False: only gravity is felt turned).
+        friction_loss: engine's own Coulomb friction in each joint [N m] (chain only).
+        wall: distance of a wall parallel to the straight arm, towards +x [m] (chain only), or None.
+    """
+
+    length: float = 0.24
+    mass: float = 0.15
+    diameter: float = 0.04
+    mount: str = "hanging"
+    tip_mass: float = 0.0
+    added_mass: float = 0.0
+    tilt: float = 0.0
+    tilt_seen: bool = True
+    friction_loss: float = 0.0
+    wall: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.mount not in MOUNTS:
+            raise InputError("mount", expected=" or ".join(sorted(MOUNTS)), received=self.mount)
+
+    @property
+    def line_mass(self) -> float:
+        """Mass per length, with what is spread along the arm [kg/m]."""
+        return (self.mass + self.added_mass) / self.length
+
+    @property
+    def radius(self) -> float:
+        """[m]."""
+        return self.diameter / 2
+
+    def gravity(self) -> Array:
+        """Gravity in the arm frame, (2,): x, z [m/s2]."""
+        axes = self._axes(self.tilt)
+        down = np.array([0.0, 0.0, -GRAVITY])
+        return np.array([axes[0] @ down, axes[1] @ down])
+
+    def to_world(self, x: Array, z: Array) -> Array:
+        """Points of the arm frame, each (...), in the frame of the markers, (..., 3) [m]."""
+        axes = self._axes(self.tilt if self.tilt_seen else 0.0)
+        world: Array = x[..., None] * axes[0] + z[..., None] * axes[1]
+        return world
+
+    def _axes(self, tilt: float) -> tuple[Array, Array]:
+        ex, ez = (np.array(axis, dtype=float) for axis in MOUNTS[self.mount])
+        c, s = np.cos(tilt), np.sin(tilt)
+        return c * ex - s * ez, c * ez + s * ex
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A planar motion, sampled at nodes along the arm, in the arm frame.
+
+    Attributes:
+        t: (T,) [s]; s: (N,) arc length of the nodes [m].
+        x, z: (T, N) [m]; angle: (T, N) direction of the tangent from the straight arm [rad].
+    """
+
+    t: Array
+    s: Array
+    x: Array
+    z: Array
+    angle: Array
+
+    def at(self, arc_length: float, offset: float = 0.0) -> tuple[Array, Array]:
+        """x and z, each (T,) [m], of a point `offset` [m] off the backbone (towards +x when straight).
+
+        Cubic Hermite between the nodes, whose tangents are known.
+        """
+        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
+        h = self.s[k + 1] - self.s[k]
+        u = (arc_length - self.s[k]) / h
+        h00, h01 = (1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u)
+        h10, h11 = u * (1 - u) ** 2 * h, u * u * (u - 1) * h
+        a, b = self.angle[:, k], self.angle[:, k + 1]
+        x = h00 * self.x[:, k] + h01 * self.x[:, k + 1] + h10 * np.sin(a) + h11 * np.sin(b)
+        z = h00 * self.z[:, k] + h01 * self.z[:, k + 1] + h10 * np.cos(a) + h11 * np.cos(b)
+        angle = (1 - u) * a + u * b
+        return x + offset * np.cos(angle), z - offset * np.sin(angle)

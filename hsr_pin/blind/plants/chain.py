@@ -1,0 +1,157 @@
+"""A fine chain of hinges in MuJoCo (E. Todorov, T. Erez, Y. Tassa, MuJoCo, IROS 2012).
+
+n hinges, each in the middle of its element, so that a uniform moment gives the arc to second order in
+1/n; MuJoCo's own springs, dampers and implicitfast integrator (implicit in the dampers).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.errors import MissingDependencyError
+
+from .arm import Arm, Array, Motion
+from .laws.law import Joints, Law, Nodes
+from .march import March, profile
+from .plant import Plant
+from .program import Trial
+
+
+@dataclass(frozen=True)
+class ChainPlant(Plant):
+    """The arm as a MuJoCo chain.
+
+    Attributes:
+        elements: number of hinges. step: integrator step [s], a whole fraction of 10 ms.
+        bare: the arm as declared.
+    """
+
+    elements: int = 32
+    step: float = 1e-4
+    bare: Arm = Arm()
+
+    def simulate(
+        self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0
+    ) -> Motion:
+        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
+        for law in laws:
+            arm = law.arm(arm, trial.keq)
+        s = (np.arange(self.elements) + 0.5) / self.elements
+        stiffness = k * trial.keq * profile(laws, "stiffness", s)
+        damping = c * trial.damping * profile(laws, "damping", s)
+        engine = Chain(arm, stiffness, damping, self.step)
+        march = March(engine, Joints(s, trial.keq, stiffness), arm, trial, laws, self.step)
+        return march.run(np.linspace(0.0, arm.length, self.elements + 1))
+
+
+class Chain:
+    """The engine: see `march.Engine`.
+
+    Args:
+        arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad].
+        step: [s].
+    """
+
+    def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
+        try:
+            import mujoco
+        except ImportError as error:
+            raise MissingDependencyError("mujoco", "blind") from error
+        self._mujoco = mujoco
+        self.n = stiffness.size
+        self.h = arm.length / self.n
+        self.damping = self.n * damping
+        self.model = build(arm, stiffness, damping, step)
+        self.data = mujoco.MjData(self.model)
+
+    def read(self) -> tuple[Array, Array]:
+        """See `march.Engine`."""
+        return self.n * self.data.qpos, self.n * self.data.qvel
+
+    def nodes(self) -> Nodes:
+        """The middles of the bodies, which are the elements' ends: node 0 is the base."""
+        angle = np.concatenate([[0.0], np.cumsum(self.data.qpos)])
+        rate = np.concatenate([[0.0], np.cumsum(self.data.qvel)])
+        along = np.stack([np.sin(angle), np.cos(angle)])
+        swing = rate * np.stack([np.cos(angle), -np.sin(angle)])
+        return Nodes(self._up_to_nodes(along), self._up_to_nodes(swing), angle)
+
+    def advance(
+        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
+    ) -> None:
+        """See `march.Engine`."""
+        self.model.opt.gravity[:] = gravity[0], 0.0, gravity[1]
+        if viscous is not None:
+            self.model.dof_damping[:] = self.damping + self.n * viscous
+        self.data.qfrc_applied[:] = moment if force is None else moment + self._torque(force)
+        self._mujoco.mj_step(self.model, self.data)
+
+    def _up_to_nodes(self, along: Array) -> Array:
+        """Sum of half a link of each neighbour, from the base: (2, n + 1)."""
+        links = (along[:, :-1] + along[:, 1:]) * self.h / 2
+        return np.concatenate([np.zeros((2, 1)), np.cumsum(links, axis=1)], axis=1)
+
+    def _torque(self, force: Array) -> Array:
+        """Joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
+        nodes = self.nodes()
+        joint = nodes.position[:, :-1] + self.h / 2 * np.stack(
+            [np.sin(nodes.angle[:-1]), np.cos(nodes.angle[:-1])]
+        )
+        beyond = np.cumsum(force[:, :0:-1], axis=1)[:, ::-1]
+        (x, z), (fx, fz) = nodes.position, force
+        turning = np.cumsum((fx * z - fz * x)[:0:-1])[::-1]
+        torque: Array = turning - beyond[0] * joint[1] + beyond[1] * joint[0]
+        return torque
+
+
+def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
+    """The ``mujoco.MjModel`` of an arm along z that bends about y; spring and damper of joint i are n
+    times ``stiffness[i]`` and ``damping[i]`` of the whole arm [Nm/rad, Nm s/rad]."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    spec.option.timestep = step
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.gravity = [0.0, 0.0, 0.0]
+    n, h, r = stiffness.size, arm.length / stiffness.size, arm.radius
+    body = spec.worldbody
+    for i in range(n):
+        length = h if i < n - 1 else h / 2
+        body = body.add_body(pos=[0, 0, h / 2 if i == 0 else h])
+        joint = body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 1, 0])
+        joint.stiffness = _linear(joint.stiffness, n * stiffness[i])
+        joint.damping = _linear(joint.damping, n * damping[i])
+        joint.frictionloss = arm.friction_loss
+        body.explicitinertial = True
+        body.mass = arm.line_mass * length
+        body.ipos = [0, 0, length / 2]
+        across = body.mass * (3 * r * r + length * length) / 12
+        body.inertia = [across, across, body.mass * r * r / 2]
+        if arm.wall is not None:
+            _collide(body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[0, 0, length / 2]), r, 1, 0)
+    if arm.tip_mass > 0:
+        tip = body.add_body(pos=[0, 0, h / 2])
+        tip.explicitinertial = True
+        tip.mass, tip.inertia = arm.tip_mass, [1e-12] * 3
+    if arm.wall is not None:
+        wall = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, pos=[arm.wall, 0, 0])
+        wall.quat = [np.sqrt(0.5), 0, -np.sqrt(0.5), 0]  # its normal looks along -x
+        _collide(wall, 1.0, 0, 1)
+    return spec.compile()
+
+
+def _linear(field: Any, value: float) -> Any:
+    """MuJoCo 4 takes polynomials for springs and dampers, earlier versions one number."""
+    return value if np.ndim(field) == 0 else [value, *[0.0] * (len(field) - 1)]
+
+
+def _collide(geom: Any, size: float, contype: int, conaffinity: int) -> None:
+    geom.size = [size, size, size]
+    geom.contype, geom.conaffinity = contype, conaffinity
+    geom.friction = [0.3, 0.005, 0.0001]
+    geom.solref = [0.004, 1.0]

@@ -1,0 +1,190 @@
+"""Laws of friction, hysteresis, creep and damping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from hsr_pin.errors import EffectError
+
+from ..arm import Arm, Array
+from .law import Joints, Law, Nodes, State, sign
+
+
+@dataclass(frozen=True)
+class DryFriction(Law):
+    """Coulomb friction that sticks, the same moment in every joint.
+
+    form ``lugre``: bristles without micro-damping, z' = v - |v| z / z_c(v), M = M_c z / z_0 (C. Canudas de
+    Wit et al., A New Model for Control of Systems with Friction, IEEE TAC 40, 1995); ``native``: the
+    engine's own frictionloss constraint (E. Todorov, Convex and Analytically-Invertible Dynamics with
+    Contacts and Constraints, ICRA 2014).
+
+    level: Coulomb moment over Keq [rad]; bristle: z_0, bending before slip [rad]; breakaway: static over
+    kinetic friction [-]; stribeck: rate at which the excess fades [rad/s].
+    """
+
+    name: ClassVar[str] = "dry_friction"
+    strength: ClassVar[str] = "level"
+    limit: ClassVar[float] = 0.6
+    level: float = 0.0
+    form: str = "lugre"
+    bristle: float = 0.004
+    breakaway: float = 1.0
+    stribeck: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.form not in ("lugre", "native"):
+            raise EffectError("dry_friction form", expected="lugre or native", received=self.form)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> DryFriction:
+        return cls(0.05, breakaway=float(rng.uniform(1.0, 1.15)))
+
+    def arm(self, arm: Arm, keq: float) -> Arm:
+        return replace(arm, friction_loss=self.level * keq) if self.form == "native" else arm
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        if self.form == "native":
+            return np.zeros_like(memory), memory
+        excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
+        top = self.bristle * (1 + excess)
+        # Exact over a step of constant rate, so no step is too long for the stiff bristles.
+        end = np.sign(state.rate) * top
+        z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
+        return self.level * joints.keq / self.bristle * z, z
+
+
+@dataclass(frozen=True)
+class Hysteresis(Law):
+    """Smooth rate-independent loop.
+
+    form ``bouc_wen``: z' = v (1 - |z|^n (1 + sgn(v z)) / 2) / b_y, M = A Keq b_y z (Y.-K. Wen, Method for
+    Random Vibration of Hysteretic Systems, J. Eng. Mech. Div. ASCE 102, 1976); ``iwan``: five Jenkin
+    elements whose yield angles are spread about b_y (W. D. Iwan, A Distributed-Element Model for
+    Hysteresis, J. Appl. Mech. 33, 1966), as Maxwell-slip models of pneumatic muscles have (T. Vo-Minh et
+    al., IEEE/ASME T-Mech. 16, 2011).
+
+    amplitude: stiffness of the loop over Keq [-]; yield_angle: b_y [rad]; exponent: n [-].
+    """
+
+    name: ClassVar[str] = "hysteresis"
+    strength: ClassVar[str] = "amplitude"
+    limit: ClassVar[float] = 4.0
+    amplitude: float = 0.0
+    yield_angle: float = 0.15
+    exponent: float = 1.0
+    form: str = "bouc_wen"
+    _SPREAD: ClassVar[Array] = np.array([0.4, 0.7, 1.0, 1.3, 1.6])
+
+    def __post_init__(self) -> None:
+        if self.form not in ("bouc_wen", "iwan"):
+            raise EffectError("hysteresis form", expected="bouc_wen or iwan", received=self.form)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Hysteresis:
+        return cls(0.3, float(rng.uniform(0.08, 0.3)), form=str(rng.choice(["bouc_wen", "iwan"])))
+
+    def memory(self, joints: Joints) -> Array:
+        return np.zeros((self._SPREAD.size if self.form == "iwan" else 1, joints.s.size))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        stretch = state.rate * state.dt
+        scale = self.amplitude * joints.keq
+        if self.form == "iwan":
+            top = self.yield_angle * self._SPREAD[:, None]
+            slip = np.clip(memory + stretch, -top, top)
+            return scale * slip.mean(axis=0), slip
+        z = memory[0]
+        gain = 1 - np.abs(z) ** self.exponent * (1 + np.sign(stretch * z)) / 2
+        z = np.clip(z + stretch * gain / self.yield_angle, -1.0, 1.0)
+        return scale * self.yield_angle * z, z[None]
+
+
+@dataclass(frozen=True)
+class Viscoelastic(Law):
+    """A Maxwell branch beside the spring: the standard linear solid (J. C. Simo, T. J. R. Hughes,
+    Computational Inelasticity, Springer 1998, sec. 10.2, with its exact recursion).
+
+    ratio: stiffness of the branch over K [-]; time: relaxation time [s].
+    """
+
+    name: ClassVar[str] = "viscoelastic"
+    strength: ClassVar[str] = "ratio"
+    limit: ClassVar[float] = 3.0
+    ratio: float = 0.0
+    time: float = 0.5
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Viscoelastic:
+        return cls(0.3, float(rng.uniform(0.25, 1.2)))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        # `memory` is the bending at which the branch is relaxed; at rest it has had all the time it needs.
+        keep = 0.0 if state.rest else np.exp(-state.dt / self.time)
+        anchor = state.bend + (memory - state.bend) * keep
+        return self.ratio * joints.stiffness * (state.bend - anchor), anchor
+
+
+@dataclass(frozen=True)
+class QuadraticDamping(Law):
+    """Damping that grows with rate.
+
+    form ``joint``: M = c2 |b'| b' in every joint, fluid pressed through the muscles (Nayfeh, Mook,
+    Nonlinear Oscillations, 1979, sec. 3.3); ``drag``: c2 is the coefficient of a drag on the moving
+    sections, f = -c2 |v_n| v_n / L^4 per length (J. R. Morison et al., J. Petrol. Tech. 2, 1950).
+
+    coefficient: c2 [Nm s2/rad2].
+    """
+
+    name: ClassVar[str] = "quadratic_damping"
+    strength: ClassVar[str] = "coefficient"
+    limit: ClassVar[float] = 0.1
+    coefficient: float = 0.0
+    form: str = "joint"
+    length: float = 0.24  # m, only in the drag
+
+    def __post_init__(self) -> None:
+        if self.form not in ("joint", "drag"):
+            raise EffectError("quadratic_damping form", expected="joint or drag", received=self.form)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> QuadraticDamping:
+        return cls(0.005)
+
+    def viscous(self, joints: Joints, state: State) -> Array:
+        if self.form == "drag":
+            return np.zeros_like(state.rate)
+        return np.asarray(self.coefficient * np.abs(state.rate))
+
+    def force(self, state: State, nodes: Nodes) -> Array:
+        if self.form == "joint":
+            return np.zeros_like(nodes.position)
+        normal = np.stack([np.cos(nodes.angle), -np.sin(nodes.angle)])
+        v = np.sum(normal * nodes.velocity, axis=0)
+        share = np.full(v.size, self.length / (v.size - 1))
+        share[[0, -1]] /= 2
+        return np.asarray(-self.coefficient / self.length**4 * share * np.abs(v) * v * normal)
+
+
+@dataclass(frozen=True)
+class DampingGradient(Law):
+    """Damping falls or grows linearly from base to tip, mean kept: non-proportional damping (S. Adhikari,
+    Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014, ch. 2).
+
+    slope: (C(tip) - C(base)) / C(middle) [-].
+    """
+
+    name: ClassVar[str] = "damping_gradient"
+    strength: ClassVar[str] = "slope"
+    limit: ClassVar[float] = 1.9
+    slope: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> DampingGradient:
+        return cls(0.6 * sign(rng))
+
+    def damping(self, s: Array) -> Array:
+        return 1 + self.slope * (s - 0.5)

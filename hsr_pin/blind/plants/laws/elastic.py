@@ -1,0 +1,132 @@
+"""Laws of the elastic moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Array
+from .law import Joints, Law, State, sign
+
+
+def _in_series(profile: Array) -> Array:
+    """The profile, scaled so that the compliance of joints in series is that of a uniform arm."""
+    scaled: Array = profile * np.mean(1 / profile)
+    return scaled
+
+
+@dataclass(frozen=True)
+class StiffnessGradient(Law):
+    """EI falls or grows linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model
+    of a Multibending Soft Robot Arm Driven by Cables, IEEE T-RO 30, 2014); series stiffness is kept.
+
+    slope: (EI(tip) - EI(base)) / EI(middle) [-].
+    """
+
+    name: ClassVar[str] = "stiffness_gradient"
+    strength: ClassVar[str] = "slope"
+    limit: ClassVar[float] = 1.6
+    slope: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> StiffnessGradient:
+        return cls(0.4 * sign(rng))
+
+    def stiffness(self, s: Array) -> Array:
+        return _in_series(1 + self.slope * (s - 0.5))
+
+
+@dataclass(frozen=True)
+class SoftSpot(Law):
+    """A defect as an added local compliance, the rotational spring of a cracked beam smeared over a
+    stretch (A. D. Dimarogonas, Vibration of Cracked Structures, Eng. Fract. Mech. 55, 1996).
+
+    centre: over L [-]; depth: 1/EI grows by depth/(1 - depth) at the centre, so EI falls by `depth`
+    there (negative: stiffer) [-]; width: standard deviation over L [-].
+    """
+
+    name: ClassVar[str] = "soft_spot"
+    strength: ClassVar[str] = "depth"
+    limit: ClassVar[float] = 0.9
+    centre: float = 0.5
+    depth: float = 0.0
+    width: float = 0.06
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> SoftSpot:
+        return cls(float(rng.uniform(0.15, 0.75)), 0.4, float(rng.uniform(0.04, 0.1)))
+
+    def stiffness(self, s: Array) -> Array:
+        bump = np.exp(-(((s - self.centre) / self.width) ** 2) / 2)
+        return np.asarray(1 / (1 + self.depth / (1 - self.depth) * bump))
+
+
+@dataclass(frozen=True)
+class Stiffening(Law):
+    """Cubic (Duffing) spring, M = K b (1 + beta b^2), b the local bending (A. H. Nayfeh, D. T. Mook,
+    Nonlinear Oscillations, Wiley 1979, ch. 4).
+
+    cubic: beta [1/rad2].
+    """
+
+    name: ClassVar[str] = "stiffening"
+    strength: ClassVar[str] = "cubic"
+    limit: ClassVar[float] = 1.0
+    cubic: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Stiffening:
+        # Softening is kept mild: beyond 1/(3 b^2) the spring has a peak and the arm would fold.
+        return cls(0.05 * (1 if rng.random() < 0.75 else -1))
+
+    def scaled(self, factor: float) -> Stiffening:
+        return Stiffening(float(np.clip(self.cubic * factor, -0.09, self.limit)))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        return joints.stiffness * self.cubic * state.bend**3, memory
+
+
+@dataclass(frozen=True)
+class BendingStop(Law):
+    """Piecewise linear elastic stops, on both sides (S. W. Shaw, P. J. Holmes, A Periodically Forced
+    Piecewise Linear Oscillator, J. Sound Vib. 90, 1983).
+
+    angle: bending at which links lock [rad]; ratio: stiffness of the stop over K [-].
+    """
+
+    name: ClassVar[str] = "bending_stop"
+    strength: ClassVar[str] = "ratio"
+    limit: ClassVar[float] = 30.0
+    angle: float = 0.6
+    ratio: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> BendingStop:
+        return cls(float(rng.uniform(0.35, 0.75)), 0.5)
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        beyond = state.bend - np.clip(state.bend, -self.angle, self.angle)
+        return self.ratio * joints.stiffness * beyond, memory
+
+
+@dataclass(frozen=True)
+class Backlash(Law):
+    """Dead-zone spring: no elastic moment while |b| <= gap / 2 (M. Nordin, P.-O. Gutman, Controlling
+    Mechanical Systems with Backlash, a Survey, Automatica 38, 2002, eq. (3)); the damper acts throughout.
+
+    gap: width of the dead zone, in bending of the whole arm [rad].
+    """
+
+    name: ClassVar[str] = "backlash"
+    strength: ClassVar[str] = "gap"
+    limit: ClassVar[float] = 0.8
+    gap: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Backlash:
+        return cls(0.1)
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        return -joints.stiffness * np.clip(state.bend, -self.gap / 2, self.gap / 2), memory

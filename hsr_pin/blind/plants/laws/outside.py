@@ -1,0 +1,239 @@
+"""Laws that are in nobody's catalogue, unlike it and unlike one another: nothing should name them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array
+from .law import Joints, Law, Nodes, State, sign
+
+
+@dataclass(frozen=True)
+class BaseShake(Law):
+    """The frame that carries the base swings along x (support excitation: R. W. Clough, J. Penzien,
+    Dynamics of Structures, ch. 2). It starts smoothly at the first sample; base markers show it.
+
+    amplitude: [m]; frequency: [Hz].
+    """
+
+    name: ClassVar[str] = "base_shake"
+    strength: ClassVar[str] = "amplitude"
+    limit: ClassVar[float] = 0.03
+    amplitude: float = 0.0
+    frequency: float = 3.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> BaseShake:
+        return cls(0.003, float(rng.uniform(1.5, 5.0)))
+
+    def base(self, t: Array) -> Array:
+        u = np.clip(t * self.frequency / 2, 0.0, 1.0)
+        ramp = u**3 * (10 - 15 * u + 6 * u * u)
+        return np.asarray(self.amplitude * ramp * np.sin(2 * np.pi * self.frequency * t))
+
+
+@dataclass(frozen=True)
+class WarmingArm(Law):
+    """Stiffness falls over the session as the silicone warms with work (L. Mullins, Softening of Rubber by
+    Deformation, Rubber Chem. Technol. 42, 1969), and recovers at nothing: trial after trial is softer.
+
+    loss: relative loss of stiffness in the end [-]; time: of the approach, on the session's clock [s].
+    """
+
+    name: ClassVar[str] = "warming_arm"
+    strength: ClassVar[str] = "loss"
+    limit: ClassVar[float] = 0.7
+    loss: float = 0.0
+    time: float = 60.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> WarmingArm:
+        return cls(0.15, float(rng.uniform(30, 120)))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        lost = self.loss * (1 - np.exp(-(state.clock + state.t) / self.time))
+        return -lost * joints.stiffness * state.bend, memory
+
+
+@dataclass(frozen=True)
+class PulsingStiffness(Law):
+    """Stiffness pulses with the muscles' supply: parametric excitation (Nayfeh, Mook, Nonlinear
+    Oscillations, ch. 5).
+
+    depth: relative amplitude [-]; frequency: [Hz]; phase: on the session's clock [rad].
+    """
+
+    name: ClassVar[str] = "pulsing_stiffness"
+    strength: ClassVar[str] = "depth"
+    limit: ClassVar[float] = 0.6
+    depth: float = 0.0
+    frequency: float = 2.0
+    phase: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> PulsingStiffness:
+        return cls(0.08, float(rng.uniform(0.8, 4.0)), float(rng.uniform(0, 2 * np.pi)))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        wave = np.sin(2 * np.pi * self.frequency * (state.clock + state.t) + self.phase)
+        gain = 0.0 if state.rest else self.depth * wave
+        return gain * joints.stiffness * state.bend, memory
+
+
+@dataclass(frozen=True)
+class SupplyRipple(Law):
+    """A compressor's cycle on the supply: the torque saws by a fixed amount, whatever is commanded.
+
+    amplitude: [N m]; frequency: [Hz]; phase: on the session's clock [cycles].
+    """
+
+    name: ClassVar[str] = "supply_ripple"
+    strength: ClassVar[str] = "amplitude"
+    limit: ClassVar[float] = 0.5
+    amplitude: float = 0.0
+    frequency: float = 1.5
+    phase: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> SupplyRipple:
+        return cls(0.05, float(rng.uniform(0.7, 3.0)), float(rng.uniform(0, 1)))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        cycle = (self.frequency * (clock + t) + self.phase) % 1.0
+        saw = np.where(cycle < 0.2, 10 * cycle - 1, 1 - 2.5 * (cycle - 0.2))
+        return tau + np.where(t < 0, 0.0, self.amplitude * saw)
+
+
+@dataclass(frozen=True)
+class TipGust(Law):
+    """A fan's turbulent side force at the tip: first-order (Dryden-like) coloured noise (MIL-F-8785C,
+    sec. 3.7), as a sum of random harmonics; it blows from the first sample on.
+
+    force_rms: standard deviation [N]; corner: [Hz]; seed: of the phases.
+    """
+
+    name: ClassVar[str] = "tip_gust"
+    strength: ClassVar[str] = "force_rms"
+    limit: ClassVar[float] = 2.0
+    force_rms: float = 0.0
+    corner: float = 1.0
+    seed: int = 0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> TipGust:
+        return cls(0.2, float(rng.uniform(0.5, 2.0)), int(rng.integers(1 << 31)))
+
+    def __post_init__(self) -> None:
+        rng = np.random.default_rng(self.seed)
+        f = 0.1 * np.arange(1, 101) * rng.uniform(0.9, 1.1, 100)
+        a = 1 / np.sqrt(1 + (f / self.corner) ** 2)
+        a *= self.force_rms * np.sqrt(2 / np.sum(a**2))
+        object.__setattr__(self, "_waves", (a, 2 * np.pi * f, rng.uniform(0, 2 * np.pi, 100)))
+
+    def force(self, state: State, nodes: Nodes) -> Array:
+        out = np.zeros_like(nodes.position)
+        if not state.rest:
+            a, w, phase = self._waves  # type: ignore[attr-defined]
+            out[0, -1] = a @ np.sin(w * (state.clock + state.t) + phase)
+        return out
+
+
+@dataclass(frozen=True)
+class Tether(Law):
+    """A supply hose from the tip to a fixed point: slack, then taut (a one-sided spring: Shaw, Holmes, J.
+    Sound Vib. 90, 1983).
+
+    stiffness_taut: [N/m]; reach: free length [m]; x, z: where it is tied, arm frame [m].
+    """
+
+    name: ClassVar[str] = "tether"
+    strength: ClassVar[str] = "stiffness_taut"
+    limit: ClassVar[float] = 300.0
+    stiffness_taut: float = 0.0
+    reach: float = 0.2
+    x: float = -0.15
+    z: float = 0.1
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Tether:
+        x, z = float(rng.uniform(-0.25, -0.15)), float(rng.uniform(0.15, 0.3))
+        slack = float(rng.uniform(0.01, 0.04))
+        return cls(10.0, float(np.hypot(x, 0.24 - z)) + slack, x, z)
+
+    def force(self, state: State, nodes: Nodes) -> Array:
+        out = np.zeros_like(nodes.position)
+        pull = np.array([self.x, self.z]) - nodes.position[:, -1]
+        distance = float(np.hypot(*pull))
+        tension = self.stiffness_taut * max(distance - self.reach, 0.0)
+        out[:, -1] = tension * pull / max(distance, 1e-9)
+        return out
+
+
+@dataclass(frozen=True)
+class FollowerThrust(Law):
+    """A leak at the tip blows along the arm: a follower force that grows with the square of the torque
+    (M. Beck's column: V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, 1963).
+
+    thrust: force towards the base at 1 N m [N/(N m)2].
+    """
+
+    name: ClassVar[str] = "follower_thrust"
+    strength: ClassVar[str] = "thrust"
+    limit: ClassVar[float] = 3.0
+    thrust: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> FollowerThrust:
+        return cls(0.3 * sign(rng))
+
+    def force(self, state: State, nodes: Nodes) -> Array:
+        out = np.zeros_like(nodes.position)
+        a = nodes.angle[-1]
+        out[:, -1] = -self.thrust * state.tau**2 * np.array([np.sin(a), np.cos(a)])
+        return out
+
+
+@dataclass(frozen=True)
+class Wall(Law):
+    """A wall beside the arm: the engine's own contact with friction (Todorov, ICRA 2014). Chain only.
+
+    nearness: how far the wall stands in from `far` [m]; far: where no motion touches it [m].
+    """
+
+    name: ClassVar[str] = "wall"
+    strength: ClassVar[str] = "nearness"
+    limit: ClassVar[float] = 0.24
+    nearness: float = 0.0
+    far: float = 0.3
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Wall:
+        return cls(0.15)
+
+    def arm(self, arm: Arm, keq: float) -> Arm:
+        return replace(arm, wall=self.far - self.nearness)
+
+
+@dataclass(frozen=True)
+class SkewPlane(Law):
+    """Muscles fixed askew: the arm bends in a plane turned about its straight axis (vertical mounts).
+
+    angle: [rad].
+    """
+
+    name: ClassVar[str] = "skew_plane"
+    strength: ClassVar[str] = "angle"
+    limit: ClassVar[float] = 0.8
+    angle: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> SkewPlane:
+        return cls(0.08 * sign(rng))
+
+    def seen(self, points: Array) -> Array:
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        x, y, z = np.moveaxis(points, -1, 0)
+        return np.stack([c * x - s * y, s * x + c * y, z], axis=-1)

@@ -1,0 +1,128 @@
+"""The time loop around an engine: settle, then record, with every law in its place.
+
+Laws are evaluated at the start of each step of about 0.1 ms and held over it; linear springs and
+dampers, and whatever a law adds to the dampers, are the engine's own business.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from hsr_pin.errors import SimulationFailure
+
+from .arm import Arm, Array, Motion
+from .laws.law import Joints, Law, Nodes, State, acting
+from .program import RATE, Trial
+
+SETTLE_BLOCK, SETTLE_LONGEST = 0.25, 10.0  # s
+SETTLED = 1e-5  # m/s, speed of the tip below which the arm is at rest
+
+
+class Engine(Protocol):
+    """One arm in one engine, at one instant."""
+
+    def read(self) -> tuple[Array, Array]:
+        """Bending (n,) [rad] and its rate (n,) [rad/s] of the joints, each times n."""
+
+    def nodes(self) -> Nodes:
+        """The backbone."""
+
+    def advance(
+        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
+    ) -> None:
+        """One step under moments (n,) [N m] and forces on nodes (2, N) [N]; gravity (2,) [m/s2]."""
+
+
+def profile(laws: Sequence[Law], place: str, s: Array) -> Array:
+    """Product of the factors that laws put on ``stiffness``, ``damping`` or ``torque`` at s, (n,)."""
+    out = np.ones_like(s)
+    for law in acting(laws, place):
+        out = out * getattr(law, place)(s)
+    return out
+
+
+def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[float, Array]:
+    """Torque at rest [N m], and at each step (K,) [N m], after all laws between command and arm."""
+    per_sample = round(1 / RATE / dt)
+    tau = trial.torque()
+    tau = np.repeat(np.concatenate([tau[:1], tau[:-1]]), per_sample)
+    t = (np.arange(tau.size) - per_sample) * dt
+    for law in acting(laws, "command"):
+        tau = law.command(tau, t, trial.keq, trial.clock)
+    return float(tau[0]), tau[per_sample:]
+
+
+class March:
+    """A trial on an engine.
+
+    Args:
+        engine: at its straight pose, at rest. joints: as its springs are. arm: as it truly is.
+        trial: what is done. laws: what the model lacks. dt: step [s].
+    """
+
+    def __init__(
+        self, engine: Engine, joints: Joints, arm: Arm, trial: Trial, laws: Sequence[Law], dt: float
+    ) -> None:
+        self.engine, self.joints, self.trial, self.dt = engine, joints, trial, dt
+        self.gravity = arm.gravity()
+        self.share = profile(laws, "torque", joints.s)
+        self.tau_rest, self.tau = arriving(laws, trial, dt)
+        self.moments = acting(laws, "moment")
+        self.viscous = acting(laws, "viscous")
+        self.forces = acting(laws, "force")
+        self.memories = [law.memory(joints) for law in self.moments]
+        fine = np.arange(-1, self.tau.size + 2) * dt
+        base = sum((law.base(fine) for law in acting(laws, "base")), np.zeros_like(fine))
+        self.push = np.diff(base, 2) / dt**2  # m/s2, acceleration of the base along x
+
+    def run(self, s: Array) -> Motion:
+        """The motion at the nodes' arc lengths s (N,) [m], at each sample of the trial."""
+        self._settle()
+        per_sample = round(1 / RATE / self.dt)
+        frames = [self.engine.nodes()]
+        for k in range(self.tau.size):
+            self._step(k * self.dt, float(self.tau[k]), float(self.push[k]))
+            if (k + 1) % per_sample == 0:
+                frames.append(self.engine.nodes())
+        t = np.arange(len(frames)) / RATE
+        x, z = np.stack([frame.position for frame in frames], axis=1)
+        motion = Motion(t, s, x, z, np.stack([frame.angle for frame in frames]))
+        if not np.all(np.isfinite(x)) or not np.all(np.isfinite(z)):
+            first = float(t[np.argmin(np.isfinite(x).all(axis=1) & np.isfinite(z).all(axis=1))])
+            raise SimulationFailure(f"the plant diverged before t = {first:.2f} s", motion)
+        return motion
+
+    def _settle(self) -> None:
+        steps = round(SETTLE_BLOCK / self.dt)
+        for _ in range(round(SETTLE_LONGEST / SETTLE_BLOCK)):
+            for _ in range(steps):
+                self._step(-self.dt, self.tau_rest, 0.0, rest=True)
+            if np.hypot(*self.engine.nodes().velocity[:, -1]) < SETTLED:
+                break
+
+    def _step(self, t: float, tau: float, push: float, rest: bool = False) -> None:
+        applied = tau * self.share
+        held = rest or t < self.trial.release - self.dt / 2
+        if held and self.trial.hold_torque:
+            applied = applied + self.trial.hold_torque
+        viscous: Array | None = None
+        force: Array | None = None
+        if self.moments or self.viscous or self.forces:
+            state = State(*self.engine.read(), t, self.dt, self.trial.clock, tau, rest)
+            for k, law in enumerate(self.moments):
+                extra, self.memories[k] = law.moment(self.joints, state, self.memories[k])
+                applied = applied - extra
+            for law in self.viscous:
+                more = law.viscous(self.joints, state)
+                viscous = more if viscous is None else viscous + more
+            if self.forces:
+                nodes = self.engine.nodes()
+                force = np.sum([law.force(state, nodes) for law in self.forces], axis=0)
+        if held and self.trial.hold_force:
+            force = np.zeros((2, self.engine.nodes().angle.size)) if force is None else force
+            force[0, -1] += self.trial.hold_force
+        gravity = self.gravity if push == 0.0 else self.gravity - np.array([push, 0.0])
+        self.engine.advance(applied, viscous, force, gravity)

@@ -1,0 +1,137 @@
+"""What is done to the arm while it is recorded: steps, staircase, chirp, releases, payload.
+
+Commands are torques [N m] held between samples at 100 Hz. Stiffness, damping and torques are those of
+Tables I and II of the paper; pressures follow from its Eqs. (1), (4) and (5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.errors import InputError
+
+from .arm import Array
+
+RATE = 100  # samples per second
+#: Keq [Nm/rad] -> (C [Nm s/rad], the three torques of Table II [N m])
+LEVELS: dict[float, tuple[float, tuple[float, float, float]]] = {
+    1.11: (0.05, (0.250, 0.625, 1.000)),
+    2.33: (0.10, (0.100, 1.800, 3.500)),
+}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One recording.
+
+    Attributes:
+        keq: declared stiffness [Nm/rad]; damping: declared damping of the whole arm [Nm s/rad].
+        command: torque at each sample [N m], or empty for a recording without input.
+        duration: [s].
+        tip_mass: known payload [kg].
+        hold_torque, hold_force: what holds the arm until `release`: a uniform moment [N m] and a force
+            at the tip, along x of the arm frame [N].
+        release: [s] after the first sample.
+        clock: when the recording began, since the session did [s].
+    """
+
+    keq: float
+    damping: float
+    duration: float
+    command: tuple[float, ...] = ()
+    tip_mass: float = 0.0
+    hold_torque: float = 0.0
+    hold_force: float = 0.0
+    release: float = 0.0
+    clock: float = 0.0
+
+    @property
+    def samples(self) -> int:
+        """Number of samples, both ends included."""
+        return round(self.duration * RATE) + 1
+
+    def torque(self) -> Array:
+        """Commanded torque at each sample, (T,) [N m]; zeros without input."""
+        return np.array(self.command) if self.command else np.zeros(self.samples)
+
+
+@dataclass(frozen=True)
+class Program:
+    """Some trials on one mount; `given` says which input the files hold: ``pressures`` or ``tau``."""
+
+    mount: str
+    trials: tuple[Trial, ...]
+    given: str = "pressures"
+
+
+def pressures(torque: Array, keq: float) -> tuple[Array, Array]:
+    """P1, P2, each (T,) [bar], that give stiffness `keq` and this torque: Eqs. (1), (4), (5) inverted."""
+    coefficients = np.array([[0.8183, 1.415], [-0.2892, 0.7321]])
+    right = np.stack([np.full_like(torque, keq + 2.594), torque / keq + 0.7742])
+    p1, p2 = np.linalg.solve(coefficients, right)
+    return p1, p2
+
+
+def steps(keq: float) -> list[Trial]:
+    """From rest to each torque of Table II, at 0.3 s; 3 s each."""
+    t = np.arange(3 * RATE + 1) / RATE
+    return [_trial(keq, np.where(t >= 0.3, tau, 0.0)) for tau in LEVELS[keq][1]]
+
+
+def staircase(keq: float) -> list[Trial]:
+    """Up in four stairs, down again past zero and back; 1.2 s each."""
+    stairs = np.array([0, 0.25, 0.5, 0.75, 1, 0.75, 0.5, 0.25, 0, -0.2, 0, 0.5, 0]) * LEVELS[keq][1][2]
+    tau = np.repeat(stairs, round(1.2 * RATE))
+    return [_trial(keq, np.append(tau, tau[-1]))]
+
+
+def chirp(keq: float) -> list[Trial]:
+    """0.2 to 4 Hz in 8 s about a slowly entered middle torque."""
+    t = np.arange(8 * RATE + 1) / RATE
+    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 16 * t**2)
+    tau = LEVELS[keq][1][2] * 0.45 * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase))
+    return [_trial(keq, tau)]
+
+
+def releases(keq: float) -> list[Trial]:
+    """Held bent by a couple, held bent by a pull at the tip; let go at 0.2 s, no input; 2 s each."""
+    bare = _trial(keq, np.zeros(2 * RATE + 1), release=0.2)
+    bare = replace(bare, command=())
+    pull = 1.2 * keq / 0.24
+    return [replace(bare, hold_torque=0.7 * keq), replace(bare, hold_force=pull)]
+
+
+def payload(keq: float) -> list[Trial]:
+    """The two larger steps with a known 50 g at the tip."""
+    return [replace(trial, tip_mass=0.05) for trial in steps(keq)[1:]]
+
+
+KINDS: dict[str, Callable[[float], list[Trial]]] = {
+    "chirp": chirp, "payload": payload, "releases": releases, "staircase": staircase, "steps": steps,
+}  # fmt: skip
+
+
+def program(kinds: str = "steps", mount: str = "hanging", given: str = "pressures") -> Program:
+    """A program on both stiffness levels; `kinds` joins names of `KINDS` by ``+`` (``steps+chirp``).
+
+    Trials follow one another after pauses of 20 s.
+    """
+    names = kinds.split("+")
+    if unknown := [name for name in names if name not in KINDS]:
+        raise InputError("program", expected=f"names of {sorted(KINDS)} joined by +", received=unknown)
+    if given not in ("pressures", "tau"):
+        raise InputError("input", expected="pressures or tau", received=given)
+    clock, trials = 0.0, []
+    for keq in sorted(LEVELS):
+        for trial in (trial for name in names for trial in KINDS[name](keq)):
+            trials.append(replace(trial, clock=clock))
+            clock += trial.duration + 20.0
+    return Program(mount, tuple(trials), given)
+
+
+def _trial(keq: float, tau: Array, release: float = 0.0) -> Trial:
+    command = tuple(float(value) for value in tau)
+    return Trial(keq, LEVELS[keq][0], (len(command) - 1) / RATE, command, release=release)

@@ -1,0 +1,186 @@
+"""A planar Cosserat rod in PyElastica (M. Gazzola et al., Forward and Inverse Problems in the Mechanics of
+Soft Filaments, R. Soc. Open Sci. 5, 2018): directors, shear and stretch, explicit position Verlet.
+
+The damper C L (curvature rate) is far too stiff for an explicit step, so it is a PyElastica damper of
+our own: the rates after each step solve (J + dt D) w' = J w, D tridiagonal. Shear and stretch are given
+one stiffness, as low as the static sag allows (see `AXIAL`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.errors import EffectError, MissingDependencyError
+
+from .arm import Arm, Array, Motion
+from .laws.law import Joints, Law, Nodes
+from .march import March, profile
+from .plant import Plant
+from .program import Trial
+
+#: Stretch and shear stiffness [N]: the arm's weight of 1.5 N stretches it by 0.02 mm, a tenth of the noise
+#: and less. A rubber rod of this section and bending stiffness has about a third of it.
+AXIAL = 1e4
+
+
+@dataclass(frozen=True)
+class RodPlant(Plant):
+    """The arm as a PyElastica rod.
+
+    Attributes:
+        elements: of the rod. step: [s], a whole fraction of 10 ms.
+        bare: the arm as declared.
+    """
+
+    elements: int = 24
+    step: float = 5e-5
+    bare: Arm = Arm()
+
+    def simulate(
+        self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0
+    ) -> Motion:
+        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
+        for law in laws:
+            arm = law.arm(arm, trial.keq)
+        if arm.wall is not None or arm.friction_loss > 0:
+            raise EffectError(
+                "rod plant", expected="laws without contact or native friction",
+                received=[law.name for law in laws], hint="use the chain plant",
+            )  # fmt: skip
+        # The first element is centred on the base and clamped: joints stand at h/2, 3h/2, ...
+        h = 1 / (self.elements - 0.5)
+        s = (np.arange(self.elements - 1) + 0.5) * h
+        stiffness = k * trial.keq * profile(laws, "stiffness", s)
+        damping = c * trial.damping * profile(laws, "damping", s)
+        engine = Rod(arm, stiffness, damping, self.step)
+        march = March(engine, Joints(s, trial.keq, stiffness), arm, trial, laws, self.step)
+        nodes = np.concatenate([[0.0], s, [1.0]]) * arm.length
+        return march.run(nodes)
+
+
+class Rod:
+    """The engine: see `march.Engine`.
+
+    Args:
+        arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad], at
+            the n inner nodes of n + 1 elements. step: [s].
+    """
+
+    def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
+        try:
+            import elastica
+        except ImportError as error:
+            raise MissingDependencyError("pyelastica", "blind") from error
+        n, self.step = stiffness.size, step
+        self.h = arm.length / (n + 0.5)
+        self.per_bend = arm.length / self.h  # bending of the whole arm over that of a joint
+        self.damping = damping * self.per_bend
+        self.rod = _rod(elastica, arm, stiffness, self.h)
+        self.inertia = self.rod.mass_second_moment_of_inertia[0, 0, 1:].copy()
+        self.moment, self.gravity = np.zeros(n), np.zeros(2)
+        self.force: Array | None = None
+        self.time = 0.0
+        self._extra_damping: Array | None = None
+        self._constant_solve = np.linalg.inv(self._damped(self.damping)) * self.inertia
+        self.simulator, self.stepper = _simulator(elastica, self)
+
+    def read(self) -> tuple[Array, Array]:
+        """See `march.Engine`."""
+        bend = np.diff(self._angles()) * self.per_bend
+        return bend, np.diff(self.rod.omega_collection[0]) * self.per_bend
+
+    def nodes(self) -> Nodes:
+        """The base and the rod's nodes beyond it."""
+        a = self._angles()
+        angle = np.concatenate([[0.0], (a[1:] + a[:-1]) / 2, [1.5 * a[-1] - 0.5 * a[-2]]])
+        position, velocity = (
+            np.concatenate([np.zeros((2, 1)), field[::2, 1:]], axis=1)
+            for field in (self.rod.position_collection, self.rod.velocity_collection)
+        )
+        return Nodes(position, velocity, angle)
+
+    def advance(
+        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
+    ) -> None:
+        """See `march.Engine`."""
+        self.moment, self.force, self.gravity = moment, force, gravity
+        self._extra_damping = None if viscous is None else viscous * self.per_bend
+        self.time = self.stepper.step(self.simulator, self.time, self.step)
+
+    def push(self, rod: Any) -> None:
+        """Gravity, forces and joint moments onto a PyElastica rod; the latter about y in its own frame."""
+        rod.external_forces[0] += rod.mass * self.gravity[0]
+        rod.external_forces[2] += rod.mass * self.gravity[1]
+        if self.force is not None:
+            rod.external_forces[::2, 1:] += self.force[:, 1:]
+        rod.external_torques[0, 1:] += self.moment
+        rod.external_torques[0, 1:-1] -= self.moment[1:]
+
+    def dampen(self, rod: Any) -> None:
+        """The joints' dampers, implicitly; the clamped element does not turn."""
+        rate = rod.omega_collection[0]
+        rate[0] = 0.0
+        if self._extra_damping is None:
+            rate[1:] = self._constant_solve @ rate[1:]
+        else:
+            matrix = self._damped(self.damping + self._extra_damping)
+            rate[1:] = np.linalg.solve(matrix, self.inertia * rate[1:])
+
+    def _damped(self, d: Array) -> Array:
+        """J + dt D for joint dampers d (n,) [Nm s/rad]."""
+        tail = np.append(d[1:], 0.0)
+        stiff = np.diag(d + tail) - np.diag(d[1:], 1) - np.diag(d[1:], -1)
+        matrix: Array = np.diag(self.inertia) + self.step * stiff
+        return matrix
+
+    def _angles(self) -> Array:
+        """Direction of each element, (n + 1,) [rad]."""
+        along = self.rod.director_collection[2]
+        angle: Array = np.arctan2(along[0], along[2])
+        return angle
+
+
+def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float) -> Any:
+    """A straight rod along z that bends about y, half an element longer than the arm at its base."""
+    n = stiffness.size + 1
+    area = np.pi * arm.radius**2
+    rod = elastica.CosseratRod.straight_rod(
+        n, np.array([0.0, 0.0, -h / 2]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]),
+        n * h, arm.radius, arm.line_mass / area, youngs_modulus=AXIAL / area,
+    )  # fmt: skip
+    rod.shear_matrix[:] = AXIAL * np.eye(3)[:, :, None]
+    rod.bend_matrix[:] = np.eye(3)[:, :, None] * (stiffness * arm.length)
+    rod.mass[-1] += arm.tip_mass
+    return rod
+
+
+def _simulator(elastica: Any, engine: Rod) -> tuple[Any, Any]:
+    """PyElastica's simulator around the rod of an engine, and its stepper."""
+
+    class Simulator(  # type: ignore[misc]
+        elastica.BaseSystemCollection, elastica.Constraints, elastica.Forcing, elastica.Damping
+    ):
+        pass
+
+    class Push(elastica.NoForces):  # type: ignore[misc]
+        def apply_forces(self, system: Any, time: float = 0.0) -> None:
+            engine.push(system)
+
+    class Dampers(elastica.DamperBase):  # type: ignore[misc]
+        def dampen_rates(self, system: Any, time: float) -> None:
+            engine.dampen(system)
+
+    simulator = Simulator()
+    simulator.append(engine.rod)
+    simulator.constrain(engine.rod).using(
+        elastica.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,)
+    )
+    simulator.add_forcing_to(engine.rod).using(Push)
+    simulator.dampen(engine.rod).using(Dampers)
+    simulator.finalize()
+    return simulator, elastica.PositionVerlet()

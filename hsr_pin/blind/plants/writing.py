@@ -1,0 +1,96 @@
+"""Markers from motions, and datasets in the recording format, version 1; nothing in them tells the law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.errors import OutputError
+
+from .arm import Arm, Array, Motion
+from .laws.law import Law, acting
+from .program import Program, Trial, pressures
+
+
+@dataclass(frozen=True)
+class Marker:
+    """A tracked point: name and declared arc length [m]."""
+
+    name: str
+    arc_length: float
+
+
+MARKERS = (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
+
+
+def observe(
+    motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array
+) -> Array:
+    """Marker points (T, M, 3) in the world [m], without noise.
+
+    Args:
+        arm: as it truly is. error: (M, 2) of each marker along and off the backbone [m].
+    """
+    points = []
+    for marker, (along, off) in zip(markers, error, strict=True):
+        arc = float(np.clip(marker.arc_length + along, 0.0, arm.length))
+        off = off + sum(law.offset() for law in laws)
+        x, z = motion.at(arc, off)
+        x = x + sum(law.base(motion.t) for law in acting(laws, "base"))
+        points.append(arm.to_world(x, z))
+    out = np.stack(points, axis=1)
+    for law in laws:
+        out = law.seen(out)
+    return out
+
+
+def write(
+    folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], points: Sequence[Array]
+) -> Path:
+    """Write one dataset: points (T, M, 3) [m] of each trial. Its name is the folder's."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for i, (trial, seen) in enumerate(zip(program.trials, points, strict=True), start=1):
+            text = _csv(trial, program.given, markers, seen)
+            (folder / f"trial_{i:02d}.csv").write_text(text, encoding="utf-8", newline="\n")
+        toml = _toml(folder.name, program, arm, markers)
+        (folder / "dataset.toml").write_text(toml, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise OutputError(
+            "dataset", expected="a folder to write in", received=str(error), file=folder
+        ) from error
+    return folder
+
+
+def _csv(trial: Trial, given: str, markers: Sequence[Marker], seen: Array) -> str:
+    t = np.arange(trial.samples) / 100
+    names, columns = ["t"], [t]
+    if trial.command:
+        tau = trial.torque()
+        inputs = pressures(tau, trial.keq) if given == "pressures" else (tau,)
+        names += ["P1", "P2"] if given == "pressures" else ["tau"]
+        columns += inputs
+    for m, marker in enumerate(markers):
+        names += [f"{marker.name}_{axis}" for axis in "xyz"]
+        columns += list(seen[:, m].T)
+    rows = (",".join(f"{value:.6f}" for value in row) for row in np.stack(columns, axis=1))
+    return "\n".join([",".join(names), *rows]) + "\n"
+
+
+def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> str:
+    lines = ["format = 1", f'name = "{name}"', "", "[robot]"]
+    lines += [f"length = {arm.length}  # m", f"mass = {arm.mass}  # kg"]
+    lines += [f"diameter = {arm.diameter}  # m", f'mount = "{program.mount}"']
+    for marker in markers:
+        lines += ["", "[[marker]]", f'name = "{marker.name}"', f"arc_length = {marker.arc_length}  # m"]
+    for i, trial in enumerate(program.trials, start=1):
+        lines += ["", "[[trial]]", f'file = "trial_{i:02d}.csv"', f"keq = {trial.keq}  # Nm/rad"]
+        lines += [f"damping = {trial.damping}  # Nm s/rad, whole arm"]
+        if trial.tip_mass:
+            lines += [f"tip_mass = {trial.tip_mass}  # kg"]
+        if trial.release:
+            lines += [f"t_start = {trial.release}  # s, released"]
+    return "\n".join(lines) + "\n"
