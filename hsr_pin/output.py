@@ -59,6 +59,28 @@ def check_writable(path: str | Path) -> None:
         raise _refusal(path, error) from error
 
 
+def check_folder_writable(path: str | Path) -> None:
+    """Find out now whether a folder can be made or filled at ``path`` later; leaves everything as it was.
+
+    Raises:
+        OutputError: it cannot, or a file stands there.
+    """
+    try:
+        ancestor = Path(path).resolve()
+        while not ancestor.exists():
+            ancestor = ancestor.parent
+        if not ancestor.is_dir():
+            raise NotADirectoryError(None, f"{ancestor.name} is a file")
+        draft = _draft(ancestor / "check")
+        draft.touch()
+        draft.unlink()
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise OutputError(
+            "cannot write the folder", expected="a place where a folder can be made", received=reason, file=path
+        ) from error
+
+
 def _draft(target: Path) -> Path:
     return target.with_name(f".{target.name}.{os.getpid()}.part")
 

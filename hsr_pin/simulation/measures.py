@@ -121,9 +121,17 @@ def _settling(elapsed: Array, path: Array) -> tuple[float | None, float | None]:
     farthest = float(np.linalg.norm(path - path[0], axis=1).max())
     if farthest < STILL:
         return 0.0, 0.0
-    outside = np.flatnonzero(np.linalg.norm(path - path[-1], axis=1) > BAND * whole)
-    first_inside = outside[-1] + 1 if len(outside) else 0
-    if elapsed[first_inside] > (1 - STAY) * elapsed[-1]:
+    distance = np.linalg.norm(path - path[-1], axis=1)
+    outside = np.flatnonzero(distance > BAND * whole)
+    time = _crossing(elapsed, distance, int(outside[-1]), BAND * whole) if len(outside) else 0.0
+    if time > (1 - STAY) * elapsed[-1]:
         return None, None
-    overshoot = float(((path - path[0]) @ way).max()) / whole**2 - 1
-    return float(elapsed[first_inside]), max(0.0, overshoot)
+    overshoot = float(((path - path[0]) @ way).max()) / whole**2 - 1 if whole > 0 else 0.0
+    return time, max(0.0, overshoot)
+
+
+def _crossing(elapsed: Array, distance: Array, last: int, band: float) -> float:
+    """When the distance falls to the band after the sample ``last``, on the straight line to the next [s]."""
+    before, after = distance[last : last + 2]
+    share = (before - band) / (before - after)
+    return float(elapsed[last] + share * (elapsed[last + 1] - elapsed[last]))

@@ -1,0 +1,117 @@
+"""``hsr-sim``: simulate the arm and say, show or save what it does."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.cli.arm import arm_options
+from hsr_pin.cli.command import run
+
+if TYPE_CHECKING:
+    from hsr_pin.cli.sim_runs import Run
+
+_EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combinations that the paper tabulates for 1.11 Nm/rad."
+
+
+@click.command(name="hsr-sim", epilog=_EPILOG, context_settings={"max_content_width": 100})
+@arm_options
+@click.option(
+    "--pressures",
+    type=(float, float),
+    multiple=True,
+    metavar="P1 P2",
+    help="Step to these pressures [bar]; may be repeated. Without --keq the stiffness is that of Eq. (1).",
+)
+@click.option("--torque", type=float, multiple=True, metavar="TAU", help="Step to this torque [N m]; may be repeated.")
+@click.option(
+    "--input", "input_file", metavar="FILE.csv", help="Follow a file with columns t,P1,P2 or t,tau instead [s, bar, N m]."
+)
+@click.option("--duration", type=float, metavar="T", help="Length of a run [s].  [default: 3, or that of --input]")
+@click.option(
+    "--dynamics",
+    type=click.Choice(["aba", "rnea"]),
+    default="aba",
+    show_default=True,
+    help="Articulated bodies, or recursive Newton-Euler.",
+)
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME:PARAM=VALUE",
+    help="Add what the paper's model lacks, e.g. dry_friction:level=0.05; may be repeated.",
+)
+@click.option("--csv", "csv_folder", metavar="DIR", help="Write a dataset in the recording format.")
+@click.option("--plot", metavar="FILE.png", help="Draw the tip trajectories (.png, .pdf or .svg).")
+@click.option("--html", metavar="FILE.html", help="Write a self-contained animation.")
+@click.option("--replay", is_flag=True, help="Open the animation in the browser.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON document, for programs (SI units).")
+def command(**options: Any) -> None:
+    """Simulate a hybrid soft robot as a chain of rigid links.
+
+    Starts from rest, steps to one or several pressure pairs or torques, and prints where the tip settles, how fast, and how
+    far its path is from a circle. Any stiffness other than 1.11 and 2.33 Nm/rad needs --pressures or --torque.
+    """
+    from hsr_pin.cli.sim_report import print_json, print_table
+    from hsr_pin.cli.sim_runs import planned, simulated
+
+    runs = planned(options)
+    _check_outputs(options)
+    runs = simulated(runs, options["dynamics"])
+    written = _write(runs, options)
+    if options["as_json"]:
+        print_json(runs, options["dynamics"], written)
+    else:
+        print_table(runs, options["dynamics"], written)
+    if options["replay"]:
+        from hsr_pin.replay.live import show
+
+        show([run.drawn for run in runs])
+
+
+def _check_outputs(options: dict[str, Any]) -> None:
+    """Refuse what could not be written, before anything is computed."""
+    from hsr_pin.output import check_folder_writable, check_writable
+
+    if options["plot"] is not None:
+        from hsr_pin.replay.plots import picture_format
+
+        picture_format(options["plot"])
+    for name in ("plot", "html"):
+        if options[name] is not None:
+            check_writable(options[name])
+    if options["csv_folder"] is not None:
+        check_folder_writable(options["csv_folder"])
+
+
+def _write(runs: list[Run], options: dict[str, Any]) -> list[str]:
+    written = []
+    if options["csv_folder"] is not None:
+        from hsr_pin.cli.sim_runs import dataset
+        from hsr_pin.recordings.write import write_dataset
+
+        write_dataset(dataset(runs, options["dynamics"]), options["csv_folder"])
+        written.append(options["csv_folder"])
+    if options["plot"] is not None:
+        from hsr_pin.replay.plots import save, tip_figure
+
+        save(tip_figure([run.drawn for run in runs]), options["plot"])
+        written.append(options["plot"])
+    if options["html"] is not None:
+        from hsr_pin.replay.page import write_page
+
+        write_page([run.drawn for run in runs], options["html"])
+        written.append(options["html"])
+    return written
+
+
+def main() -> None:
+    """Entry point."""
+    sys.exit(run(command))
+
+
+if __name__ == "__main__":
+    main()

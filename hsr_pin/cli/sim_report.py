@@ -1,0 +1,127 @@
+"""What ``hsr-sim`` prints: a table for people, one JSON document for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from hsr_pin.cli.sim_runs import Run
+from hsr_pin.simulation.measures import BAND
+
+#: Headings: a name in up to two lines, and its unit.
+_COLUMNS = (
+    "P1\n\nbar",
+    "P2\n\nbar",
+    "tau\n\nN m",
+    "phi\n\nrad",
+    "tip x\n\nmm",
+    "tip z\n\nmm",
+    "settling\ntime\ns",
+    "over-\nshoot\n%",
+    "off\ncircle\nmm",
+)
+
+
+def print_table(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> None:
+    """Print one row per run, what the columns mean where it is not plain, notes, and the files written."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    several = len({run.arm.keq for run in runs}) > 1
+    console.print(_title(runs, dynamics, several), style="bold", soft_wrap=True, markup=False)
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
+    for column in ("Keq\n\nNm/rad", *_COLUMNS) if several else _COLUMNS:
+        table.add_column(column, justify="right", no_wrap=True)
+    for run in runs:
+        table.add_row(*([f"{run.arm.keq:.4g}"] if several else []), *_cells(run))
+    console.print(table)
+    for line in _footnotes(runs):
+        console.print(line, style="dim", markup=False)
+    for note in dict.fromkeys(note for run in runs for note in run.notes):
+        console.print(f"note: {note}", style="yellow", markup=False)
+    for path in written:
+        console.print(f"wrote {path}", style="green", soft_wrap=True, markup=False)
+
+
+def print_json(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> None:
+    """Print one JSON document in SI units (pressures in bar); what is not known is null."""
+    document = {
+        "command": "hsr-sim",
+        "units": {"pressures": "bar", "angles": "rad", "lengths": "m", "times": "s", "torques": "N m"},
+        "dynamics": dynamics,
+        "runs": [_record(run) for run in runs],
+        "written": list(written),
+    }
+    click.echo(json.dumps(document, indent=2, allow_nan=False))
+
+
+def _title(runs: Sequence[Run], dynamics: str, several: bool) -> str:
+    arm = runs[0].arm
+    stiffness = "" if several else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
+    effects = "".join(f", {effect.name}" for effect in runs[0].effects)
+    links = "1 link" if arm.links == 1 else f"{arm.links} links"
+    return f"{links}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{effects}"
+
+
+def _cells(run: Run) -> list[str]:
+    measures, pressures = run.measures, run.pressures
+    cells = ["-", "-"] if pressures is None else [f"{p:.4f}" for p in pressures]
+    cells += [f"{run.torque:.3f}", f"{run.torque / run.arm.keq:.3f}", f"{1e3 * measures.x:.1f}", f"{1e3 * measures.z:.1f}"]
+    cells.append("-" if measures.settling_time is None else f"{measures.settling_time:.3f}")
+    cells.append("-" if measures.overshoot is None else f"{100 * measures.overshoot:.1f}")
+    cells.append("-" if measures.circle is None else f"{1e3 * measures.circle.distance:.3f}")
+    return cells
+
+
+def _footnotes(runs: Sequence[Run]) -> list[str]:
+    lines = [
+        f"settling time: from the last command until the tip stays within {100 * BAND:g} % of its way;",
+        "off circle: RMS distance of the tip's path from the circle nearest to it",
+    ]
+    if not all(run.measures.settled for run in runs):
+        lines.append("a dash under settling time: not settled within the run; try a longer --duration")
+    if any(run.drive.pressures is None for run in runs):
+        lines.append("P1, P2 beside a given torque: the pressures that make it (a dash: none do)")
+    return lines
+
+
+def _record(run: Run) -> dict[str, Any]:
+    arm, measures = run.arm, run.measures
+    circle = measures.circle
+    return {
+        "arm": {
+            "links": arm.links,
+            "keq": float(arm.keq),
+            "damping": float(arm.damping),
+            "placement": arm.placement,
+            "mount": arm.mount,
+            "length": float(arm.length),
+            "mass": float(arm.mass),
+            "diameter": float(arm.diameter),
+            "tip_mass": float(arm.tip_mass),
+            "tilt": float(arm.tilt),
+        },
+        "effects": [_effect(effect) for effect in run.effects],
+        "pressures": run.pressures,
+        "torque": run.torque,
+        "phi": run.torque / run.arm.keq,
+        "tip": {"x": measures.x, "z": measures.z},
+        "settling_time": measures.settling_time,
+        "overshoot": measures.overshoot,
+        "circle": None
+        if circle is None
+        else {"radius": circle.radius if math.isfinite(circle.radius) else None, "distance": circle.distance},
+        "duration": float(run.motion.time[-1] - run.motion.time[0]),
+        "notes": list(run.notes),
+    }
+
+
+def _effect(effect: Any) -> dict[str, Any]:
+    values = {fact.name: float(getattr(effect, fact.name)) for fact in effect.parameters()}
+    return {"name": effect.name, **values, **{name: getattr(effect, name) for name in effect.choices()}}

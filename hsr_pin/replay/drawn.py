@@ -1,0 +1,63 @@
+"""What is drawn: a simulated motion, its arm, and the measured motion beside it where there is one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Array, Marker, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """One run, for pictures.
+
+    Attributes:
+        label: what tells it from others in the same picture.
+        arm: as it was simulated.
+        simulated: its motion, with joint angles.
+        measured: of the same markers; None where there is no measurement.
+    """
+
+    label: str
+    arm: ArmSpecification
+    simulated: Trajectory
+    measured: Trajectory | None = None
+
+    def __post_init__(self) -> None:
+        angles = self.simulated.joint_angles
+        if angles is None or angles.shape[1] != self.arm.links:
+            raise ValueError(f"expected a simulated motion with {self.arm.links} joint angles")
+
+    @property
+    def angles(self) -> Array:
+        """(T, N) [rad] of the simulated motion."""
+        assert self.simulated.joint_angles is not None
+        return self.simulated.joint_angles
+
+    @property
+    def tip(self) -> Marker:
+        """The simulated marker farthest along the arm."""
+        return max(self.simulated.markers, key=lambda marker: marker.arc_length)
+
+    @property
+    def common(self) -> tuple[Marker, ...]:
+        """The markers that were both simulated and measured."""
+        if self.measured is None:
+            return ()
+        names = {marker.name for marker in self.measured.markers}
+        return tuple(marker for marker in self.simulated.markers if marker.name in names)
+
+    def simulated_at(self, time: Array, marker: str) -> Array:
+        """(len(time), 3) [m] where the simulation has a marker; NaN outside of its time."""
+        own, path = self.simulated.time, self.simulated.marker(marker)
+        return np.stack([np.interp(time, own, axis, left=np.nan, right=np.nan) for axis in path.T], axis=-1)
+
+    def gap(self, marker: str) -> Array:
+        """(T,) [m] distance from simulation to measurement, at the measured times; NaN where there is none."""
+        if self.measured is None:
+            raise ValueError("there is no measurement")
+        there = self.measured.marker(marker)
+        return np.asarray(np.linalg.norm(self.simulated_at(self.measured.time, marker) - there, axis=1))

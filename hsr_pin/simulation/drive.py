@@ -1,0 +1,86 @@
+"""What drives an arm over time: torques, or pressures and the torques that they give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.robot.pressure import PAPER
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.scenario import Scenario, Settled, step_scenario
+from hsr_pin.trajectory import Array, Trajectory, read_only
+
+#: Rest before a step [s].
+REST = 0.1
+#: Longest run [s].
+LONGEST = 3600.0
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """A command for one arm.
+
+    Attributes:
+        time: (T,) [s] evenly spaced.
+        torque: (T,) [N m] held from each sample to the next.
+        pressures: (T, 2) [bar] that give this torque by Eqs. (4) and (5); None: the torque itself is commanded.
+    """
+
+    time: Array
+    torque: Array
+    pressures: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("time", "torque", "pressures"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    def scenario(self, arm: ArmSpecification, effects: tuple[Effect, ...] = ()) -> Scenario:
+        """The arm under this drive, at first settled under its first command."""
+        return Scenario(arm, self.time, self.torque, Settled(float(self.torque[0])), effects)
+
+    def noted_in(self, trajectory: Trajectory) -> Trajectory:
+        """A motion under this drive, with the pressures that caused it."""
+        count = len(trajectory.time)
+        return replace(trajectory, pressures=None if self.pressures is None else self.pressures[:count])
+
+
+def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> Drive:
+    """Rest under no torque, then a constant one [N m] up to ``duration`` [s].
+
+    Raises:
+        InputError: a torque that is no number, or a duration without a step in it.
+    """
+    if not np.isfinite(torque):
+        raise InputError("torque", expected="a finite number [N m]", received=torque)
+    scenario = step_scenario(arm, torque, rest=REST, duration=checked_duration(duration))
+    return Drive(scenario.time, scenario.torque)
+
+
+def pressure_step(arm: ArmSpecification, pressures: ArrayLike, duration: float = 3.0) -> Drive:
+    """Rest under the pressures that bend the arm by nothing at its stiffness, then constant ones (2,) [bar].
+
+    Raises:
+        PressureError: pressures out of range, or a stiffness that no pressures give.
+        InputError: a duration without a step in it.
+    """
+    torque = PAPER.torque(pressures, arm.keq)
+    neutral = PAPER.pressures_for_torque(arm.keq, 0.0)
+    step = torque_step(arm, float(torque), duration)
+    resting = step.time < REST - step.time[1] / 2
+    held = np.where(resting[:, None], neutral, np.asarray(pressures, dtype=float))
+    return Drive(step.time, step.torque, held)
+
+
+def checked_duration(duration: float) -> float:
+    """A duration [s] that a run can have.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not 2 * REST <= duration <= LONGEST:
+        raise InputError("duration", expected=f"{2 * REST:g} to {LONGEST:g} s", received=f"{duration:g}")
+    return duration
