@@ -78,7 +78,7 @@ def fit(
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
-        spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: three times
+        spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
         max_evaluations: of each of the two rounds.
         tell: called with a line now and then.
@@ -89,7 +89,7 @@ def fit(
     x = np.clip((hypothesis.start if start is None else np.asarray(start)) / scale, lower, upper)
     misfit = _Misfit(experiment, hypothesis, scale)
     if spread is None:
-        spread = max(3.0, 3.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
+        spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
     for round_ in range(_ROUNDS):
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))

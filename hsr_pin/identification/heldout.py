@@ -31,9 +31,8 @@ def _without(fit: Fit, run: int) -> Array:
     scale = np.array([fact.scale for fact in facts])
     residual, slopes = stacked(fit, others)
     normal = (slopes * scale).T @ (slopes * scale)
-    # a faint pull to the full fit: what the others cannot tell stays where it was
-    normal += np.diag(1e-9 * np.trace(normal) / len(scale) * np.ones(len(scale)))
-    step = -np.linalg.solve(normal, (slopes * scale).T @ residual)
-    step = np.clip(step, -2.0, 2.0)
+    # damped as Marquardt does: along directions that the other runs cannot tell, the parameters stay where they were
+    normal += 0.02 * np.diag(np.diag(normal)) + 1e-12 * np.trace(normal) * np.eye(len(scale))
+    step = np.clip(-np.linalg.solve(normal, (slopes * scale).T @ residual), -2.0, 2.0)
     lower, upper = np.array([fact.lower for fact in facts]), np.array([fact.upper for fact in facts])
     return np.asarray(np.clip(fit.values + scale * step, lower, upper))

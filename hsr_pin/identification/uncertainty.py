@@ -1,0 +1,107 @@
+"""How sure a fit is of its values: intervals, correlations, and what the data cannot tell apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from hsr_pin.identification.fit import Fit
+from hsr_pin.trajectory import Array
+
+#: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
+WEAK = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """Of the values of a fit.
+
+    Attributes:
+        standard_error: (P,) in the parameters' units.
+        interval: (P, 2) 95 % intervals, within the bounds.
+        correlation: (P, P).
+        condition: ratio of the largest to the smallest singular value of the scaled derivatives.
+        weak: directions that the data cannot tell, in words.
+    """
+
+    standard_error: Array
+    interval: Array
+    correlation: Array
+    condition: float
+    weak: tuple[str, ...]
+
+
+def uncertainty(fit: Fit) -> Uncertainty:
+    """Intervals from the derivatives at the optimum, for residuals that are correlated in time.
+
+    The covariance is the sandwich H^-1 S H^-1 with S the long-run covariance of the scores g_t = J_t^T r_t by Newey and West
+    (Econometrica 55, 1987): a model error that lasts for many samples counts as few, not as many, independent observations. Where
+    that comes out smaller than what white noise of the same size implies, the latter stands.
+    """
+    facts = fit.hypothesis.parameters
+    scale = np.array([fact.scale for fact in facts])
+    hessian, middle = np.zeros((len(scale), len(scale))), np.zeros((len(scale), len(scale)))
+    squares = count = 0.0
+    for residual, slopes, weights in zip(fit.residuals, fit.slopes, fit.weights, strict=True):
+        weighted = slopes * weights[..., None] * scale
+        r = np.nan_to_num(residual) * weights
+        hessian += np.einsum("tmcp,tmcq->pq", weighted, weighted)
+        middle += _long_run(np.einsum("tmcp,tmc->tp", weighted, r), _memory(r))
+        squares, count = squares + float((r**2).sum()), count + float((weights > 0).sum())
+    singular_values, directions = _spectrum(hessian)
+    inverse = np.linalg.pinv(hessian, rcond=1e-12)
+    white = inverse * squares / max(count - len(scale), 1.0)
+    robust = inverse @ middle @ inverse
+    variance = np.maximum(np.diag(robust), np.diag(white))
+    standard = np.sqrt(variance)
+    reach = stats.t.ppf(0.975, max(count - len(scale), 1.0)) * standard * scale
+    bounds = np.array([(fact.lower, fact.upper) for fact in facts])
+    interval = np.clip(fit.values[:, None] + reach[:, None] * np.array([-1.0, 1.0]), bounds[:, :1], bounds[:, 1:])
+    size = np.sqrt(np.maximum(np.diag(white), 1e-300))
+    return Uncertainty(
+        standard_error=standard * scale,
+        interval=interval,
+        correlation=white / np.outer(size, size),
+        condition=float(singular_values[0] / max(singular_values[-1], 1e-300)),
+        weak=tuple(
+            _in_words(direction, [fact.name for fact in facts])
+            for value, direction in zip(singular_values, directions.T, strict=True)
+            if value < WEAK * singular_values[0]
+        ),
+    )
+
+
+def _memory(residual: Array) -> int:
+    """Lag [samples] after which the residuals (T, M, 3) are no longer correlated."""
+    centred = residual.reshape(len(residual), -1)
+    power = float((centred**2).sum())
+    longest = max(1, len(centred) // 4)
+    for lag in range(1, longest):
+        if float((centred[lag:] * centred[:-lag]).sum()) < 0.1 * power:
+            return lag
+    return longest
+
+
+def _long_run(scores: Array, lags: int) -> Array:
+    total = scores.T @ scores
+    for lag in range(1, lags):
+        weight = 1 - lag / lags  # Bartlett's
+        cross = scores[lag:].T @ scores[:-lag]
+        total = total + weight * (cross + cross.T)
+    return np.asarray(total)
+
+
+def _spectrum(hessian: Array) -> tuple[Array, Array]:
+    values, directions = np.linalg.eigh(hessian)
+    return np.sqrt(np.maximum(values[::-1], 0.0)), directions[:, ::-1]
+
+
+def _in_words(direction: Array, names: list[str]) -> str:
+    order = np.argsort(-np.abs(direction))
+    parts = [names[i] for i in order if abs(direction[i]) > 0.3]
+    signs = {bool(direction[i] > 0) for i in order[: len(parts)]}
+    if len(parts) == 1:
+        return f"{parts[0]} is hardly seen in these data"
+    return f"{' and '.join(parts)} can change {'together' if len(signs) == 1 else 'against each other'} unseen"
