@@ -201,25 +201,25 @@ def _check_unchanged(tree: XmlTree, declared: XmlTree) -> None:
         expected = wanted[name][1] if name in wanted else "nothing"
         if not _same(value, expected):
             hint = "change the arm with hsr-urdf, not the file by hand"
-            tree.fail(f"{name} disagrees with <hsr>", element, expected=expected, received=value, hint=hint)
+            tree.fail(f"{name.strip()} does not fit the arm in <hsr>", element, expected=expected, received=value, hint=hint)
 
 
 def _physics(root: Element) -> dict[str, tuple[Element, str]]:
-    """Every attribute of links and joints but for their looks: "link link_1 inertial mass value" -> (element, text)."""
+    """Every attribute of links, joints and <hsr>, but for looks: "link link_1 inertial mass value" -> (element, text)."""
     facts: dict[str, tuple[Element, str]] = {}
 
     def walk(element: Element, path: str) -> None:
         while f"{path} " in facts:
             path += " (again)"
-        facts[f"{path} "] = element, ""
+        facts[f"{path} "] = element, f"<{element.tag}>"
         facts.update({f"{path} {name}": (element, value) for name, value in element.items()})
         for part in element:
             if part.tag not in ("visual", "collision"):
                 walk(part, f"{path} {part.tag}")
 
     for body in root:
-        if body.tag in ("link", "joint"):
-            walk(body, f"{body.tag} {body.get('name')}")
+        if body.tag in ("link", "joint", "hsr"):
+            walk(body, f"{body.tag} {body.get('name', '')}".strip())
     return facts
 
 
