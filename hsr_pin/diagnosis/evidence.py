@@ -1,0 +1,69 @@
+"""Is one model better than another on held-out trials, and by how much: resampling the trials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.trajectory import Array
+
+_RESAMPLES = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class Squares:
+    """Squared marker distances of one model on held-out data, in blocks that can be drawn anew.
+
+    Attributes:
+        sums: (K,) [m^2] of each block.
+        counts: (K,) markers seen in each block.
+    """
+
+    sums: Array
+    counts: Array
+
+    @property
+    def mean(self) -> float:
+        """[m^2] mean squared distance."""
+        return float(self.sums.sum() / self.counts.sum())
+
+
+def squares(heldout: Sequence[Array]) -> Squares:
+    """Held-out residuals [m] (one (T, M, 3) per run) as blocks.
+
+    A block is a trial; with fewer than five, each trial is cut into pieces in time, so that there is something to draw from.
+    """
+    pieces = 1 if len(heldout) >= 5 else -(-8 // len(heldout))
+    sums, counts = [], []
+    for residual in heldout:
+        for piece in np.array_split(residual, pieces):
+            square = (piece**2).sum(axis=-1)
+            seen = np.isfinite(square)
+            if seen.any():
+                sums.append(float(square[seen].sum()))
+                counts.append(float(seen.sum()))
+    return Squares(np.array(sums), np.array(counts))
+
+
+def draws(blocks: int, seed: int) -> Array:
+    """(R, K) how often each block is drawn in each of R resamples."""
+    generator = np.random.default_rng(seed)
+    return generator.multinomial(blocks, np.full(blocks, 1 / blocks), size=_RESAMPLES).astype(float)
+
+
+def interval(values: Squares, seed: int) -> tuple[float, float]:
+    """95 % interval [m] of the RMS distance over resampled blocks."""
+    drawn = draws(len(values.sums), seed)
+    means = drawn @ values.sums / (drawn @ values.counts)
+    low, high = np.sqrt(np.percentile(means, (2.5, 97.5)))
+    return float(low), float(high)
+
+
+def gain_interval(worse: Squares, better: Squares, seed: int) -> tuple[float, float]:
+    """95 % interval [m^2] of how much lower the mean squared distance of ``better`` is, on the same resampled blocks."""
+    drawn = draws(len(worse.sums), seed)
+    gains = drawn @ (worse.sums - better.sums) / (drawn @ worse.counts)
+    low, high = np.percentile(gains, (2.5, 97.5))
+    return float(low), float(high)

@@ -1,0 +1,146 @@
+"""Which effects: added one at a time, a few of the best sets carried on side by side, judged on held-out trials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import Protocol
+
+from hsr_pin.diagnosis.candidates import Candidate, Guess
+from hsr_pin.diagnosis.evidence import Squares, gain_interval, squares
+from hsr_pin.effects.effect import Effect
+
+#: Fits a rung: of all effects, those that a probe predicts to help most.
+FITS = 8
+#: Sets carried on to the next rung, and fits for each.
+BEAM, BEAM_FITS = 3, 5
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What counts.
+
+    Attributes:
+        noise: [m] RMS distance that noise alone leaves.
+        worth: [m] an effect is worth having if it takes this much RMS distance away (square root of the drop of the mean square).
+        closed: [m] an RMS distance beyond noise that is too small to ask about.
+        explained: largest share of the squared gap that may be left when effects are said to explain it.
+    """
+
+    noise: float
+    worth: float
+    closed: float
+    explained: float = 0.10
+
+    @classmethod
+    def of(cls, noise: float, length: float) -> Thresholds:
+        """For a noise floor [m] and an arm of this length [m]."""
+        return cls(noise, worth=max(0.4 * noise, 1e-3 * length), closed=max(0.3 * noise, 0.75e-3 * length))
+
+
+class Workers(Protocol):
+    """Does the same to many things, perhaps side by side."""
+
+    def guess(self, base: Candidate, effects: Sequence[Effect]) -> list[Guess]:
+        """First guesses for adding each effect."""
+
+    def fit(self, guesses: Sequence[Guess]) -> list[Candidate]:
+        """A candidate for each guess."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What the search did.
+
+    Attributes:
+        path: the models on the way, from the one without effects; each is worth having over the one before.
+        tried: every model that was fitted.
+    """
+
+    path: tuple[Candidate, ...]
+    tried: tuple[Candidate, ...]
+
+    @property
+    def best(self) -> Candidate:
+        """Where the path ends."""
+        return self.path[-1]
+
+
+def mean_square(candidate: Candidate) -> float:
+    """[m^2] on held-out trials."""
+    return squares(candidate.heldout).mean
+
+
+def left(candidate: Candidate, thresholds: Thresholds) -> float:
+    """[m^2] mean square on held-out trials beyond what noise leaves."""
+    return max(0.0, mean_square(candidate) - thresholds.noise**2)
+
+
+def worth_having(worse: Squares, better: Squares, thresholds: Thresholds, seed: int) -> bool:
+    """Whether a gain is both certain (its interval excludes zero) and worth having."""
+    gain = worse.mean - better.mean
+    return gain >= thresholds.worth**2 and gain_interval(worse, better, seed)[0] > 0
+
+
+def search(
+    start: Candidate,
+    effects: Sequence[Effect],
+    thresholds: Thresholds,
+    workers: Workers,
+    *,
+    max_effects: int = 3,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Search:
+    """Add effects to a fitted model as long as one is worth having.
+
+    Args:
+        start: the model without effects, K and C fitted.
+        effects: the catalogue, each with the options it is to be tried with.
+        thresholds: what counts.
+        workers: who does the fitting.
+        max_effects: at most this many.
+        seed: of the resampling.
+        tell: called at each rung.
+    """
+    path, tried, beam = [start], {(): start}, [start]
+    while len(path) <= max_effects and sqrt(left(path[-1], thresholds)) > thresholds.closed:
+        tell(f"effect {len(path)}: trying {len(effects)} candidates")
+        new = _extend(beam, effects, workers, tried)
+        tried |= {key(candidate): candidate for candidate in new}
+        last = squares(path[-1].heldout)
+        good = [c for c in new if worth_having(last, squares(c.heldout), thresholds, seed)]
+        if not good:
+            break
+        good.sort(key=mean_square)
+        path.append(good[0])
+        beam = _distinct(good)[:BEAM]
+    return Search(tuple(path), tuple(tried.values()))
+
+
+def key(candidate: Candidate) -> tuple[tuple[str, object], ...]:
+    """The effects of a candidate and the options they were tried with."""
+    return tuple(sorted((effect.name, effect.options) for effect in candidate.fit.hypothesis.effects))
+
+
+def _extend(
+    beam: Sequence[Candidate], effects: Sequence[Effect], workers: Workers, tried: dict[tuple[tuple[str, object], ...], Candidate]
+) -> list[Candidate]:
+    chosen: dict[tuple[tuple[str, object], ...], Guess] = {}
+    for base in beam:
+        open_effects = [effect for effect in effects if effect.name not in base.names]
+        ranked = sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain)
+        for guess in ranked[: FITS if len(beam) == 1 else BEAM_FITS]:
+            name = tuple(sorted((effect.name, effect.options) for effect in guess.hypothesis.effects))
+            if name not in tried:
+                chosen.setdefault(name, guess)
+    return workers.fit(list(chosen.values()))
+
+
+def _distinct(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The first of each set of names: options of one law do not crowd the beam."""
+    first: dict[tuple[str, ...], Candidate] = {}
+    for candidate in candidates:
+        first.setdefault(candidate.names, candidate)
+    return list(first.values())
