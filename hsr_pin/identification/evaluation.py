@@ -55,7 +55,7 @@ def predict_with_slopes(experiment: Experiment, hypothesis: Hypothesis, values: 
             if counterpart:
                 names[counterpart[0]] = None
     results, slopes = sensitivities(
-        scenarios, list(names), fraction=FRACTION, integrator=hypothesis.integrator, step=hypothesis.step
+        scenarios, list(names), fraction=FRACTION, central=False, integrator=hypothesis.integrator, step=hypothesis.step
     )
     predictions = []
     for run, result, slope in zip(experiment.runs, results, slopes, strict=True):

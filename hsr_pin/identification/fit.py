@@ -15,7 +15,8 @@ from hsr_pin.trajectory import Array
 
 #: The chain and step that stand for the continuous arm: against them the fitted, coarser chain is corrected.
 FINE_LINKS, FINE_STEP = 20, 0.005
-_ROUNDS = 2
+#: Of the two rounds: the first need not be exact, the defect changes its answer anyway.
+_TOLERANCES = (1e-3, 1e-4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ def fit(
     if spread is None:
         spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
-    for round_ in range(_ROUNDS):
+    for tolerance in _TOLERANCES:
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         answer = least_squares(
             misfit.residual,
@@ -100,14 +101,14 @@ def fit(
             bounds=(lower, upper),
             loss="soft_l1",
             f_scale=spread,
-            ftol=1e-5,
-            xtol=1e-4,
+            ftol=tolerance,
+            xtol=tolerance,
             max_nfev=max_evaluations,
         )
         x, converged = answer.x, answer.status > 0
         misfit.correct(x)
         if tell:
-            tell(f"round {round_ + 1}: cost {answer.cost:.6g}")
+            tell(f"cost {answer.cost:.6g}")
     return misfit.fit_at(x, spread, converged)
 
 
@@ -142,9 +143,7 @@ class _Misfit:
         """Take fine minus coarse prediction at ``x`` as the coarse chain's defect."""
         fine = self._fine(x)
         coarse = self._simulate(x)
-        self._defect = [
-            0.0 if f.failed or c.failed else f.positions - c.positions for f, c in zip(fine, coarse, strict=True)
-        ]
+        self._defect = [0.0 if f.failed or c.failed else f.positions - c.positions for f, c in zip(fine, coarse, strict=True)]
 
     def _fine(self, x: Array) -> list[Prediction]:
         fine = self.hypothesis.finer(FINE_LINKS, FINE_STEP)
@@ -152,17 +151,13 @@ class _Misfit:
 
     def fit_at(self, x: Array, spread: float, converged: bool) -> Fit:
         predictions = self._simulate(x)
-        missed = [
-            np.asarray(r + d) for r, d in zip(residuals(self.experiment, predictions), self._defect, strict=True)
-        ]
+        missed = [np.asarray(r + d) for r, d in zip(residuals(self.experiment, predictions), self._defect, strict=True)]
         weights = [
             np.nan_to_num(w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25)
             for r, w in zip(missed, self._weights, strict=True)
         ]
         slopes = [p.slopes for p in predictions if p.slopes is not None]
-        return Fit(
-            self.hypothesis, x * self.scale, tuple(missed), tuple(slopes), tuple(weights), converged, self.evaluations
-        )
+        return Fit(self.hypothesis, x * self.scale, tuple(missed), tuple(slopes), tuple(weights), converged, self.evaluations)
 
 
 def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:

@@ -41,7 +41,7 @@ class Hypothesis:
 
     effects: tuple[Effect, ...] = ()
     free: tuple[str, ...] = ("keq_scale", "damping_scale")
-    links: int = 8
+    links: int = 6
     placement: Placement = "mid"
     integrator: str = "ros2"
     step: float = 0.01

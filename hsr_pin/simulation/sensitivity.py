@@ -42,6 +42,7 @@ def sensitivities(
     names: Sequence[str],
     *,
     fraction: float = FRACTION,
+    central: bool = True,
     dynamics: str = "aba",
     integrator: str = "extrapolated4",
     step: float = STEP,
@@ -53,6 +54,7 @@ def sensitivities(
         scenarios: any mixture; each must have the named effects.
         names: P parameters.
         fraction: size of a difference over the parameter's scale.
+        central: False takes one neighbour instead of two: half the runs, first-order differences.
         dynamics: as for :func:`simulate_batch`.
         integrator: likewise.
         step: likewise.
@@ -60,19 +62,20 @@ def sensitivities(
 
     Returns:
         The scenarios' own results, and for each (T, M, 3, P) [m per unit of the parameter]: second-order differences, central or
-        (at a bound) one-sided; NaN where the run itself, or both neighbours, failed.
+        (at a bound) one-sided; NaN where the run itself, or all neighbours, failed.
     """
     runs: list[Scenario] = []
-    offsets = np.empty((len(scenarios), len(names), 2))
+    neighbours = 2 if central else 1
+    offsets = np.empty((len(scenarios), len(names), neighbours))
     for scenario, pairs in zip(scenarios, offsets, strict=True):
         runs.append(scenario)
         for name, pair in zip(names, pairs, strict=True):
             value = value_of(scenario, name)
-            pair[:] = _offsets(value, parameter_of(scenario, name), fraction)
+            pair[:] = _offsets(value, parameter_of(scenario, name), fraction)[:neighbours]
             shared = replace(scenario, implicit_as=scenario.implicit_as or scenario)
             runs += [with_value(shared, name, value + offset) for offset in pair]
     results = simulate_batch(runs, dynamics=dynamics, integrator=integrator, step=step, threads=threads)
-    own = 1 + 2 * len(names)
+    own = 1 + neighbours * len(names)
     return results[::own], [_derivatives(results[i * own : (i + 1) * own], pairs) for i, pairs in enumerate(offsets)]
 
 
@@ -124,14 +127,16 @@ def _derivatives(results: Sequence[SimulationResult], offsets: Array) -> Array:
     if not base.completed:
         return slopes
     centre = base.trajectory.positions
-    for p, (a, b) in enumerate(offsets):
+    per = offsets.shape[1]
+    for p, steps in enumerate(offsets):
         chords = [
-            (side.trajectory.positions - centre) / offset if side.completed else None
-            for side, offset in zip(neighbours[2 * p : 2 * p + 2], (a, b), strict=True)
+            ((side.trajectory.positions - centre) / offset, offset)
+            for side, offset in zip(neighbours[per * p : per * (p + 1)], steps, strict=True)
+            if side.completed
         ]
-        first, second = chords
-        if first is not None and second is not None:
+        if len(chords) == 2:
+            (first, a), (second, b) = chords
             slopes[..., p] = (a * second - b * first) / (a - b)
-        elif first is not None or second is not None:
-            slopes[..., p] = first if first is not None else second
+        elif chords:
+            slopes[..., p] = chords[0][0]
     return slopes
