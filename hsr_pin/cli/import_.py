@@ -1,0 +1,158 @@
+"""``hsr-import``: motion capture into a dataset."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.cli.command import run
+
+if TYPE_CHECKING:
+    from hsr_pin.recordings.importers.assemble import Imported
+    from hsr_pin.recordings.importers.settings import ImportSettings
+
+_NEEDED = ("output", "mass", "diameter", "keq")
+
+
+@click.command(name="hsr-import")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("-o", "--output", metavar="DATASET", help="Folder to write the dataset into.")
+@click.option("--list", "list_points", is_flag=True, help="Only list the points in the files.")
+@click.option(
+    "-m",
+    "--marker",
+    "markers",
+    multiple=True,
+    metavar="NAME[@ARC]=POINT[+POINT...]",
+    help="A marker, its arc length from the base [m] (else estimated from the straight pose), and the points it is the mean of; "
+    "patterns (Tip*) allowed. Again for each marker.  [default: every named point]",
+)
+@click.option("--base", metavar="POINT[+POINT...]", help="The point or points at the base.  [default: one named base, if any]")
+@click.option("--origin", metavar="X,Y,Z", help="Place of the base in the laboratory [m].  [default: from the base points]")
+@click.option("--up", metavar="AXIS", help="Axis of the laboratory that is up: +z, -y, ...  [default: as the system has it]")
+@click.option("--mount", metavar="MOUNT", help="hanging, upright or horizontal.  [default: from the straight pose]")
+@click.option("--bending", metavar="AXIS", help="Axis that positive bending carries the tip towards.  [default: from the input]")
+@click.option("--own-plane", is_flag=True, help="Fit the bending plane to each file, not to all together.")
+@click.option("--unit", metavar="UNIT", help="mm, cm, m or in, in place of what the files say.")
+@click.option("--length", type=float, metavar="M", help="Arc length of the arm.  [default: of its farthest marker]")
+@click.option("--mass", type=float, metavar="KG", help="Mass of the arm.  [needed]")
+@click.option("--diameter", type=float, metavar="M", help="Diameter of the arm.  [needed]")
+@click.option("--keq", type=float, multiple=True, metavar="NM/RAD", help="Bending stiffness; once, or once per file.  [needed]")
+@click.option("--damping", type=float, multiple=True, metavar="NMS/RAD", help="Damping of the whole arm; likewise.")
+@click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; likewise.")
+@click.option("--t-start", type=float, multiple=True, metavar="S", help="Use the recording from here on; likewise.")
+@click.option("--input", "inputs", multiple=True, metavar="CSV", help="The input, t,P1,P2 or t,tau, held; likewise.")
+@click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: of its folder]")
+@click.option("--description", default="", metavar="TEXT", help="One line.")
+def command(files: tuple[str, ...], list_points: bool, output: str | None, **options: Any) -> None:
+    """Import motion capture as a dataset, one trial per FILE.
+
+    Reads CSV of Vicon Nexus and Tracker, CSV of OptiTrack Motive, and C3D. Units become metres, up becomes z, the base becomes
+    the origin, and the plane in which the arm bends becomes x-z.
+
+    \b
+    hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\
+        --base Arm:base -m mid@0.12=Arm:m1+Arm:m2 -m tip@0.24=Arm:tip
+    """  # noqa: D301 (click's mark for text as it stands is a backspace)
+    if list_points:
+        _list(files, options["unit"])
+        return
+    options["output"] = output
+    for name in _NEEDED:
+        if options[name] in (None, ()):
+            raise click.UsageError(f"Missing option '--{name}'.")
+    from hsr_pin.recordings.importers.assemble import import_recordings
+    from hsr_pin.recordings.write import check_target, write_dataset
+
+    check_target(options["output"])
+    imported = import_recordings(files, _settings(options))
+    write_dataset(imported.dataset, options["output"])
+    _report(imported, files, options["output"])
+
+
+def _settings(options: dict[str, Any]) -> ImportSettings:
+    from pathlib import Path
+
+    from hsr_pin.recordings.importers.bodies import Body
+    from hsr_pin.recordings.importers.settings import ImportSettings
+
+    bodies = [Body.parse(text) for text in options["markers"]]
+    if options["base"] is not None:
+        bodies.insert(0, Body.parse(f"base@0={options['base']}"))
+    same = ("mass", "diameter", "keq", "length", "mount", "up", "bending", "unit", "own_plane", "damping", "tip_mass", "t_start")
+    return ImportSettings(
+        **{name: options[name] for name in (*same, "inputs", "description")},
+        name=options["name"] or Path(options["output"]).resolve().name or "imported",
+        markers=bodies,
+        origin=None if options["origin"] is None else _point(options["origin"]),
+    )
+
+
+def _point(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise click.BadParameter(f"expected X,Y,Z in m, got {text!r}", param_hint="'--origin'") from None
+
+
+def _list(files: tuple[str, ...], unit: str | None) -> None:
+    import numpy as np
+    from rich.console import Console
+    from rich.table import Table
+
+    from hsr_pin.recordings.importers.detect import read_capture
+
+    for path in files:
+        capture = read_capture(path, unit)
+        table = Table(
+            title=f"{path}: {capture.system}, {len(capture.time)} frames, {capture.time[-1]:.3f} s", title_justify="left"
+        )
+        for heading in ("point", "seen", "x [m]", "y [m]", "z [m]"):
+            table.add_column(heading, justify="left" if heading == "point" else "right")
+        for name, places in zip(capture.names, capture.positions.swapaxes(0, 1), strict=True):
+            seen = places[np.isfinite(places).all(axis=1)]
+            middle = [f"{value:.4f}" for value in np.median(seen, axis=0)] if len(seen) else ["", "", ""]
+            table.add_row(name, f"{len(seen) / len(places):.0%}", *middle)
+        Console().print(table)
+
+
+def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
+    import numpy as np
+    from rich.console import Console
+    from rich.table import Table
+
+    from hsr_pin.recordings.noise import noise_floor
+
+    dataset = imported.dataset
+    console = Console()
+    places = ", ".join(f"{marker.name} {marker.arc_length:.4g} m" for marker in dataset.markers)
+    table = Table(title=f"{output}: {dataset.mount} arm of {dataset.length:.4g} m; {places}", title_justify="left")
+    for heading in ("trial", "file", "samples", "rate [Hz]", "missing", "noise [mm]", "in plane [mm]", "out of plane [mm]"):
+        table.add_column(heading, justify="left" if heading in ("trial", "file") else "right")
+    for trial, path, within, out in zip(dataset.trials, files, imported.in_plane, imported.out_of_plane, strict=True):
+        trajectory = trial.trajectory
+        missing = np.isnan(trajectory.positions).any(axis=2)
+        noise = noise_floor(trial)
+        quiet = f"{1e3 * np.nanmax(noise):.3f}" if np.isfinite(noise).any() else ""
+        row = (
+            str(len(trajectory.time)),
+            f"{1 / trajectory.step:.4g}",
+            f"{missing.mean():.1%}",
+            quiet,
+            f"{1e3 * within:.2f}",
+            f"{1e3 * out:.2f}",
+        )
+        table.add_row(trial.name, path, *row)
+    console.print(table)
+    for note in dataset.notes:
+        console.print(f"  {note}", highlight=False, markup=False)
+    for trial in dataset.trials:
+        for note in trial.trajectory.notes:
+            console.print(f"  {trial.name}: {note}", highlight=False, markup=False)
+
+
+def main() -> None:
+    """Entry point of ``hsr-import``."""
+    sys.exit(run(command))

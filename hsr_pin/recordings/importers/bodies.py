@@ -1,0 +1,103 @@
+"""From the points of a tracking system to the markers of an arm: chosen by name, several averaged to one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.importers.capture import Capture, seen
+from hsr_pin.recordings.text import nearest, number
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Body:
+    """A marker to be, and the points that it is the mean of.
+
+    Attributes:
+        name: of the marker.
+        sources: names of points, or patterns of names (``"Tip*"``); with or without what stands before a colon.
+        arc_length: [m] from the base; None: to be estimated.
+    """
+
+    name: str
+    sources: tuple[str, ...]
+    arc_length: float | None = None
+
+    @classmethod
+    def parse(cls, text: str) -> Body:
+        """A body as the command line has it: ``NAME[@ARC_LENGTH]=POINT[+POINT...]``, or only ``POINT``.
+
+        Raises:
+            InputError: not of this form.
+        """
+        left, _, right = text.partition("=")
+        name, _, arc = left.partition("@")
+        name, sources = name.strip(), tuple(part.strip() for part in (right or name).split("+"))
+        try:
+            arc_length = number(arc) if arc.strip() else None
+        except ValueError:
+            arc_length = -1.0
+        if not name or not all(sources) or (arc_length is not None and not arc_length >= 0):
+            raise InputError("marker", expected="NAME[@ARC_LENGTH in m]=POINT[+POINT...]", received=repr(text))
+        return cls(name, sources, arc_length)
+
+
+def short(name: str) -> str:
+    """The name of a point without its subject: ``Arm:tip`` is ``tip``."""
+    return name.rsplit(":", 1)[-1]
+
+
+def every_point(capture: Capture) -> tuple[Body, ...]:
+    """A body for each point that was given a name and was seen."""
+    names = [
+        name
+        for index, name in enumerate(capture.names)
+        if name and not short(name).lower().startswith(("*", "unlabel")) and seen(capture.positions[:, index]).any()
+    ]
+    brief = [short(name) for name in names]
+    return tuple(
+        Body(mine if brief.count(mine) == 1 and mine else name, (name,)) for name, mine in zip(names, brief, strict=True)
+    )
+
+
+def choose(capture: Capture, bodies: Sequence[Body]) -> tuple[Array, list[str]]:
+    """(T, B, 3) [m] positions of bodies in the laboratory's frame, and notes.
+
+    A body of several points is their mean where all of them were seen, and a gap elsewhere: the mean of fewer would leap.
+
+    Raises:
+        RecordingError: a source matches no point of the file; the nearest is named.
+    """
+    notes, columns = [], []
+    for body in bodies:
+        indices = sorted({index for source in body.sources for index in matches(capture, source)})
+        points = capture.positions[:, indices]
+        count = seen(points).sum(axis=1)
+        some = int(np.sum((count > 0) & (count < len(indices))))
+        if some:
+            notes.append(f"{body.name}: {some} samples are gaps because not all of its {len(indices)} points were seen")
+        columns.append(points.mean(axis=1))
+    return np.stack(columns, axis=1), notes
+
+
+def matches(capture: Capture, source: str) -> list[int]:
+    """The points that a name or pattern means: of that name, or of that name after a colon, or of that pattern.
+
+    Raises:
+        RecordingError: none; the nearest is named.
+    """
+    names = capture.names
+    for same in (
+        lambda name: name == source,
+        lambda name: short(name) == source,
+        lambda name: fnmatchcase(name, source) or fnmatchcase(short(name), source),
+    ):
+        found = [index for index, name in enumerate(names) if same(name)]
+        if found:
+            return found
+    raise RecordingError(f"no point {source!r} in the file", hint=nearest(source, names, "points"), file=capture.path)

@@ -1,0 +1,163 @@
+"""Where the base is, which way the straight arm points, and how far along it each body sits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.importers.alignment import mount_of, straight_pose
+from hsr_pin.recordings.importers.bodies import Body
+from hsr_pin.recordings.importers.capture import seen
+from hsr_pin.trajectory import Array, Marker
+
+#: A reach that differs from the given arc length by more than this share has the wrong unit, or is of the wrong point.
+DISAGREES = 0.25
+#: The arm is called straight if it reaches this share of its arc length.
+STRAIGHT = 0.98
+
+
+@dataclass(frozen=True, eq=False)
+class StraightArm:
+    """The arm at its straightest.
+
+    Attributes:
+        origin: (3,) [m] the base, in the laboratory's frame.
+        direction: (3,) unit vector from the base to the farthest body.
+        pose: (B, 3) [m] the bodies, in the laboratory's frame, from base to tip.
+        markers: (B,) the bodies as markers.
+        order: (B,) place of each marker among the bodies that were given.
+        notes: one sentence each.
+    """
+
+    origin: Array
+    direction: Array
+    pose: Array
+    markers: tuple[Marker, ...]
+    order: tuple[int, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def moving(self) -> list[int]:
+        """The markers beyond the base."""
+        return [index for index, marker in enumerate(self.markers) if marker.arc_length > 0]
+
+
+def straight_arm(
+    bodies: Sequence[Body], captures: Sequence[Array], *, origin: Array | None, mount: str | None, up: Array
+) -> StraightArm:
+    """Find the straight arm.
+
+    The base is ``origin``; or the body with arc length 0 (its median place); or, where there is neither, the point from which
+    the straight arm leads to the first body over that body's arc length.
+
+    Args:
+        bodies: what was tracked; an arc length that is None is estimated, as the distances along the straightest pose.
+        captures: (T, B, 3) each [m], without spikes, in the laboratory's frame.
+        origin: (3,) [m], or None.
+        mount: "hanging", "upright", "horizontal"; None: told from the pose.
+        up: (3,) unit vector.
+
+    Raises:
+        RecordingError: no frame shows all bodies; a reach that does not fit its arc length; no body beyond the base.
+        InputError: too little was given to find the base.
+    """
+    base = next((index for index, body in enumerate(bodies) if body.arc_length == 0), None)
+    notes = []
+    if base is not None:
+        places = np.concatenate([positions[:, base][seen(positions[:, base])] for positions in captures])
+        if not len(places):
+            raise RecordingError(f"the base, {bodies[base].name!r}, was never seen")
+        origin = np.median(places, axis=0)
+    if all(index == base for index in range(len(bodies))):
+        raise RecordingError("no moving marker", expected="at least one beyond the base")
+    if origin is None:
+        origin, pose = _estimated_base(bodies, captures, mount, up)
+        notes.append(f"the base was estimated from the straight pose and the arc length of {_first(bodies)[1].name}")
+    else:
+        far = _farthest(bodies, captures, origin)
+        reference = [positions[:, base] if base is not None else origin for positions in captures]
+        reach = [np.linalg.norm(positions[:, far] - at, axis=1) for positions, at in zip(captures, reference, strict=True)]
+        pose = straight_pose(captures, reach)
+    order = sorted(range(len(bodies)), key=lambda index: (index != base, float(np.linalg.norm(pose[index] - origin))))
+    pose = pose[order]
+    markers = _markers([bodies[index] for index in order], pose, origin, notes)
+    direction = (pose[-1] - origin) / np.linalg.norm(pose[-1] - origin)
+    return StraightArm(origin, direction, pose, markers, tuple(order), tuple(notes))
+
+
+def _first(bodies: Sequence[Body]) -> tuple[int, Body]:
+    """The body nearest to the base of those with an arc length.
+
+    Raises:
+        InputError: there is none.
+    """
+    known = [(body.arc_length, index) for index, body in enumerate(bodies) if body.arc_length is not None]
+    if not known:
+        raise InputError(
+            "base",
+            expected="a marker at the base, its place, or the arc length of a marker",
+            hint="give --base, --origin, or NAME@ARC",
+        )
+    index = min(known)[1]
+    return index, bodies[index]
+
+
+def _farthest(bodies: Sequence[Body], captures: Sequence[Array], origin: Array) -> int:
+    """The body with the largest arc length, or where one is not given, the one that is farthest from the base."""
+    arcs = [body.arc_length for body in bodies]
+    if all(arc is not None for arc in arcs):
+        return int(np.argmax([arc or 0.0 for arc in arcs]))
+    places = np.concatenate(captures)
+    return int(
+        np.argmax(
+            [np.median(np.linalg.norm((p[seen(p)] - origin), axis=1)) if seen(p).any() else 0 for p in places.swapaxes(0, 1)]
+        )
+    )
+
+
+def _estimated_base(bodies: Sequence[Body], captures: Sequence[Array], mount: str | None, up: Array) -> tuple[Array, Array]:
+    first, body = _first(bodies)
+    others = [index for index in range(len(bodies)) if index != first]
+    if others:
+        gaps = [np.linalg.norm(positions[:, others] - positions[:, [first]], axis=2).max(axis=1) for positions in captures]
+        pose = straight_pose(captures, gaps)
+        last = others[int(np.argmax(np.linalg.norm(pose[others] - pose[first], axis=1)))]
+        direction = (pose[last] - pose[first]) / np.linalg.norm(pose[last] - pose[first])
+        mount = mount or mount_of(direction, up)
+    elif mount in ("hanging", "upright"):
+        direction = up if mount == "upright" else -up
+        pose = straight_pose(captures, [positions[:, first] @ direction for positions in captures])
+    else:
+        raise InputError("base", expected="a marker at the base, or its place", hint="give --base or --origin")
+    if mount in ("hanging", "upright"):  # a vertical arm that rests hangs or stands plumb
+        direction = up if mount == "upright" else -up
+    return pose[first] - (body.arc_length or 0.0) * direction, pose
+
+
+def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str]) -> tuple[Marker, ...]:
+    """The bodies, from base to tip, as markers: arc lengths given, or the distances from body to body in the straight pose."""
+    markers: list[Marker] = []
+    before, place = 0.0, origin
+    for body, here in zip(bodies, pose, strict=True):
+        step = float(np.linalg.norm(here - place))
+        reach = float(np.linalg.norm(here - origin))
+        if body.arc_length is None:
+            arc = round(before + step, 6)
+            notes.append(f"{body.name}: arc length {arc:g} m estimated from the straightest pose")
+        else:
+            arc = body.arc_length
+            if arc > 0 and abs(reach - arc) > DISAGREES * arc:
+                raise RecordingError(
+                    f"marker {body.name!r} does not fit its arc length",
+                    expected=f"a reach of about {arc:g} m in the straightest pose",
+                    received=f"{reach:.4g} m",
+                    hint="is it another unit (--unit), another base, or another point?",
+                )
+            if arc > 0 and reach < STRAIGHT * arc:
+                notes.append(f"{body.name}: even the straightest pose reaches only {reach / arc:.0%} of its arc length")
+        markers.append(Marker(body.name, arc))
+        before, place = arc, here
+    return tuple(markers)
