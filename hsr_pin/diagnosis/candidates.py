@@ -1,4 +1,4 @@
-"""Every effect tried on an experiment: where its fit starts, where it ends, and what it is worth on trials that were not fitted."""
+"""Every effect tried on an experiment: where its fit starts, where it ends, what it is worth on trials that were not fitted."""
 
 from __future__ import annotations
 
@@ -59,9 +59,9 @@ class Guess:
 def guesses(experiment: Experiment, base: Fit, effects: list[Effect]) -> list[Guess]:
     """First guesses for adding one effect to a fitted model, the best of each effect's, in the order of ``effects``.
 
-    Each effect is probed with a small amplitude at several values of its shape parameters, all in one batch. The change it makes is
-    taken as linear in the amplitude; the amplitude that fits best, with the open parameters adjusted along their known derivatives,
-    and the misfit that it should leave, follow from linear least squares.
+    Each effect is probed with a small amplitude at several values of its shape parameters, all in one batch. The change it makes
+    is taken as linear in the amplitude; the amplitude that fits best, with the open parameters adjusted along their known
+    derivatives, and the misfit that it should leave, follow from linear least squares.
     """
     nominal = predict(experiment, base.hypothesis, [(run, base.values) for run in experiment.runs])
     best = []
@@ -79,15 +79,14 @@ def _guesses(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pr
     starts = [np.append(base.values, [getattr(probe, name) for name in names]) for probe in probes]
     predictions = predict(experiment, hypothesis, [(run, start) for start in starts for run in experiment.runs])
     residual, slopes = stacked(base)
-    count, answers = len(experiment.runs), []
+    count = len(experiment.runs)
+    answers: list[Guess | None] = []
     for k, start in enumerate(starts):
         own = predictions[k * count : (k + 1) * count]
         if any(p.failed for p in own):
             answers.append(None)
             continue
-        change = [
-            ((p.positions - n.positions) * w)[w > 0] for p, n, w in zip(own, nominal, base.weights, strict=True)
-        ]
+        change = [((p.positions - n.positions) * w)[w > 0] for p, n, w in zip(own, nominal, base.weights, strict=True)]
         answers.append(_linear_guess(base, hypothesis, start, residual, slopes, np.concatenate(change)))
     return answers
 
@@ -114,9 +113,7 @@ def _grid(fact: Parameter) -> list[float]:
     return [fact.lower + (fact.upper - fact.lower) * f for f in at]
 
 
-def _linear_guess(
-    base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, change: Array
-) -> Guess:
+def _linear_guess(base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, change: Array) -> Guess:
     facts, old = hypothesis.parameters, len(base.values)
     scale = np.array([fact.scale for fact in facts])
     directions = np.column_stack([slopes * scale[:old], change])

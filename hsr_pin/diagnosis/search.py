@@ -16,6 +16,9 @@ FITS = 8
 #: Sets carried on to the next rung, and fits for each.
 BEAM, BEAM_FITS = 3, 5
 
+#: The effects of a model, each with its options.
+Key = tuple[tuple[str, object], ...]
+
 
 @dataclass(frozen=True)
 class Thresholds:
@@ -104,7 +107,8 @@ def search(
         seed: of the resampling.
         tell: called at each rung.
     """
-    path, tried, beam = [start], {(): start}, [start]
+    path, beam = [start], [start]
+    tried: dict[Key, Candidate] = {(): start}
     while len(path) <= max_effects and sqrt(left(path[-1], thresholds)) > thresholds.closed:
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
         new = _extend(beam, effects, workers, tried)
@@ -119,15 +123,15 @@ def search(
     return Search(tuple(path), tuple(tried.values()))
 
 
-def key(candidate: Candidate) -> tuple[tuple[str, object], ...]:
+def key(candidate: Candidate) -> Key:
     """The effects of a candidate and the options they were tried with."""
     return tuple(sorted((effect.name, effect.options) for effect in candidate.fit.hypothesis.effects))
 
 
 def _extend(
-    beam: Sequence[Candidate], effects: Sequence[Effect], workers: Workers, tried: dict[tuple[tuple[str, object], ...], Candidate]
+    beam: Sequence[Candidate], effects: Sequence[Effect], workers: Workers, tried: dict[Key, Candidate]
 ) -> list[Candidate]:
-    chosen: dict[tuple[tuple[str, object], ...], Guess] = {}
+    chosen: dict[Key, Guess] = {}
     for base in beam:
         open_effects = [effect for effect in effects if effect.name not in base.names]
         ranked = sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain)

@@ -13,8 +13,8 @@ from hsr_pin.trajectory import Array
 def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
     """For each run (T, M, 3) [m] predicted minus measured, with parameters fitted to the other runs.
 
-    The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit is
-    repeated, every run is simulated once more, by the fine chain.
+    The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit
+    is repeated, every run is simulated once more, by the fine chain.
     """
     values = [_without(fit, run) for run in range(len(experiment.runs))]
     fine = fit.hypothesis.finer(FINE_LINKS, FINE_STEP)

@@ -1,4 +1,4 @@
-"""How a recorded motion starts when it does not start at rest under its input: the pose the markers show, and the instant of release."""
+"""How a motion starts that does not start at rest under its input: the pose the markers show, and the instant of release."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def held_pose(trial: Trial) -> Array:
 def release_time(trial: Trial, noise: float) -> float:
     """The instant [s] at which a held arm is let go, as its markers show it.
 
-    After the release the arm accelerates evenly at first, so that the root of the distance gone grows as a straight line; its zero is the
-    release. Nothing of a model is used. The declared start is given back where no such line is found.
+    After the release the arm accelerates evenly at first, so that the root of the distance gone grows as a straight line; its
+    zero is the release. Nothing of a model is used. The declared start is given back where no such line is found.
 
     Args:
         trial: whose declared start is at or a little before the release.
@@ -53,8 +53,8 @@ def release_time(trial: Trial, noise: float) -> float:
 def pose_from_markers(arm: ArmModel, arc_lengths: Array, positions: Array, noise: float = 1e-3) -> Array:
     """Joint angles (N,) [rad] of the smoothest bent arm that puts its markers where they were seen.
 
-    Curvature along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones keeps
-    noise out of them.
+    Curvature along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones
+    keeps noise out of them.
 
     Args:
         arm: the chain.

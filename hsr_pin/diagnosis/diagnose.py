@@ -1,0 +1,130 @@
+"""Where the sim-to-real gap lies, which effect causes it, how far it shrinks: from a dataset to a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.ladder import Rung, ladder
+from hsr_pin.diagnosis.search import Search, Thresholds, search
+from hsr_pin.diagnosis.verdict import Verdict, judge
+from hsr_pin.diagnosis.workers import workers
+from hsr_pin.effects import EFFECTS, effect_named
+from hsr_pin.effects.effect import Effect, neutral
+from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.evaluation import predict, residuals
+from hsr_pin.identification.experiment import Experiment, moves, prepare
+from hsr_pin.identification.fit import FINE_LINKS, FINE_STEP, fit
+from hsr_pin.identification.heldout import leave_one_out
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.trajectory import Array, Dataset
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """All that was found.
+
+    Attributes:
+        experiment: the recordings as they were used.
+        verdict: what may be said.
+        ladder: how far each step shrinks the gap.
+        search: every model that was tried; None where there was too little to try any.
+        thresholds: what counted.
+        nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
+    """
+
+    experiment: Experiment
+    verdict: Verdict
+    ladder: tuple[Rung, ...]
+    search: Search | None
+    thresholds: Thresholds
+    nominal: tuple[Array, ...]
+
+
+def diagnose(
+    dataset: Dataset,
+    *,
+    effects: Sequence[str] | None = None,
+    max_effects: int = 3,
+    links: int = 6,
+    declared_links: int = 4,
+    jobs: int | None = None,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda line: None,
+    advance: Callable[[], None] = lambda: None,
+) -> Diagnosis:
+    """Diagnose the sim-to-real gap of a dataset.
+
+    Args:
+        dataset: at least two trials in which the arm moves.
+        effects: names of the candidates; default: the whole catalogue.
+        max_effects: at most this many together.
+        links: of the chain that is fitted (it is corrected for its coarseness).
+        declared_links: of the declared model, with joints at the links' ends as in the paper.
+        jobs: processes; default: one per core.
+        seed: of the resampling.
+        tell: called with a line at each stage.
+        advance: called after each fit.
+
+    Raises:
+        IdentificationError: nothing in the dataset can be compared with a model, or an argument is out of range.
+        EffectError: an unknown effect.
+    """
+    candidates = _templates(effects)
+    if max_effects < 0:
+        raise IdentificationError("max_effects", expected="zero or more", received=max_effects)
+    tell("reading the recordings")
+    experiment = prepare(dataset)
+    thresholds = Thresholds.of(experiment.noise_rms, dataset.length)
+    hypothesis = Hypothesis(links=links)
+    paper = replace(hypothesis, links=declared_links, placement="base", step=FINE_STEP)
+    nominal = _simulated(experiment, paper)
+    mended = _simulated(experiment, hypothesis.finer(FINE_LINKS, FINE_STEP))
+    first: list[tuple[str, tuple[str, ...], list[Array]]] = [
+        ("declared model", (), nominal),
+        ("finer discretisation", (), mended),
+    ]
+    lacking = _insufficient(experiment)
+    if lacking:
+        verdict = Verdict("insufficient", (), (), lacking)
+        return Diagnosis(experiment, verdict, ladder(first, thresholds.noise, seed), None, thresholds, tuple(nominal))
+    tell("stiffness and damping")
+    base_fit = fit(experiment, hypothesis)
+    base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
+    with workers(experiment, jobs, advance) as crew:
+        found = search(base, candidates, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
+    rungs = [*first, ("stiffness and damping", (), list(base.heldout))]
+    for before, after in zip(found.path, found.path[1:], strict=False):
+        new = sorted(set(after.names) - set(before.names))
+        rungs.append((" + ".join(new), after.names, list(after.heldout)))
+    mended_left = max(0.0, _mean_square(mended) - thresholds.noise**2)
+    verdict = judge(mended_left, found, thresholds, seed)
+    return Diagnosis(experiment, verdict, ladder(rungs, thresholds.noise, seed), found, thresholds, tuple(nominal))
+
+
+def _templates(names: Sequence[str] | None) -> list[Effect]:
+    kinds = [effect_named(name) for name in names] if names is not None else list(EFFECTS.values())
+    return [neutral(kind, **options) for kind in dict.fromkeys(kinds) for options in kind.variants()]
+
+
+def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
+    return residuals(experiment, predict(experiment, hypothesis, [(run, hypothesis.start) for run in experiment.runs]))
+
+
+def _mean_square(missed: Sequence[Array]) -> float:
+    squares = np.concatenate([(residual**2).sum(axis=-1).ravel() for residual in missed])
+    return float(np.nanmean(squares))
+
+
+def _insufficient(experiment: Experiment) -> str:
+    """What is lacking, and what to record; empty if nothing is."""
+    moving = [run for run in experiment.runs if moves(run, experiment.noise)]
+    if len(moving) < 2:
+        return (
+            f"In {len(moving)} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
+            "on data it was not fitted to. Record steps to three or more torques, at two stiffness levels."
+        )
+    return ""

@@ -1,0 +1,137 @@
+"""From what the search found to what may be said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.evidence import gain_interval, squares
+from hsr_pin.diagnosis.search import Search, Thresholds, left, mean_square
+from hsr_pin.identification.uncertainty import uncertainty
+
+#: A rival is set aside only if what it leaves is certainly more, and more than this times what the best leaves ...
+FACTOR = 1.5
+#: ... plus the square of this share of the noise floor.
+MARGIN = 0.15
+#: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
+STRUCTURE = 2.0
+
+STATUSES = ("identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the recordings say.
+
+    Attributes:
+        status: one of :data:`STATUSES`.
+        effects: the names that are certain, sorted (those that all alternatives share).
+        alternatives: sets of names that these recordings cannot tell apart, the best first; empty unless ambiguous.
+        sentence: the verdict as a person would say it.
+    """
+
+    status: str
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+    sentence: str
+
+
+def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int) -> Verdict:
+    """The verdict.
+
+    Args:
+        nominal_left: [m^2] mean square beyond noise of the declared model, finely discretised.
+        found: by the search.
+        thresholds: what counts.
+        seed: of the resampling.
+    """
+    base, best = found.path[0], found.best
+    gap, rest = sqrt(left(base, thresholds)), sqrt(left(best, thresholds))
+    closed = thresholds.closed
+    if sqrt(nominal_left) <= closed:
+        return Verdict(
+            "no_gap", (), (), f"The declared model reproduces these recordings to within {_mm(closed)} of their noise."
+        )
+    if gap <= closed or (best is base and gap <= STRUCTURE * closed):
+        return Verdict("parameters", (), (), _parameters(base, sqrt(nominal_left), gap))
+    if best is base:
+        return Verdict(
+            "unexplained", (), (), f"A gap of {_mm(gap)} beyond noise is left, and no effect of the catalogue is worth having."
+        )
+    if not _explains(best, base, thresholds):
+        helps = " and ".join(best.names)
+        return Verdict(
+            "unexplained",
+            (),
+            (),
+            f"Of the gap of {_mm(gap)} beyond noise, {_mm(rest)} is left with the best that the catalogue offers ({helps}): "
+            "something else is at work.",
+        )
+    sets = [best.names, *rivals(best, base, found.tried, thresholds, seed)]
+    if len(sets) > 1:
+        common = sorted(set.intersection(*map(set, sets)))
+        sure = f"{' and '.join(common)} is certain; " if common else ""
+        listed = ", or ".join(" with ".join(names) for names in sets)
+        return Verdict("ambiguous", tuple(common), tuple(sets), f"{sure}these recordings cannot tell apart: {listed}.")
+    share = 1 - left(best, thresholds) / left(base, thresholds)
+    sentence = (
+        f"{_listed(best.names)} {'is' if len(best.names) == 1 else 'are'} missing from the model: with "
+        f"{'it' if len(best.names) == 1 else 'them'} {100 * share:.0f} % of the squared gap is gone, {_mm(rest)} beyond noise is left."
+    )
+    return Verdict("identified", best.names, (), sentence)
+
+
+def rivals(
+    best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
+) -> list[tuple[str, ...]]:
+    """Other sets of effects, no larger than the best, that explain the recordings as well; the best of them first."""
+    own = squares(best.heldout)
+    answers: list[tuple[str, ...]] = []
+    for rival in sorted(tried, key=mean_square):
+        names = rival.names
+        if not names or names == best.names or len(names) > len(best.names) or names in answers:
+            continue
+        if not _explains(rival, base, thresholds):
+            continue
+        certain = gain_interval(squares(rival.heldout), own, seed)[0] > 0
+        much = left(rival, thresholds) > FACTOR * left(best, thresholds) + (MARGIN * thresholds.noise) ** 2
+        if not (certain and much):
+            answers.append(names)
+    return answers
+
+
+def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
+    """Whether a set of effects closes the gap, with every effect's amplitude clearly away from neutral."""
+    rest = left(candidate, thresholds)
+    if sqrt(rest) > thresholds.closed and rest > thresholds.explained * left(base, thresholds):
+        return False
+    sure = uncertainty(candidate.fit)
+    for effect in candidate.fit.hypothesis.effects:
+        amplitudes = [
+            i for i, f in enumerate(candidate.fit.hypothesis.parameters) if f.name.startswith(effect.name + ".") and f.amplitude
+        ]
+        facts = candidate.fit.hypothesis.parameters
+        if not any(_excludes(sure.interval[i], facts[i].neutral) for i in amplitudes):
+            return False
+    return True
+
+
+def _excludes(interval: np.ndarray, neutral: float) -> bool:
+    return not interval[0] <= neutral <= interval[1]
+
+
+def _parameters(base: Candidate, before: float, after: float) -> str:
+    values = ", ".join(f"{name} {value:.3g}" for name, value in base.fit.named.items())
+    return f"Stiffness and damping explain it ({values}): the gap beyond noise falls from {_mm(before)} to {_mm(after)}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.2f} mm"
