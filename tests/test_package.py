@@ -12,6 +12,8 @@ import pytest
 from packaging.requirements import Requirement
 
 import hsr_pin
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.urdf import load_urdf
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -89,10 +91,12 @@ def test_the_wheel_works_in_a_clean_environment_from_another_folder(wheel, tmp_p
         run(*install, "--offline")  # all of it is in uv's cache where uv has made this environment
     except AssertionError:
         run(*install)
-    script = "import hsr_pin.robot.urdf as u, hsr_pin as h; print(u.__file__, u.arm_to_urdf(h.ArmSpecification(links=3)))"
-    printed = run(environment / "bin" / "python", "-c", script, cwd=tmp_path)
-    assert printed.startswith(str(environment))
-    assert printed.count("<joint ") >= 3
+    run(environment / "bin" / "hsr-urdf", "--links", 3, "--output", "arm.urdf", cwd=tmp_path)
+    assert load_urdf(tmp_path / "arm.urdf") == ArmSpecification(links=3)
+    script = "import hsr_pin.robot.pressure as p; print(p.__file__, len(p.measured_rows()))"
+    where, rows = run(environment / "bin" / "python", "-c", script, cwd=tmp_path).split()
+    assert where.startswith(str(environment))
+    assert rows == "16"
 
 
 # The pins
@@ -139,7 +143,7 @@ def tracked():
 
 #: A place on somebody's machine; an address that dependencies come from.
 MACHINE_PATH = re.compile(r"(?<![\w.})~-])/(?:work|home|root|Users|opt|mnt)/\w")
-PACKAGE_INDEX = re.compile(r"(?:index-url|find-links)[ =\"']+(?:\w+:|/)|://\S+/simple\b|python[h]osted")
+PACKAGE_INDEX = re.compile(r"(?:index-url|find-links)[ =\"']+(?:\w+:|/)|:/[/]\S+/simple\b|python[h]osted")
 
 
 def test_no_file_names_a_place_on_one_machine_or_a_package_index():
