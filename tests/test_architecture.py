@@ -11,6 +11,8 @@ PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 FOUNDATION = ["errors", "resources", "output", "parameters", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "diagnosis"]
 MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
+    "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
+    "diagnosis": {*WAY, "recordings"},
     "recordings": {*FOUNDATION, "recordings"},
     "replay": {*FOUNDATION, "robot", "replay"},
     "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},

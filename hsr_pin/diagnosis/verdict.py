@@ -77,10 +77,11 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
         sure = f"{' and '.join(common)} is certain; " if common else ""
         listed = ", or ".join(" with ".join(names) for names in sets)
         return Verdict("ambiguous", tuple(common), tuple(sets), f"{sure}these recordings cannot tell apart: {listed}.")
-    share = 1 - left(best, thresholds) / left(base, thresholds)
+    share = 100 * (1 - left(best, thresholds) / left(base, thresholds))
+    are, them = ("is", "it") if len(best.names) == 1 else ("are", "them")
     sentence = (
-        f"{_listed(best.names)} {'is' if len(best.names) == 1 else 'are'} missing from the model: with "
-        f"{'it' if len(best.names) == 1 else 'them'} {100 * share:.0f} % of the squared gap is gone, {_mm(rest)} beyond noise is left."
+        f"{_listed(best.names)} {are} missing from the model: with {them} {share:.0f} % of the squared gap is gone, "
+        f"{_mm(rest)} beyond noise is left."
     )
     return Verdict("identified", best.names, (), sentence)
 
@@ -109,12 +110,9 @@ def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> 
     rest = left(candidate, thresholds)
     if sqrt(rest) > thresholds.closed and rest > thresholds.explained * left(base, thresholds):
         return False
-    sure = uncertainty(candidate.fit)
+    sure, facts = uncertainty(candidate.fit), candidate.fit.hypothesis.parameters
     for effect in candidate.fit.hypothesis.effects:
-        amplitudes = [
-            i for i, f in enumerate(candidate.fit.hypothesis.parameters) if f.name.startswith(effect.name + ".") and f.amplitude
-        ]
-        facts = candidate.fit.hypothesis.parameters
+        amplitudes = [i for i, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{effect.name}.")]
         if not any(_excludes(sure.interval[i], facts[i].neutral) for i in amplitudes):
             return False
     return True

@@ -40,7 +40,7 @@ def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tupl
     scenarios = [hypothesis.scenario(experiment, run, values) for run, values in cases]
     results = simulate_batch(scenarios, integrator=hypothesis.integrator, step=hypothesis.step)
     return [
-        Prediction(_at_samples(run, _padded(result.trajectory.positions, len(result.scenario.time))))
+        Prediction(at_samples(run, _padded(result.trajectory.positions, len(result.scenario.time))))
         for (run, _), result in zip(cases, results, strict=True)
     ]
 
@@ -65,7 +65,7 @@ def predict_with_slopes(experiment: Experiment, hypothesis: Hypothesis, values: 
             counterpart = hypothesis.counterpart(name, experiment, run)
             if counterpart:
                 chained[..., p] = counterpart[1] * slope[..., list(names).index(counterpart[0])]
-        predictions.append(Prediction(_at_samples(run, positions), _at_samples(run, np.nan_to_num(chained))))
+        predictions.append(Prediction(at_samples(run, positions), at_samples(run, np.nan_to_num(chained))))
     return predictions
 
 
@@ -94,7 +94,7 @@ def _padded(positions: Array, samples: int) -> Array:
     return np.concatenate([positions, np.full((missing, *positions.shape[1:]), np.nan)]) if missing else positions
 
 
-def _at_samples(run: Run, values: Array) -> Array:
+def at_samples(run: Run, values: Array) -> Array:
     """Values (T + 1, ...) on a grid that leads the samples by ``run.lead`` steps, interpolated (cubic) to the T samples."""
     f = run.lead
     if f == 0:

@@ -1,0 +1,31 @@
+"""When in a run: at rest, just after a change of command, on the way, settled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.identification.experiment import Run
+from hsr_pin.trajectory import Array
+
+PHASES = ("rest", "command change", "transient", "settled")
+#: A command change counts for this long [s] ...
+_AFTER_CHANGE = 0.15
+#: ... if it is at least this share of the command's range.
+_CHANGE = 0.02
+#: Slower than this share of the fastest motion is settled.
+_SLOW = 0.03
+
+
+def phases(run: Run, predicted: Array) -> NDArray[np.int_]:
+    """(T,) index into :data:`PHASES` of each sample; ``predicted`` (T, M, 3) [m] tells how fast the arm ought to move."""
+    speed = np.abs(np.gradient(np.nan_to_num(predicted), run.step, axis=0)).max(axis=(1, 2))
+    moving = speed > _SLOW * max(float(speed.max()), 1e-9)
+    jumps = np.abs(np.diff(run.torque, prepend=run.torque[0])) > _CHANGE * max(float(np.ptp(run.torque)), 1e-9)
+    starts = np.flatnonzero(jumps)
+    if run.start_pose is not None:
+        starts = np.append(0, starts)
+    since = run.time[:, None] - run.time[starts][None, :] if len(starts) else np.full((len(run.time), 1), np.inf)
+    changed = np.any((since >= 0) & (since < _AFTER_CHANGE), axis=1)
+    begun = np.any(since >= 0, axis=1) & bool(len(starts))
+    return np.select([changed, ~begun, moving], [1, 0, 2], default=3)
