@@ -23,7 +23,7 @@ class BendingStop(Effect):
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=50.0, unit="1", scale=2.0, amplitude=True, description="stiffness added beyond the stop, over Keq"
+        0.0, lower=0.0, upper=30.0, unit="1", scale=2.0, amplitude=True, description="stiffness added beyond the stop, over Keq"
     )
     angle: float = parameter(1.0, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
 
@@ -32,4 +32,4 @@ class BendingStop(Effect):
         return np.asarray(bending.keq * self.ratio * beyond)
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return keq * self.ratio, 0.0
+        return keq * self.ratio / 2, 0.0

@@ -152,7 +152,10 @@ class Effect(ABC):
         return None
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        """Upper bounds of d moment / d angle [Nm/rad] and d moment / d rate [Nm s/rad]: what the integrator treats implicitly."""
+        """Of d moment / d angle [Nm/rad] and d moment / d rate [Nm s/rad], what the integrator treats implicitly.
+
+        Half of the upper bound: less, and a step may be unstable; more, and a law that seldom reaches its bound loses accuracy.
+        """
         return 0.0, 0.0
 
     def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:

@@ -11,13 +11,16 @@ from hsr_pin.effects.effect import Bending, Effect
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Rate of bending of the whole arm [rad/s] up to which the implicit part bounds the tangent; up to twice this, half of it.
-FASTEST = 10.0
+#: Rate of bending of the whole arm [rad/s] beyond which the law goes on as a straight line, so that its tangent has a bound.
+FASTEST = 15.0
 
 
 @dataclass(frozen=True)
 class QuadraticDamping(Effect):
-    """m = coefficient |rate| rate."""
+    """m = coefficient |rate| rate, continued along its tangent beyond 15 rad/s.
+
+    Only the outermost link goes faster, in the first instant after a step.
+    """
 
     name = "quadratic_damping"
     lacks = "damping grows with rate"
@@ -28,15 +31,16 @@ class QuadraticDamping(Effect):
     coefficient: float = parameter(
         0.0,
         lower=0.0,
-        upper=0.2,
+        upper=0.05,
         unit="Nm s^2/rad^2",
-        scale=0.01,
+        scale=0.005,
         amplitude=True,
         description="of the whole arm, per rate squared",
     )
 
     def moment(self, bending: Bending) -> Array:
-        return np.asarray(self.coefficient * np.abs(bending.rate) * bending.rate)
+        rate = np.clip(bending.rate, -FASTEST, FASTEST)
+        return np.asarray(self.coefficient * np.abs(rate) * (2 * bending.rate - rate))
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return 0.0, 2 * self.coefficient * FASTEST
+        return 0.0, 2 * self.coefficient * FASTEST  # all of it: half would let ros2 overshoot at large rates

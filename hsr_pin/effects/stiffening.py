@@ -13,8 +13,8 @@ from hsr_pin.trajectory import Array
 
 #: Range of the tangent stiffness added, relative to the arm's; beyond it the law goes on as a straight line.
 SOFTEST, STIFFEST = 0.8, 20.0
-#: Bending angle [rad] up to which the integrator's implicit part bounds the tangent; beyond, it still covers half of it.
-REACH = 1.5
+#: The integrator's implicit part covers half of the tangent up to REACH [rad], and less far in a stiff arm, which bends less.
+REACH = 2.0
 
 
 @dataclass(frozen=True)
@@ -39,4 +39,6 @@ class Stiffening(Effect):
         return np.asarray(bending.keq * bending.stiffness * relative)
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return keq * np.clip(3 * self.cubic * REACH**2, 0.0, STIFFEST), 0.0
+        cubic = np.maximum(self.cubic, 0.0)
+        reach = 1 / (1 / REACH + np.cbrt(cubic / REACH))  # [rad] about where cubic * angle^3 is REACH
+        return keq * 1.5 * cubic * reach**2, 0.0

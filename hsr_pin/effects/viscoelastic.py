@@ -35,7 +35,7 @@ class Viscoelastic(Effect):
         return np.asarray(self.ratio * bending.keq * bending.state[0])
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return self.ratio * keq, 0.0
+        return self.ratio * keq / 2, 0.0
 
     def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
         x = elapsed / np.asarray(self.time_constant)
