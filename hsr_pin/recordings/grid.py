@@ -10,6 +10,8 @@ from hsr_pin.trajectory import Array
 
 #: A sample this close to an instant of the grid, in steps, is the sample of that instant.
 TOLERANCE = 0.01
+#: Samples are missing where two are farther apart than this, in steps; closer ones may merely jitter.
+GAP = 1.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,7 @@ class Grid:
         on_before = np.abs(self.time - self.source[before]) <= near
         on_after = np.abs(self.time - self.source[after]) <= near
         share[on_before], share[on_after] = 0.0, 1.0
-        share[(span > 1.5 * self.step) & ~on_before & ~on_after] = np.nan
+        share[(span > GAP * self.step) & ~on_before & ~on_after] = np.nan
         share = share.reshape(-1, *[1] * (values.ndim - 1))
         between = (1 - share) * values[before] + share * values[after]
         return np.where(share == 0, values[before], np.where(share == 1, values[after], between))
@@ -75,7 +77,7 @@ def even_grid(time: Array) -> Grid | None:
     ratios = np.diff(time) / usual
     if ratios.sum() > 10 * len(time) + 10_000:
         raise ValueError("almost all gap")
-    counts = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(ratios), 1.0))])
+    counts = np.concatenate([[0.0], np.cumsum(np.where(ratios > GAP, np.round(ratios), 1.0))])
     elapsed = time - time[0]
     step = float(counts @ elapsed / (counts @ counts))
     instants = int(np.floor(elapsed[-1] / step + TOLERANCE)) + 1

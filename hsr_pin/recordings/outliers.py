@@ -24,7 +24,8 @@ def spikes(positions: Array, threshold: float = 5.0, half_window: int = 5) -> ND
     """Find samples that stand far off their neighbours (Hampel's identifier).
 
     A sample is a spike where a coordinate is farther from the median of its window than ``threshold`` times the larger of the
-    window's spread (its median absolute deviation, which is wide where the arm moves fast) and the marker's noise.
+    window's spread (its median absolute deviation) and the marker's noise: in the window as it is, where the spread is wide if
+    the arm moves fast, or in the window without its slope.
     R. K. Pearson, Outliers in process modeling and identification, IEEE Trans. Control Syst. Technol. 10, 2002.
 
     Args:
@@ -42,11 +43,27 @@ def spikes(positions: Array, threshold: float = 5.0, half_window: int = 5) -> ND
     found = np.zeros((samples, markers), dtype=bool)
     judged = np.isfinite(positions).all(axis=2) & (np.isfinite(windows).sum(axis=3).min(axis=2) >= FEWEST)
     window = windows[judged]  # (J, 3, W)
+    least = noise[np.nonzero(judged)[1]]
+    found[judged] = _stands_off(window, least, threshold) | _stands_off(_level(window), least, threshold)
+    return found
+
+
+def _stands_off(window: Array, least: Array, threshold: float) -> NDArray[np.bool_]:
+    """(J,) whether the middle of a (J, 3, W) window stands off its median in any coordinate."""
     median = np.nanmedian(window, axis=2)
     spread = MAD_TO_SIGMA * np.nanmedian(np.abs(window - median[:, :, None]), axis=2)
-    scale = np.maximum(spread, noise[np.nonzero(judged)[1]])
-    found[judged] = np.any(np.abs(positions[judged] - median) > threshold * scale, axis=1)
-    return found
+    off = np.abs(window[:, :, window.shape[2] // 2] - median) > threshold * np.maximum(spread, least)
+    return np.asarray(off.any(axis=1), dtype=bool)
+
+
+def _level(window: Array) -> Array:
+    """(J, 3, W) windows without their slope: the median slope over the pairs of samples that face each other."""
+    half = window.shape[2] // 2
+    steps = np.arange(1, half + 1)
+    slopes = (window[:, :, half + 1 :] - window[:, :, half - 1 :: -1]) / (2 * steps)
+    known = np.isfinite(slopes).sum(axis=2, keepdims=True) > half // 2
+    slope = np.where(known, np.nanmedian(np.where(known, slopes, 0.0), axis=2, keepdims=True), 0.0)
+    return np.asarray(window - slope * np.arange(-half, half + 1))
 
 
 def exchanges(positions: Array) -> NDArray[np.intp]:
@@ -69,8 +86,13 @@ def exchanges(positions: Array) -> NDArray[np.intp]:
     for frame in range(1, samples):
         if frame in suspects:
             start = max(0, frame - 3)
-            before = np.median(np.take_along_axis(last[start:frame], orders[start:frame, :, None], axis=1), axis=0)
-            distance = np.linalg.norm(before[:, None] - last[frame][None], axis=2)
+            before = np.take_along_axis(last[start:frame], orders[start:frame, :, None], axis=1)
+            distance = np.minimum(
+                *(
+                    np.linalg.norm(place[:, None] - last[frame][None], axis=2)
+                    for place in (before[-1], np.median(before, axis=0))  # the median, lest a spike came just before
+                )
+            )
             distance = np.nan_to_num(distance, nan=1.0)  # never seen so far: any place will do
             _, best = linear_sum_assignment(distance)
             stay, go = distance[np.arange(markers), order].sum(), distance[np.arange(markers), best].sum()

@@ -35,7 +35,7 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
         draft = target.with_name(f".{target.name}.{os.getpid()}.part")
         draft.mkdir(parents=True)
         (draft / FILE_NAME).write_text(_declaration(dataset), encoding="utf-8")
-        read_declaration(draft / FILE_NAME)  # a trial's name must not lead out of the folder
+        _check_names(dataset, draft)
         for trial in dataset.trials:
             _write_trial(trial.trajectory, draft / f"{trial.name}.csv")
         read_dataset(draft)
@@ -53,6 +53,14 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
     finally:
         if draft is not None:
             shutil.rmtree(draft, ignore_errors=True)
+
+
+def _check_names(dataset: Dataset, draft: Path) -> None:
+    """Each trial's name must be that of a file in the folder."""
+    written = [trial.name for trial in read_declaration(draft / FILE_NAME).trials]
+    for trial, name in zip(dataset.trials, written, strict=True):
+        if trial.name != name:
+            raise RecordingError("trial name", expected="the name of a file", received=repr(trial.name))
 
 
 def check_target(path: str | Path, dataset: Dataset | None = None) -> None:

@@ -1,0 +1,96 @@
+"""Uneven samples are brought onto even instants; nothing is made up inside of a gap."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hsr_pin.recordings.grid import even_grid, hold
+from hsr_pin.recordings.read import read_dataset
+
+
+def wave(time):
+    return np.stack([np.sin(3 * time), np.cos(2 * time)], axis=1)
+
+
+def test_even_times_stay_as_they_are():
+    assert even_grid(np.arange(300) / 120) is None
+
+
+def test_times_rounded_to_a_microsecond_are_even():
+    assert even_grid(np.round(np.arange(20000) / 120, 6)) is None
+
+
+def test_missing_rows_become_gaps_at_their_own_instants():
+    full = np.round(np.arange(2000) / 120, 6)
+    kept = np.delete(np.arange(2000), [5, *range(100, 130), 1500])
+    grid = even_grid(full[kept])
+    assert len(grid.time) == 2000
+    assert np.allclose(grid.time, full, atol=2e-5)
+    values = grid.positions(wave(full[kept]))
+    assert np.array_equal(np.isnan(values[:, 0]), ~np.isin(np.arange(2000), kept))
+    assert np.array_equal(values[kept], wave(full[kept]))
+
+
+def test_jitter_is_interpolated_away():
+    rng = np.random.default_rng(0)
+    time = np.arange(500) * 0.01 + rng.uniform(-0.003, 0.003, 500)
+    grid = even_grid(time)
+    assert np.ptp(np.diff(grid.time)) < 1e-12
+    assert len(grid.time) in (499, 500, 501)
+    assert np.nanmax(np.abs(grid.positions(wave(time)) - wave(grid.time))) < 4e-4
+    assert np.isnan(grid.positions(wave(time))).mean() < 0.02
+
+
+def test_a_missing_value_spreads_no_farther_than_the_instants_beside_it():
+    time = np.arange(100) * 0.01 + 0.003 * (np.arange(100) % 2)
+    values = wave(time)
+    values[40] = np.nan
+    missing = np.flatnonzero(np.isnan(even_grid(time).positions(values)[:, 0]))
+    assert set(missing) <= {39, 40, 41}
+
+
+def test_the_input_holds_until_its_next_value():
+    time = np.delete(np.arange(10) * 0.1, [3, 4])
+    held = even_grid(time).held(np.arange(10.0)[[0, 1, 2, 5, 6, 7, 8, 9]])
+    assert np.array_equal(held, [0, 1, 2, 2, 2, 5, 6, 7, 8, 9])
+
+
+def test_before_its_first_value_an_input_is_that_value():
+    assert np.array_equal(hold(np.array([1.0, 2.0]), np.array([5.0, 6.0]), np.array([0.0, 1.5, 2.0])), [5, 5, 6])
+
+
+def test_a_pause_that_would_be_almost_all_of_the_grid_is_refused():
+    with pytest.raises(ValueError, match="almost all gap"):
+        even_grid(np.array([0.0, 0.01, 0.02, 1e6]))
+
+
+@given(st.lists(st.floats(1e-9, 10), min_size=1, max_size=40))
+def test_any_increasing_times_give_an_even_grid_within_them_or_are_refused(steps):
+    time = np.concatenate([[0.0], np.cumsum(steps)])
+    time = time[np.concatenate([[True], np.diff(time) >= 1e-9])]
+    if len(time) < 2:
+        return
+    try:
+        grid = even_grid(time)
+    except ValueError:
+        return
+    if grid is not None:
+        assert grid.step > 0
+        assert np.all(np.abs(np.diff(grid.time) - grid.step) <= 1e-9 + 1e-9 * grid.step)
+        assert np.isfinite(grid.held(time)).all()
+        inside = grid.positions(time[:, None])
+        seen = np.isfinite(inside)
+        assert np.all(np.abs(inside[seen] - grid.time[:, None][seen]) <= 0.02 * grid.step + 1e-9)
+
+
+def test_a_recording_with_rows_missing_is_read_onto_an_even_grid_with_a_note(folder):
+    path = folder / "trial_01.csv"
+    lines = path.read_text(encoding="utf-8").split("\n")
+    path.write_text("\n".join(lines[:6] + lines[9:]), encoding="utf-8")
+    trajectory = read_dataset(folder).trials[0].trajectory
+    assert len(trajectory.time) == 20
+    assert np.flatnonzero(np.isnan(trajectory.positions[:, 1, 0])).tolist() == [5, 6, 7]
+    assert np.array_equal(trajectory.torque, np.full(20, 0.5))
+    assert len(trajectory.notes) == 1
+    assert "resampled" in trajectory.notes[0]
