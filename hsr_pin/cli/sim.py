@@ -101,9 +101,10 @@ def _write(runs: list[Run], options: dict[str, Any]) -> list[str]:
         save(tip_figure([run.drawn for run in runs]), options["plot"])
         written.append(options["plot"])
     if options["html"] is not None:
+        from hsr_pin.cli.sim_report import title
         from hsr_pin.replay.page import write_page
 
-        write_page([run.drawn for run in runs], options["html"])
+        write_page([run.drawn for run in runs], options["html"], text=[title(runs, options["dynamics"])])
         written.append(options["html"])
     return written
 

@@ -34,7 +34,7 @@ def print_table(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> N
 
     console = Console(highlight=False)
     several = len({run.arm.keq for run in runs}) > 1
-    console.print(_title(runs, dynamics, several), style="bold", soft_wrap=True, markup=False)
+    console.print(title(runs, dynamics), style="bold", soft_wrap=True, markup=False)
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
     for column in ("Keq\n\nNm/rad", *_COLUMNS) if several else _COLUMNS:
         table.add_column(column, justify="right", no_wrap=True)
@@ -61,9 +61,10 @@ def print_json(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> No
     click.echo(json.dumps(document, indent=2, allow_nan=False))
 
 
-def _title(runs: Sequence[Run], dynamics: str, several: bool) -> str:
+def title(runs: Sequence[Run], dynamics: str) -> str:
+    """What all runs have in common, in one line."""
     arm = runs[0].arm
-    stiffness = "" if several else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
+    stiffness = "" if len({run.arm.keq for run in runs}) > 1 else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
     effects = "".join(f", {effect.name}" for effect in runs[0].effects)
     links = "1 link" if arm.links == 1 else f"{arm.links} links"
     return f"{links}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{effects}"

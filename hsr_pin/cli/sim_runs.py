@@ -77,7 +77,7 @@ class Run:
         if self.drive.pressures is None or self.pressures is None:
             return f"{self.torque:.4g} N m"
         p1, p2 = self.pressures
-        return f"{self.torque:.3f} N m (P1 {p1:.4g}, P2 {p2:.4g} bar)"
+        return f"{self.torque:.3f} N m (P1 {p1:.5g}, P2 {p2:.5g} bar)"
 
     @property
     def drawn(self) -> Drawn:

@@ -50,6 +50,11 @@ class Drawn:
         names = {marker.name for marker in self.measured.markers}
         return tuple(marker for marker in self.simulated.markers if marker.name in names)
 
+    @property
+    def moving(self) -> tuple[Marker, ...]:
+        """Those of them that are not at the base."""
+        return tuple(marker for marker in self.common if marker.arc_length > 0)
+
     def simulated_at(self, time: Array, marker: str) -> Array:
         """(len(time), 3) [m] where the simulation has a marker; NaN outside of its time."""
         own, path = self.simulated.time, self.simulated.marker(marker)

@@ -13,24 +13,28 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 
 from hsr_pin.errors import OutputError
 from hsr_pin.output import write_bytes
 from hsr_pin.replay.drawn import Drawn
+from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.trajectory import Array
+from hsr_pin.trajectory import Array, Marker
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Okabe and Ito, Color Universal Design, 2008; without the yellow, which is too light for lines on white.
+#: Of runs: Okabe and Ito, Color Universal Design, 2008; without the yellow, which is too light for lines on white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+#: Of markers, from the tip: the rest, where the first two mean simulated and measured.
+MARKER_COLOURS = COLOURS[2:]
 
 FORMATS = ("png", "pdf", "svg")
 
-_STYLE: dict[str, Any] = {
+_STYLE: Any = {
     "font.size": 9.0,
     "axes.titlesize": 10.0,
     "axes.grid": True,
@@ -86,7 +90,6 @@ def comparison_figure(run: Drawn) -> Figure:
     """One run beside its measurement: tip paths, every marker against time, error against time."""
     from matplotlib.figure import Figure
 
-    markers = [marker.name for marker in run.simulated.markers if marker.arc_length > 0]
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(10.0, 6.4), layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 1.15))
@@ -94,8 +97,8 @@ def comparison_figure(run: Drawn) -> Figure:
         first = figure.add_subplot(grid[0, 1])
         second = figure.add_subplot(grid[1, 1], sharex=first)
         third = figure.add_subplot(grid[2, 1], sharex=first)
-        _draw_motion(first, run, markers, axis=0)
-        _draw_motion(second, run, markers, axis=2)
+        _draw_motion(first, run, axis=0)
+        _draw_motion(second, run, axis=2)
         _draw_error(third, run)
         for axes in (first, second):
             axes.tick_params(labelbottom=False)
@@ -115,45 +118,68 @@ def constant_curvature(arm: ArmSpecification, bending: Array) -> Array:
 
 
 def _draw_paths(axes: Axes, runs: Sequence[Drawn]) -> None:
-    arms = list(dict.fromkeys((run.arm.mount, run.arm.tilt, run.arm.length) for run in runs))
-    bent = np.concatenate([run.angles.sum(axis=1) for run in runs])
-    low, high = min(0.0, 1.1 * bent.min()), max(0.0, 1.1 * bent.max())
-    if high - low < 0.2:
-        low, high = low - 0.2, high + 0.2
-    for number, (mount, tilt, length) in enumerate(arms):
-        arm = next(run.arm for run in runs if (run.arm.mount, run.arm.tilt, run.arm.length) == (mount, tilt, length))
-        arc = 1e3 * constant_curvature(arm, np.linspace(low, high, 200))
-        axes.plot(*arc.T, color="#888888", lw=1.0, ls=(0, (5, 3)), label="" if number else "constant curvature", zorder=1)
-    for run, colour in zip(runs, _cycle(len(runs)), strict=True):
-        path = 1e3 * run.simulated.marker(run.tip.name)[:, [0, 2]]
+    _draw_reference(axes, runs)
+    # the shortest path on top: under the same arm, paths lie on each other for a good part
+    order = np.argsort([-np.ptp(run.simulated.marker(run.tip.name), axis=0).max() for run in runs])
+    colours = _cycle(len(runs))
+    handles: dict[int, Any] = {}
+    for layer, index in enumerate(order):
+        run, colour = runs[index], colours[index]
         alone = len(runs) == 1 and run.measured is not None
-        axes.plot(*path.T, color=colour, label="simulated" if alone else run.label, zorder=3)
-        axes.plot(*path[-1], "o", color=colour, ms=5, zorder=4)
+        shape = 1e3 * _backbone(run)
+        axes.plot(*shape.T, color=colour, lw=5.0, alpha=0.22, solid_capstyle="round", zorder=1.5)
+        path = 1e3 * _smooth(run.simulated.time, run.simulated.marker(run.tip.name)[:, [0, 2]])
+        (handles[index],) = axes.plot(*path.T, color=colour, zorder=3 + layer, label="simulated" if alone else run.label)
+        axes.plot(*path[-1], "o", color=colour, mec="white", ms=6, zorder=4 + len(runs))
         if run.measured is not None and run.tip in run.common:
             seen = 1e3 * run.measured.marker(run.tip.name)[:, [0, 2]]
-            axes.plot(
-                *seen.T,
-                ".",
-                color=_measured_colour(alone, colour),
-                ms=2.5,
-                alpha=0.7,
-                zorder=2,
-                label="measured" if alone else "",
-            )
-    axes.plot(0, 0, "s", color="#444444", ms=7, zorder=2, label="base")
+            dots = COLOURS[1] if alone else colour
+            (handle,) = axes.plot(*seen.T, ".", color=dots, ms=2.5, alpha=0.7, zorder=2, label="measured" if alone else "")
+            handles[len(runs)] = handle
+    axes.plot(0, 0, "s", color="#444444", ms=8, zorder=2)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.06)
+    axes.margins(0.07)
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("z [mm]")
-    axes.set_title("Path of the tip in the plane of bending")
-    axes.legend(loc="best")
+    axes.set_title("Path of the tip in the plane of bending, and the arm at its end", fontsize=9)
+    shown, labels = axes.get_legend_handles_labels()
+    rank = {handle: index for index, handle in handles.items()}
+    legend = sorted(zip(shown, labels, strict=True), key=lambda entry: rank.get(entry[0], len(runs) + 1))
+    axes.legend(*zip(*legend, strict=True), loc="best", markerscale=1.6)
 
 
-def _draw_motion(axes: Axes, run: Drawn, markers: Sequence[str], axis: int) -> None:
-    for name, colour in zip(markers, _cycle(len(markers)), strict=True):
-        if run.measured is not None and name in [marker.name for marker in run.common]:
-            seen = run.measured.marker(name)[:, axis]
-            axes.plot(run.measured.time, 1e3 * seen, ".", color=colour, ms=2.5, alpha=0.5)
+def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
+    """Where the tip of a constant-curvature arm can be, a little beyond what is reached; once for each kind of arm."""
+    bent = np.concatenate([run.angles.sum(axis=1) for run in runs])
+    low, high = min(-0.1, 1.4 * bent.min()), max(0.1, 1.4 * bent.max())
+    kinds = {(run.arm.mount, run.arm.tilt, run.arm.length): run.arm for run in runs}
+    for number, arm in enumerate(kinds.values()):
+        arc = 1e3 * constant_curvature(arm, np.linspace(low, high, 200))
+        label = "" if number else "tip of a constant-curvature arm"
+        axes.plot(*arc.T, color="#777777", lw=1.0, ls=(0, (5, 3)), label=label, zorder=2.5)
+
+
+def _backbone(run: Drawn) -> Array:
+    """(n, 2) [m] x and z of the chain at the end of a run, from base to tip."""
+    arm = run.arm
+    bends = np.concatenate([[0.0], arm.joint_arc_lengths * arm.length, [arm.length]])
+    return np.asarray(marker_map(build_model(arm), bends).positions(run.angles[-1])[:, [0, 2]])
+
+
+def _smooth(time: Array, path: Array) -> Array:
+    """A path (T, 2) drawn without corners: five points to a sample."""
+    if len(time) < 4:
+        return path
+    fine = np.linspace(time[0], time[-1], 5 * len(time) - 4)
+    return np.asarray(Akima1DInterpolator(time, path)(fine))
+
+
+def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:
+    markers = [marker for marker in run.simulated.markers if marker.arc_length > 0]
+    for marker in markers:
+        name, colour = marker.name, _marker_colour(run, marker)
+        if run.measured is not None and marker in run.common:
+            axes.plot(run.measured.time, 1e3 * run.measured.marker(name)[:, axis], ".", color=colour, ms=2.5, alpha=0.5)
         axes.plot(run.simulated.time, 1e3 * run.simulated.marker(name)[:, axis], color=colour, label=name, lw=1.2)
     axes.set_ylabel(f"{'xyz'[axis]} [mm]")
     if axis == 0:
@@ -162,17 +188,17 @@ def _draw_motion(axes: Axes, run: Drawn, markers: Sequence[str], axis: int) -> N
 
 
 def _draw_error(axes: Axes, run: Drawn) -> None:
-    names = [marker.name for marker in run.common if marker.arc_length > 0]
-    for name, colour in zip(names, _cycle(len(names)), strict=True):
+    for marker in run.moving:
         assert run.measured is not None
-        axes.plot(run.measured.time, 1e3 * run.gap(name), color=colour, label=name, lw=1.0)
+        axes.plot(run.measured.time, 1e3 * run.gap(marker.name), color=_marker_colour(run, marker), lw=1.0)
     axes.set_ylabel("distance [mm]")
     axes.set_ylim(bottom=0)
     axes.set_title("Error: distance from simulated to measured")
 
 
-def _measured_colour(alone: bool, colour: str) -> str:
-    return COLOURS[1] if alone else colour
+def _marker_colour(run: Drawn, marker: Marker) -> str:
+    along = sorted(run.simulated.markers, key=lambda other: -other.arc_length)
+    return MARKER_COLOURS[along.index(marker) % len(MARKER_COLOURS)]
 
 
 def _cycle(count: int) -> list[str]:

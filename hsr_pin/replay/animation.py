@@ -1,0 +1,249 @@
+"""Arms in motion in a meshcat scene: drawn the same way into a live viewer and into a page.
+
+The plane of bending faces the camera, which stands at negative y. Several arms stand side by side. Trails, measured markers and
+the gaps to them lie just in front of the arm, so that it does not hide them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import meshcat.animation as ma
+import meshcat.geometry as mg
+import meshcat.transformations as mt
+import numpy as np
+from meshcat import Visualizer
+from meshcat.path import Path
+from numpy.typing import NDArray
+
+from hsr_pin.replay.bodies import Body, bodies, poses
+from hsr_pin.replay.drawn import Drawn
+from hsr_pin.replay.labels import label
+from hsr_pin.trajectory import Array
+
+#: Frames per second, and the largest number of frames; a longer run has fewer per second.
+RATE, MOST_FRAMES = 50.0, 2000
+#: A property that changes less than this from frame to frame stands still.
+STILL = 1e-6
+#: Side of a square of the grid behind the arms [m].
+GRID = 0.05
+#: Simulated and measured, where there is a measurement: Okabe and Ito's blue and vermilion.
+SIMULATED, MEASURED = 0x0072B2, 0xD55E00
+#: Trails of several simulated runs.
+TRAILS = (0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00)
+
+#: Width over height of a window that the scene is laid out for.
+ASPECT = 1.5
+_FIELD_OF_VIEW = 30.0
+_HALF_VIEW = math.tan(math.radians(_FIELD_OF_VIEW / 2))
+_VIEW = np.array([0.16, -1.0, 0.13]) / np.linalg.norm([0.16, -1.0, 0.13])
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """Common frames of several runs: ``time`` (F,) [s] of each, in the recordings' own time, and frames per second."""
+
+    time: Array
+    rate: float
+
+
+def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
+    """Put arms, markers, trails and their motion into a viewer, and its camera where all of it is in view.
+
+    Args:
+        viewer: live, or one that records what it is sent.
+        runs: drawn side by side.
+
+    Returns:
+        The frames of the animation that the viewer now plays.
+    """
+    clip = _clip(runs)
+    low, high = _reach(runs)
+    shift = _arrangement(high - low)
+    animation = ma.Animation(default_framerate=clip.rate)
+    scene = viewer["arms"]
+    for number, run in enumerate(runs):
+        place = scene[f"arm_{number + 1}"]
+        place.set_transform(mt.translation_matrix(number * shift))
+        colour = trail_colour(run, number)
+        _draw_arm(place, run, clip, animation)
+        _draw_trail(place["simulated_trail"], run.simulated.marker(run.tip.name) + _front(run), colour, 0.06 * run.arm.diameter)
+        if run.measured is not None:
+            _draw_measured(place, run, clip, animation)
+        if len(runs) > 1:
+            height = 0.1 * run.arm.length
+            place["label"].set_object(*label(run.label.split(" (")[0], f"#{colour:06x}", height))
+            place["label"].set_transform(_upright_at(_label_place(run, low, high, height)))
+    whole = np.array([low + np.minimum(0, (len(runs) - 1) * shift), high + np.maximum(0, (len(runs) - 1) * shift)])
+    _draw_wall(scene["grid"], whole, 1.5 * runs[0].arm.diameter)
+    _set_stage(viewer, scene, whole)
+    viewer.set_animation(animation, play=True, repetitions=math.inf)
+    return clip
+
+
+def trail_colour(run: Drawn, number: int) -> int:
+    """0xRRGGBB of the simulated trail of a run and its place in the row."""
+    return SIMULATED if run.measured is not None else TRAILS[number % len(TRAILS)]
+
+
+def _clip(runs: Sequence[Drawn]) -> Clip:
+    start = min(run.simulated.time[0] for run in runs)
+    span = max(run.simulated.time[-1] for run in runs) - start
+    rate = min(RATE, MOST_FRAMES / span)
+    return Clip(start + np.arange(int(span * rate) + 1) / rate, rate)
+
+
+def _reach(runs: Sequence[Drawn]) -> tuple[Array, Array]:
+    """Lowest and highest corner (3,) of all that any run sweeps, seen from its base [m]."""
+    points = [np.zeros((1, 3))]
+    for run in runs:
+        points.append(run.simulated.positions.reshape(-1, 3))
+        if run.measured is not None:
+            points.append(run.measured.positions.reshape(-1, 3))
+    every = np.concatenate(points)
+    margin = 0.8 * max(run.arm.diameter for run in runs)
+    return np.nanmin(every, axis=0) - margin, np.nanmax(every, axis=0) + margin
+
+
+def _arrangement(extent: Array) -> Array:
+    """(3,) [m] from one arm to the next: beside each other, or below each other where they are wide."""
+    if extent[0] > 1.3 * extent[2]:
+        return np.array([0.0, 0.0, -1.2 * extent[2]])
+    return np.array([1.1 * extent[0], 0.0, 0.0])
+
+
+def _draw_arm(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Animation) -> None:
+    for body in bodies(run.arm):
+        if run.measured is not None and body.height is None:
+            continue  # the arm's own markers would be taken for measured ones
+        node = place[f"joint_{body.joint}"][body.name]
+        node.set_object(_geometry(body), mg.MeshLambertMaterial(color=body.colour))
+        node.set_transform(body.placement)
+    radius = run.arm.diameter
+    plate = place["mount"]
+    plate.set_object(mg.Cylinder(0.1 * radius, 0.9 * radius), mg.MeshLambertMaterial(color=0x9AA0A8))
+    translation, quaternion = (part[:, 0] for part in poses(run.arm, np.zeros((1, run.arm.links)))[:2])
+    base = _matrix(translation[0], quaternion[0])
+    plate.set_transform(base @ mt.translation_matrix([0, 0, -0.05 * radius]) @ mt.rotation_matrix(math.pi / 2, [1, 0, 0]))
+    angles = _at_frames(clip.time, run.simulated.time, run.angles)
+    translations, quaternions = poses(run.arm, angles)
+    for joint in range(1, run.arm.links + 1):
+        path = place.path.append(f"joint_{joint}")
+        _animate(animation, path, clip, position=translations[:, joint], quaternion=quaternions[:, joint])
+
+
+def _draw_measured(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Animation) -> None:
+    assert run.measured is not None
+    radius, front = 0.13 * run.arm.diameter, _front(run)
+    for marker in run.moving:
+        seen = _at_frames(clip.time, run.measured.time, run.measured.marker(marker.name)) + front
+        simulated = _at_frames(clip.time, run.simulated.time, run.simulated.marker(marker.name)) + front
+        visible = np.asarray(np.isfinite(seen).all(axis=1))
+        seen = np.where(visible[:, None], seen, simulated)
+        for kind, path, colour in (("measured", seen, MEASURED), ("simulated", simulated, SIMULATED)):
+            node = place[f"{kind}_markers"][marker.name]
+            node.set_object(mg.Sphere(radius), mg.MeshLambertMaterial(color=colour))
+            shown = visible if kind == "measured" else np.ones_like(visible)
+            _animate(animation, node.path, clip, position=path, visible=shown)
+        gap = place["gaps"][marker.name]
+        gap.set_object(mg.Cylinder(1.0, 1.0), mg.MeshLambertMaterial(color=0x333333))
+        _animate(animation, gap.path, clip, visible=visible, **_rod(simulated, seen, 0.3 * radius))
+    if run.tip in run.common:
+        trail = run.measured.marker(run.tip.name) + front
+        _draw_trail(place["measured_trail"], trail, MEASURED, 0.08 * run.arm.diameter, between=False)
+
+
+def _draw_trail(node: Visualizer, path: Array, colour: int, size: float, *, between: bool = True) -> None:
+    """A path (T, 3) as dots of a size [m]: so close that they are a line, or the samples alone. Nothing where it was not seen."""
+    points = path[np.isfinite(path).all(axis=1)]
+    if between:
+        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        even = np.linspace(0.0, length[-1], min(5000, int(2 * length[-1] / size) + 2))
+        points = np.stack([np.interp(even, length, axis) for axis in points.T], axis=-1)
+    shade = np.array([colour >> 16 & 255, colour >> 8 & 255, colour & 255]) / 255
+    geometry = mg.PointsGeometry(points.T, np.tile(shade[:, None], len(points)))
+    node.set_object(mg.Points(geometry, mg.PointsMaterial(size=size / _HALF_VIEW)))
+
+
+def _draw_wall(node: Visualizer, corners: Array, behind: float) -> None:
+    """A grid in the plane of bending, behind the arms."""
+    low, high = np.floor(corners[0] / GRID) * GRID, np.ceil(corners[1] / GRID) * GRID
+    lines = [[[x, behind, low[2]], [x, behind, high[2]]] for x in np.arange(low[0], high[0] + GRID / 2, GRID)] + [
+        [[low[0], behind, z], [high[0], behind, z]] for z in np.arange(low[2], high[2] + GRID / 2, GRID)
+    ]
+    points = np.array(lines).reshape(-1, 3).T
+    node.set_object(mg.LineSegments(mg.PointsGeometry(points), mg.LineBasicMaterial(color=0xC4CAD3)))
+
+
+def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array) -> None:
+    """Background, and a camera that sees all between two corners (2, 3) [m]; it looks at the origin, so the scene moves there."""
+    scene.set_transform(mt.translation_matrix(-corners.mean(axis=0)))
+    width, _, height = corners[1] - corners[0]
+    distance = 1.25 * max(height, width / ASPECT) / 2 / _HALF_VIEW
+    x, y, z = distance * _VIEW
+    camera = viewer["/Cameras/default/rotated/<object>"]
+    camera.set_property("fov", _FIELD_OF_VIEW)
+    camera.set_property("position", [x, z, -y])  # the camera's own frame has y up
+    viewer["/Grid"].set_property("visible", False)
+    viewer["/Axes"].set_property("visible", False)
+    viewer["/Background"].set_property("top_color", [0.97, 0.98, 1.0])
+    viewer["/Background"].set_property("bottom_color", [0.88, 0.90, 0.93])
+
+
+def _animate(animation: ma.Animation, path: Path, clip: Clip, **tracks: NDArray[Any]) -> None:
+    """Key frames of some properties: position, scale (F, 3), quaternion (F, 4) as x, y, z, w, visible (F,)."""
+    kinds = {"position": "vector3", "scale": "vector3", "quaternion": "quaternion", "visible": "boolean"}
+    animation.clips[path] = ma.AnimationClip({}, fps=clip.rate)
+    for name, values in tracks.items():
+        keys = _key_frames(values)
+        animation.clips[path].tracks[name] = ma.AnimationTrack(name, kinds[name], keys.tolist(), values[keys].tolist())
+
+
+def _key_frames(values: NDArray[Any]) -> NDArray[np.intp]:
+    """Which frames must be given, the viewer drawing straight lines between: the ends, and where something changes."""
+    changes = np.abs(np.diff(values.reshape(len(values), -1).astype(float), axis=0)).max(axis=1) > STILL
+    return np.flatnonzero(np.append(True, changes) | np.append(changes, True))
+
+
+def _rod(start: Array, end: Array, radius: float) -> dict[str, Array]:
+    """Position, quaternion and scale that lay a unit cylinder along y between points (F, 3)."""
+    way = end - start
+    length = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
+    x, y, z = (way / length[:, None]).T
+    quaternion = np.stack([z, 0 * x, -x, 1 + y], axis=1)  # turns y onto the way; undefined for exactly -y
+    quaternion[y < -1 + 1e-9] = [1.0, 0.0, 0.0, 0.0]
+    quaternion /= np.linalg.norm(quaternion, axis=1)[:, None]
+    thin = np.full_like(length, radius)
+    return {"position": (start + end) / 2, "quaternion": quaternion, "scale": np.stack([thin, length, thin], axis=1)}
+
+
+def _at_frames(frames: Array, time: Array, values: Array) -> Array:
+    """(F, n) of (T, n), on straight lines between samples; NaN beside NaN."""
+    return np.stack([np.interp(frames, time, column) for column in values.T], axis=-1)
+
+
+def _front(run: Drawn) -> Array:
+    return np.array([0.0, -0.65 * run.arm.diameter, 0.0])
+
+
+def _label_place(run: Drawn, low: Array, high: Array, height: float) -> Array:
+    """Where the arm does not go: above it, or below an upright one."""
+    along = 0.5 * run.arm.length if run.arm.mount == "horizontal" else 0.0
+    return np.array([along, 0.0, low[2] - 0.1 * height if run.arm.mount == "upright" else high[2] + 0.1 * height])
+
+
+def _geometry(body: Body) -> Any:
+    return mg.Sphere(body.radius) if body.height is None else mg.Cylinder(body.height, body.radius)
+
+
+def _matrix(translation: Array, quaternion: Array) -> Array:
+    matrix = mt.quaternion_matrix(np.roll(quaternion, 1))
+    matrix[:3, 3] = translation
+    return np.asarray(matrix)
+
+
+def _upright_at(place: Array) -> Array:
+    return np.asarray(mt.translation_matrix(place) @ mt.rotation_matrix(math.pi / 2, [1, 0, 0]))

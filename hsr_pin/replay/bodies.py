@@ -1,0 +1,79 @@
+"""The arm's visuals and where they are: read from its own URDF, moved by Pinocchio's forward kinematics."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from hsr_pin.robot.model import build_model
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.urdf import arm_to_urdf
+from hsr_pin.trajectory import Array
+
+#: Cylinders lie along z in a URDF and along y in meshcat.
+_Z_TO_Y = pin.SE3(pin.utils.rotate("x", math.pi / 2), np.zeros(3)).homogeneous
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One visual.
+
+    Attributes:
+        name: as in the URDF, with a number.
+        joint: that carries it, from 1; 0: fixed.
+        placement: (4, 4) in the joint's frame, of a sphere or a cylinder along y.
+        radius: [m].
+        height: of a cylinder [m]; None: a sphere.
+        colour: 0xRRGGBB.
+    """
+
+    name: str
+    joint: int
+    placement: Array
+    radius: float
+    height: float | None
+    colour: int
+
+
+def bodies(arm: ArmSpecification) -> list[Body]:
+    """All visuals of an arm."""
+    model = build_model(arm).model
+    visuals = pin.buildGeomFromUrdfString(model, arm_to_urdf(arm), pin.GeometryType.VISUAL)
+    found = []
+    for visual in visuals.geometryObjects:
+        half = getattr(visual.geometry, "halfLength", None)
+        placement = visual.placement.homogeneous
+        red, green, blue = (round(255 * float(part)) for part in visual.meshColor[:3])
+        found.append(
+            Body(
+                name=visual.name,
+                joint=int(visual.parentJoint),
+                placement=placement if half is None else placement @ _Z_TO_Y,
+                radius=float(visual.geometry.radius),
+                height=None if half is None else 2 * float(half),
+                colour=red << 16 | green << 8 | blue,
+            )
+        )
+    return found
+
+
+def poses(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
+    """Translations (T, N + 1, 3) [m] and quaternions (T, N + 1, 4), x y z w, of the base and the N joints, in the world frame.
+
+    Args:
+        arm: the arm.
+        angles: (T, N) [rad].
+    """
+    model = build_model(arm).model
+    data = model.createData()
+    base = model.frames[model.getFrameId("base")].placement
+    translations, quaternions = np.empty((len(angles), arm.links + 1, 3)), np.empty((len(angles), arm.links + 1, 4))
+    for number, q in enumerate(angles):
+        pin.forwardKinematics(model, data, q)
+        for joint, pose in enumerate([base, *data.oMi.tolist()[1:]]):
+            translations[number, joint] = pose.translation
+            quaternions[number, joint] = pin.Quaternion(pose.rotation).coeffs()
+    return translations, quaternions

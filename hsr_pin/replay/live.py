@@ -1,0 +1,25 @@
+"""The animation in a browser, served by meshcat on this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Sequence
+
+import meshcat
+
+from hsr_pin.replay.animation import draw
+from hsr_pin.replay.drawn import Drawn
+
+
+def show(runs: Sequence[Drawn]) -> None:
+    """Open the animation in the browser and keep it there until Ctrl-C."""
+    with contextlib.redirect_stdout(sys.stderr):  # meshcat prints its address; stdout is for results
+        viewer = meshcat.Visualizer()
+        draw(viewer, runs)
+        viewer.open()
+    print("The animation's time slider is under Open Controls, Animations. Ctrl-C ends.", file=sys.stderr)
+    with contextlib.suppress(KeyboardInterrupt):
+        while True:
+            time.sleep(0.5)
