@@ -15,7 +15,6 @@ from hsr_pin.errors import InputError
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s2
 #: mount -> (world direction of the arm frame's x, of its z)
 MOUNTS: dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
     "hanging": ((1, 0, 0), (0, 0, -1)),
@@ -36,8 +35,8 @@ class Arm:
         tilt: turn of the true mount from the declared one, towards positive bending [rad].
         tilt_seen: whether the markers' frame stays with the world (True: the arm is seen turned) or
             turns with the base (False: only gravity is felt turned).
-        friction_loss: engine's own Coulomb friction in each joint [N m] (chain only).
         wall: distance of a wall parallel to the straight arm, towards +x [m] (chain only), or None.
+        g: gravity [m/s2].
     """
 
     length: float = 0.24
@@ -48,8 +47,8 @@ class Arm:
     added_mass: float = 0.0
     tilt: float = 0.0
     tilt_seen: bool = True
-    friction_loss: float = 0.0
     wall: float | None = None
+    g: float = 9.81
 
     def __post_init__(self) -> None:
         if self.mount not in MOUNTS:
@@ -68,7 +67,7 @@ class Arm:
     def gravity(self) -> Array:
         """Gravity in the arm frame, (2,): x, z [m/s2]."""
         axes = self._axes(self.tilt)
-        down = np.array([0.0, 0.0, -GRAVITY])
+        down = np.array([0.0, 0.0, -self.g])
         return np.array([axes[0] @ down, axes[1] @ down])
 
     def to_world(self, x: Array, z: Array) -> Array:
@@ -99,7 +98,7 @@ class Motion:
     angle: Array
 
     def at(self, arc_length: float, offset: float = 0.0) -> tuple[Array, Array]:
-        """x and z, each (T,) [m], of a point `offset` [m] off the backbone (towards +x when straight).
+        """Coordinates x and z, each (T,) [m], of a point `offset` [m] off the backbone (towards +x when straight).
 
         Cubic Hermite between the nodes, whose tangents are known.
         """

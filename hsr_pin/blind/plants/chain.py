@@ -7,7 +7,7 @@ n hinges, each in the middle of its element, so that a uniform moment gives the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -32,11 +32,9 @@ class ChainPlant(Plant):
 
     elements: int = 32
     step: float = 1e-4
-    bare: Arm = Arm()
+    bare: Arm = field(default_factory=Arm)
 
-    def simulate(
-        self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0
-    ) -> Motion:
+    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
         """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
         arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
         for law in laws:
@@ -68,6 +66,7 @@ class Chain:
         self.damping = self.n * damping
         self.model = build(arm, stiffness, damping, step)
         self.data = mujoco.MjData(self.model)
+        self._nodes: Nodes | None = None  # of the present instant, once asked for
 
     def read(self) -> tuple[Array, Array]:
         """See `march.Engine`."""
@@ -75,21 +74,23 @@ class Chain:
 
     def nodes(self) -> Nodes:
         """The middles of the bodies, which are the elements' ends: node 0 is the base."""
+        if self._nodes is not None:
+            return self._nodes
         angle = np.concatenate([[0.0], np.cumsum(self.data.qpos)])
         rate = np.concatenate([[0.0], np.cumsum(self.data.qvel)])
         along = np.stack([np.sin(angle), np.cos(angle)])
         swing = rate * np.stack([np.cos(angle), -np.sin(angle)])
-        return Nodes(self._up_to_nodes(along), self._up_to_nodes(swing), angle)
+        self._nodes = Nodes(self._up_to_nodes(along), self._up_to_nodes(swing), angle)
+        return self._nodes
 
-    def advance(
-        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
-    ) -> None:
+    def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
         """See `march.Engine`."""
         self.model.opt.gravity[:] = gravity[0], 0.0, gravity[1]
         if viscous is not None:
             self.model.dof_damping[:] = self.damping + self.n * viscous
         self.data.qfrc_applied[:] = moment if force is None else moment + self._torque(force)
         self._mujoco.mj_step(self.model, self.data)
+        self._nodes = None
 
     def _up_to_nodes(self, along: Array) -> Array:
         """Sum of half a link of each neighbour, from the base: (2, n + 1)."""
@@ -99,9 +100,7 @@ class Chain:
     def _torque(self, force: Array) -> Array:
         """Joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
         nodes = self.nodes()
-        joint = nodes.position[:, :-1] + self.h / 2 * np.stack(
-            [np.sin(nodes.angle[:-1]), np.cos(nodes.angle[:-1])]
-        )
+        joint = nodes.position[:, :-1] + self.h / 2 * np.stack([np.sin(nodes.angle[:-1]), np.cos(nodes.angle[:-1])])
         beyond = np.cumsum(force[:, :0:-1], axis=1)[:, ::-1]
         (x, z), (fx, fz) = nodes.position, force
         turning = np.cumsum((fx * z - fz * x)[:0:-1])[::-1]
@@ -110,8 +109,11 @@ class Chain:
 
 
 def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
-    """The ``mujoco.MjModel`` of an arm along z that bends about y; spring and damper of joint i are n
-    times ``stiffness[i]`` and ``damping[i]`` of the whole arm [Nm/rad, Nm s/rad]."""
+    """The ``mujoco.MjModel`` of an arm along z that bends about y.
+
+    Spring and damper of joint i are n times ``stiffness[i]`` and ``damping[i]`` of the whole arm
+    [Nm/rad, Nm s/rad].
+    """
     import mujoco
 
     spec = mujoco.MjSpec()
@@ -126,14 +128,13 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
         joint = body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 1, 0])
         joint.stiffness = _linear(joint.stiffness, n * stiffness[i])
         joint.damping = _linear(joint.damping, n * damping[i])
-        joint.frictionloss = arm.friction_loss
         body.explicitinertial = True
         body.mass = arm.line_mass * length
         body.ipos = [0, 0, length / 2]
         across = body.mass * (3 * r * r + length * length) / 12
         body.inertia = [across, across, body.mass * r * r / 2]
         if arm.wall is not None:
-            _collide(body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[0, 0, length / 2]), r, 1, 0)
+            _collide(body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[0, 0, length]), r, 1, 0)
     if arm.tip_mass > 0:
         tip = body.add_body(pos=[0, 0, h / 2])
         tip.explicitinertial = True

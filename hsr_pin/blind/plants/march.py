@@ -30,9 +30,7 @@ class Engine(Protocol):
     def nodes(self) -> Nodes:
         """The backbone."""
 
-    def advance(
-        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
-    ) -> None:
+    def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
         """One step under moments (n,) [N m] and forces on nodes (2, N) [N]; gravity (2,) [m/s2]."""
 
 
@@ -49,7 +47,7 @@ def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[float, Array
     per_sample = round(1 / RATE / dt)
     tau = trial.torque()
     tau = np.repeat(np.concatenate([tau[:1], tau[:-1]]), per_sample)
-    t = (np.arange(tau.size) - per_sample) * dt
+    t = np.arange(-per_sample, tau.size - per_sample, dtype=float) * dt
     for law in acting(laws, "command"):
         tau = law.command(tau, t, trial.keq, trial.clock)
     return float(tau[0]), tau[per_sample:]
@@ -63,9 +61,7 @@ class March:
         trial: what is done. laws: what the model lacks. dt: step [s].
     """
 
-    def __init__(
-        self, engine: Engine, joints: Joints, arm: Arm, trial: Trial, laws: Sequence[Law], dt: float
-    ) -> None:
+    def __init__(self, engine: Engine, joints: Joints, arm: Arm, trial: Trial, laws: Sequence[Law], dt: float) -> None:
         self.engine, self.joints, self.trial, self.dt = engine, joints, trial, dt
         self.gravity = arm.gravity()
         self.share = profile(laws, "torque", joints.s)
@@ -74,7 +70,7 @@ class March:
         self.viscous = acting(laws, "viscous")
         self.forces = acting(laws, "force")
         self.memories = [law.memory(joints) for law in self.moments]
-        fine = np.arange(-1, self.tau.size + 2) * dt
+        fine = np.arange(-1, self.tau.size + 2, dtype=float) * dt
         base = sum((law.base(fine) for law in acting(laws, "base")), np.zeros_like(fine))
         self.push = np.diff(base, 2) / dt**2  # m/s2, acceleration of the base along x
 

@@ -25,9 +25,7 @@ class Plant(ABC):
     bare: Arm
 
     @abstractmethod
-    def simulate(
-        self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0
-    ) -> Motion:
+    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
         """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
 
     def mounted(self: AnyPlant, mount: str) -> AnyPlant:
@@ -53,8 +51,7 @@ class Plant(ABC):
         for law in laws:
             arm = law.arm(arm, 1.0)
         return [
-            observe(plant.simulate(trial, laws, nuisance.k, nuisance.c), arm, laws, markers, error)
-            for trial in program.trials
+            observe(plant.simulate(trial, laws, nuisance.k, nuisance.c), arm, laws, markers, error) for trial in program.trials
         ]
 
     def run(

@@ -1,5 +1,7 @@
-"""A planar Cosserat rod in PyElastica (M. Gazzola et al., Forward and Inverse Problems in the Mechanics of
-Soft Filaments, R. Soc. Open Sci. 5, 2018): directors, shear and stretch, explicit position Verlet.
+"""A planar Cosserat rod in PyElastica.
+
+The engine: M. Gazzola et al., Forward and Inverse Problems in the Mechanics
+of Soft Filaments, R. Soc. Open Sci. 5, 2018; directors, shear and stretch, explicit position Verlet.
 
 The damper C L (curvature rate) is far too stiff for an explicit step, so it is a PyElastica damper of
 our own: the rates after each step solve (J + dt D) w' = J w, D tridiagonal. Shear and stretch are given
@@ -9,7 +11,7 @@ one stiffness, as low as the static sag allows (see `AXIAL`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -38,23 +40,21 @@ class RodPlant(Plant):
 
     elements: int = 24
     step: float = 5e-5
-    bare: Arm = Arm()
+    bare: Arm = field(default_factory=Arm)
 
-    def simulate(
-        self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0
-    ) -> Motion:
+    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
         """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
         arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
         for law in laws:
             arm = law.arm(arm, trial.keq)
-        if arm.wall is not None or arm.friction_loss > 0:
+        if arm.wall is not None:
             raise EffectError(
-                "rod plant", expected="laws without contact or native friction",
+                "rod plant", expected="laws without contact",
                 received=[law.name for law in laws], hint="use the chain plant",
             )  # fmt: skip
         # The first element is centred on the base and clamped: joints stand at h/2, 3h/2, ...
         h = 1 / (self.elements - 0.5)
-        s = (np.arange(self.elements - 1) + 0.5) * h
+        s = np.arange(0.5, self.elements - 1, dtype=float) * h
         stiffness = k * trial.keq * profile(laws, "stiffness", s)
         damping = c * trial.damping * profile(laws, "damping", s)
         engine = Rod(arm, stiffness, damping, self.step)
@@ -104,9 +104,7 @@ class Rod:
         )
         return Nodes(position, velocity, angle)
 
-    def advance(
-        self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array
-    ) -> None:
+    def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
         """See `march.Engine`."""
         self.moment, self.force, self.gravity = moment, force, gravity
         self._extra_damping = None if viscous is None else viscous * self.per_bend
@@ -162,8 +160,11 @@ def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float) -> Any:
 def _simulator(elastica: Any, engine: Rod) -> tuple[Any, Any]:
     """PyElastica's simulator around the rod of an engine, and its stepper."""
 
-    class Simulator(  # type: ignore[misc]
-        elastica.BaseSystemCollection, elastica.Constraints, elastica.Forcing, elastica.Damping
+    class Simulator(
+        elastica.BaseSystemCollection,  # type: ignore[misc]
+        elastica.Constraints,  # type: ignore[misc]
+        elastica.Forcing,  # type: ignore[misc]
+        elastica.Damping,  # type: ignore[misc]
     ):
         pass
 
@@ -177,9 +178,7 @@ def _simulator(elastica: Any, engine: Rod) -> tuple[Any, Any]:
 
     simulator = Simulator()
     simulator.append(engine.rod)
-    simulator.constrain(engine.rod).using(
-        elastica.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,)
-    )
+    simulator.constrain(engine.rod).using(elastica.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
     simulator.add_forcing_to(engine.rod).using(Push)
     simulator.dampen(engine.rod).using(Dampers)
     simulator.finalize()

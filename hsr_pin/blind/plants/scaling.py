@@ -1,9 +1,9 @@
-"""How strong must an effect be to move the markers by so many millimetres?"""
+"""Gives an effect the strength that moves the markers by so many millimetres."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,23 +18,7 @@ from .program import Program
 
 #: Gaps of the named sizes, in noise floors.
 SIZES: dict[str, float] = {"barely": 2.0, "medium": 6.0, "large": 15.0}
-#: Coarse enough to be quick, fine enough for a gap to a few per cent.
-SCOUT = ChainPlant(elements=12, step=5e-4)
 TOLERANCE = 0.03
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """A law at the strength asked for.
-
-    Attributes:
-        law: the law. gap: RMS marker distance that it makes [mm].
-        reached: whether that is the distance asked for; if not, the law is as strong as it may be.
-    """
-
-    law: Law
-    gap: float
-    reached: bool
 
 
 def target(size: str, noise: float) -> float:
@@ -44,71 +28,96 @@ def target(size: str, noise: float) -> float:
     return 1e3 * SIZES[size] * noise_floor(noise)
 
 
-def gap(a: Sequence[Array], b: Sequence[Array], still: int = 1) -> float:
-    """RMS distance [mm] of markers (T, M, 3) [m] over all trials; the first `still` markers do not move."""
-    return 1e3 * float(np.sqrt(np.mean(_squares(a, b, still))))
+@dataclass(frozen=True)
+class Yardstick:
+    """Measures by how far laws move the markers in a program, on a plant that is coarse but quick.
 
-
-def distinct(
-    law: Law, program: Program, nuisance: Nuisance | None = None, plant: Plant = SCOUT
-) -> tuple[float, float]:
-    """Gap of a law [mm], and what is left of it after the best change of K and C [mm].
-
-    The change is found by linear least squares over differences of 2 % in K and C: an estimate.
+    Gaps are RMS distances over all trials, samples and markers but the one at the base [mm].
     """
-    nuisance = nuisance or Nuisance()
 
-    def stacked(effects: tuple[Law, ...], k: float, c: float) -> Array:
-        points = plant.watch(program, effects, replace(nuisance, k=nuisance.k * k, c=nuisance.c * c))
+    program: Program
+    nuisance: Nuisance = field(default_factory=Nuisance)
+    plant: Plant = field(default_factory=lambda: ChainPlant(elements=12, step=5e-4))
+
+    def gap(self, law: Law) -> float:
+        """With the law against without it, at the same K and C [mm]."""
+        return _rms(self._change(law))
+
+    def refitted_gap(self, law: Law) -> float:
+        """What is left of the gap after the best change of K and C [mm]: what a diagnosis has to go by.
+
+        Estimated by linear least squares on differences of 2 % in K and in C.
+        """
+        change = self._change(law)
+        best = np.linalg.lstsq(self._slopes, change, rcond=None)[0]
+        return _rms(change - self._slopes @ best)
+
+    def _change(self, law: Law) -> Array:
+        return self._watch((law,)) - self._nominal
+
+    @cached_property
+    def _nominal(self) -> Array:
+        return self._watch(())
+
+    @cached_property
+    def _slopes(self) -> Array:
+        softer, looser = self._watch((), k=1.02), self._watch((), c=1.02)
+        return np.stack([softer - self._nominal, looser - self._nominal], axis=1)
+
+    def _watch(self, laws: tuple[Law, ...], k: float = 1.0, c: float = 1.0) -> Array:
+        nuisance = replace(self.nuisance, k=self.nuisance.k * k, c=self.nuisance.c * c)
+        points = self.plant.watch(self.program, laws, nuisance)
         return np.concatenate([p[:, 1:].ravel() for p in points])
 
-    nominal = stacked((), 1, 1)
-    change = stacked((law,), 1, 1) - nominal
-    slopes = np.stack([stacked((), 1.02, 1) - nominal, stacked((), 1, 1.02) - nominal], axis=1)
-    left = change - slopes @ np.linalg.lstsq(slopes, change, rcond=None)[0]
-    points = change.size / 3
-    return tuple(1e3 * float(np.sqrt(v @ v / points)) for v in (change, left))  # type: ignore[return-value]
 
+@dataclass(frozen=True)
+class Scaled:
+    """A law at the strength asked for.
 
-def scale_to_gap(
-    law: Law,
-    program: Program,
-    millimetres: float,
-    nuisance: Nuisance | None = None,
-    plant: Plant = SCOUT,
-) -> Scaled:
-    """Scale a law so that the markers move by this much (RMS, same K and C) [mm].
-
-    Secant steps on the logarithms, of at most a factor 8; ends within 3 % or at the law's limit.
+    Attributes:
+        law: the law. gap: marker distance that it makes [mm].
+        reached: whether that is the distance asked for; if not, the law is as strong as it may be.
     """
-    reference = plant.watch(program, (), nuisance)
 
-    def measure(candidate: Law) -> float:
-        return gap(plant.watch(program, (candidate,), nuisance), reference)
-
-    best = Scaled(law, measure(law), False)
-    previous, power = best, 1.0
-    for _ in range(10):
-        if abs(best.gap / millimetres - 1) < TOLERANCE:
-            return replace(best, reached=True)
-        wanted = (millimetres / max(best.gap, 1e-6)) ** (1 / power)
-        stronger = best.law.scaled(float(np.clip(wanted, 1 / 8, 8.0)))
-        if stronger == best.law:
-            return best
-        previous, best = best, Scaled(stronger, measure(stronger), False)
-        power = _power(previous, best)
-    return replace(best, reached=abs(best.gap / millimetres - 1) < 5 * TOLERANCE)
+    law: Law
+    gap: float
+    reached: bool
 
 
-def _power(a: Scaled, b: Scaled) -> float:
-    """Exponent p of gap ~ strength^p between two trials, kept within reason."""
-    field = type(a.law).strength
-    ratio = abs(getattr(b.law, field) / getattr(a.law, field))
-    if min(a.gap, b.gap) <= 0 or abs(np.log(ratio)) < 1e-9:
-        return 1.0
-    return float(np.clip(np.log(b.gap / a.gap) / np.log(ratio), 0.3, 6.0))
+def scale_to_gap(law: Law, millimetres: float, yardstick: Yardstick, refit: bool = False) -> Scaled:
+    """Scale a law so that the markers move by this much [mm].
+
+    That is at the same K and C or, with `refit`, beyond the best change of them. Secant steps on the
+    logarithms, kept inside of what is known to be too weak and too strong; ends within 3 % or at the
+    law's limit.
+    """
+    measure = yardstick.refitted_gap if refit else yardstick.gap
+    tried: list[tuple[float, float]] = []  # factor on the strength, gap [mm]
+    factor = 1.0
+    for _ in range(14):
+        scaled = law.scaled(factor)
+        tried.append((factor, measure(scaled)))
+        if abs(tried[-1][1] / millimetres - 1) < TOLERANCE:
+            return Scaled(scaled, tried[-1][1], True)
+        factor = _next_factor(tried, millimetres)
+        if law.scaled(factor) == scaled:
+            break
+    return Scaled(scaled, tried[-1][1], False)
 
 
-def _squares(a: Sequence[Array], b: Sequence[Array], still: int) -> Array:
-    moved = [(p[:, still:] - q[:, still:]) for p, q in zip(a, b, strict=True)]
-    return np.concatenate([np.sum(d**2, axis=-1).ravel() for d in moved])
+def _next_factor(tried: list[tuple[float, float]], millimetres: float) -> float:
+    """Where gap ~ factor^p through the last two trials meets the gap wanted, inside the bracket."""
+    (f, g), power = tried[-1], 1.0
+    if len(tried) > 1 and min(g, tried[-2][1]) > 0:
+        power = float(np.clip(np.log(g / tried[-2][1]) / np.log(f / tried[-2][0]), 0.3, 6.0))
+    guess = f * float(np.clip((millimetres / max(g, 1e-6)) ** (1 / power), 1 / 8, 8.0))
+    weak = max((f for f, g in tried if g < millimetres), default=0.0)
+    strong = min((f for f, g in tried if g > millimetres), default=np.inf)
+    if weak < guess < strong:
+        return guess
+    return float(np.sqrt(weak * strong)) if 0 < weak < strong < np.inf else guess
+
+
+def _rms(change: Array) -> float:
+    """RMS length [mm] of vectors (3 k,) [m]."""
+    return 1e3 * float(np.sqrt(change @ change / (change.size / 3)))

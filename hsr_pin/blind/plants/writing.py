@@ -26,13 +26,15 @@ class Marker:
 MARKERS = (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
 
 
-def observe(
-    motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array
-) -> Array:
+def observe(motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
     """Marker points (T, M, 3) in the world [m], without noise.
 
     Args:
-        arm: as it truly is. error: (M, 2) of each marker along and off the backbone [m].
+        motion: of the arm.
+        arm: as it truly is.
+        laws: which may move markers or cameras.
+        markers: M of them.
+        error: (M, 2) how far each marker sits from where it should, along and off the backbone [m].
     """
     points = []
     for marker, (along, off) in zip(markers, error, strict=True):
@@ -47,9 +49,7 @@ def observe(
     return out
 
 
-def write(
-    folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], points: Sequence[Array]
-) -> Path:
+def write(folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], points: Sequence[Array]) -> Path:
     """Write one dataset: points (T, M, 3) [m] of each trial. Its name is the folder's."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -59,9 +59,7 @@ def write(
         toml = _toml(folder.name, program, arm, markers)
         (folder / "dataset.toml").write_text(toml, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise OutputError(
-            "dataset", expected="a folder to write in", received=str(error), file=folder
-        ) from error
+        raise OutputError("dataset", expected="a folder to write in", received=str(error), file=folder) from error
     return folder
 
 
@@ -85,7 +83,12 @@ def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> s
     lines += [f"length = {arm.length}  # m", f"mass = {arm.mass}  # kg"]
     lines += [f"diameter = {arm.diameter}  # m", f'mount = "{program.mount}"']
     for marker in markers:
-        lines += ["", "[[marker]]", f'name = "{marker.name}"', f"arc_length = {marker.arc_length}  # m"]
+        lines += [
+            "",
+            "[[marker]]",
+            f'name = "{marker.name}"',
+            f"arc_length = {marker.arc_length}  # m",
+        ]
     for i, trial in enumerate(program.trials, start=1):
         lines += ["", "[[trial]]", f'file = "trial_{i:02d}.csv"', f"keq = {trial.keq}  # Nm/rad"]
         lines += [f"damping = {trial.damping}  # Nm s/rad, whole arm"]

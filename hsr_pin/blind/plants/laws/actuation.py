@@ -15,7 +15,9 @@ from .law import Law, sign
 
 @dataclass(frozen=True)
 class ActuatorLag(Law):
-    """First-order filling of the muscles, T p' = p_c - p (V. Falkenhahn et al., Dynamic Modeling of
+    """The torque follows as a first-order lag.
+
+    First-order filling of the muscles, T p' = p_c - p (V. Falkenhahn et al., Dynamic Modeling of
     Bellows-Actuated Continuum Robots, IEEE T-RO 31, 2015), solved exactly for a held command.
 
     time: T [s].
@@ -61,7 +63,8 @@ class DeadTime(Law):
         whole = int(self.delay / dt)
         part = self.delay / dt - whole
         late = np.concatenate([np.full(whole + 1, tau[0]), tau])
-        return (1 - part) * late[1 : tau.size + 1] + part * late[: tau.size]
+        shifted: Array = (1 - part) * late[1 : tau.size + 1] + part * late[: tau.size]
+        return shifted
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,9 @@ class TorqueBias(Law):
 
 @dataclass(frozen=True)
 class TorqueMap(Law):
-    """The moment is quadratic in the commanded bending, tau = Keq phi (1 + a phi): muscle force is a
+    """The torque is not a line in the command.
+
+    The moment is quadratic in the commanded bending, tau = Keq phi (1 + a phi): muscle force is a
     quadratic, not a line, in contraction (B. Tondu, Modelling of the McKibben Artificial Muscle: a
     Review, J. Intell. Mater. Syst. Struct. 23, 2012).
 

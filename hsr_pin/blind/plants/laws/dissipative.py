@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from hsr_pin.errors import EffectError
 
-from ..arm import Arm, Array
+from ..arm import Array
 from .law import Joints, Law, Nodes, State, sign
 
 
@@ -18,12 +18,12 @@ class DryFriction(Law):
     """Coulomb friction that sticks, the same moment in every joint.
 
     form ``lugre``: bristles without micro-damping, z' = v - |v| z / z_c(v), M = M_c z / z_0 (C. Canudas de
-    Wit et al., A New Model for Control of Systems with Friction, IEEE TAC 40, 1995); ``native``: the
-    engine's own frictionloss constraint (E. Todorov, Convex and Analytically-Invertible Dynamics with
-    Contacts and Constraints, ICRA 2014).
+    Wit et al., A New Model for Control of Systems with Friction, IEEE TAC 40, 1995); ``prandtl``: a spring
+    and a slider in series, M = M_c clip(z / z_0) (L. Prandtl, ZAMM 8, 1928; one Jenkin element). MuJoCo's
+    own frictionloss is left out: it is regularised, and on links as light as these it creeps.
 
     level: Coulomb moment over Keq [rad]; bristle: z_0, bending before slip [rad]; breakaway: static over
-    kinetic friction [-]; stribeck: rate at which the excess fades [rad/s].
+    kinetic friction, stribeck: rate at which the excess fades [rad/s], both in ``lugre``.
     """
 
     name: ClassVar[str] = "dry_friction"
@@ -36,24 +36,23 @@ class DryFriction(Law):
     stribeck: float = 0.1
 
     def __post_init__(self) -> None:
-        if self.form not in ("lugre", "native"):
-            raise EffectError("dry_friction form", expected="lugre or native", received=self.form)
+        if self.form not in ("lugre", "prandtl"):
+            raise EffectError("dry_friction form", expected="lugre or prandtl", received=self.form)
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> DryFriction:
-        return cls(0.05, breakaway=float(rng.uniform(1.0, 1.15)))
-
-    def arm(self, arm: Arm, keq: float) -> Arm:
-        return replace(arm, friction_loss=self.level * keq) if self.form == "native" else arm
+        form = str(rng.choice(["lugre", "prandtl"]))
+        return cls(0.05, form, breakaway=float(rng.uniform(1.0, 1.15)))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        if self.form == "native":
-            return np.zeros_like(memory), memory
-        excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
-        top = self.bristle * (1 + excess)
-        # Exact over a step of constant rate, so no step is too long for the stiff bristles.
-        end = np.sign(state.rate) * top
-        z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
+        if self.form == "prandtl":
+            z = np.clip(memory + state.rate * state.dt, -self.bristle, self.bristle)
+        else:
+            excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
+            top = self.bristle * (1 + excess)
+            # Exact over a step of constant rate, so no step is too long for the stiff bristles.
+            end = np.sign(state.rate) * top
+            z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
         return self.level * joints.keq / self.bristle * z, z
 
 
@@ -105,7 +104,9 @@ class Hysteresis(Law):
 
 @dataclass(frozen=True)
 class Viscoelastic(Law):
-    """A Maxwell branch beside the spring: the standard linear solid (J. C. Simo, T. J. R. Hughes,
+    """Creep and relaxation.
+
+    A Maxwell branch beside the spring: the standard linear solid (J. C. Simo, T. J. R. Hughes,
     Computational Inelasticity, Springer 1998, sec. 10.2, with its exact recursion).
 
     ratio: stiffness of the branch over K [-]; time: relaxation time [s].
@@ -154,14 +155,14 @@ class QuadraticDamping(Law):
     def draw(cls, rng: np.random.Generator) -> QuadraticDamping:
         return cls(0.005)
 
+    def acts(self, place: str) -> bool:
+        other_form = "force" if self.form == "joint" else "viscous"
+        return place != other_form and super().acts(place)
+
     def viscous(self, joints: Joints, state: State) -> Array:
-        if self.form == "drag":
-            return np.zeros_like(state.rate)
         return np.asarray(self.coefficient * np.abs(state.rate))
 
     def force(self, state: State, nodes: Nodes) -> Array:
-        if self.form == "joint":
-            return np.zeros_like(nodes.position)
         normal = np.stack([np.cos(nodes.angle), -np.sin(nodes.angle)])
         v = np.sum(normal * nodes.velocity, axis=0)
         share = np.full(v.size, self.length / (v.size - 1))
@@ -171,7 +172,9 @@ class QuadraticDamping(Law):
 
 @dataclass(frozen=True)
 class DampingGradient(Law):
-    """Damping falls or grows linearly from base to tip, mean kept: non-proportional damping (S. Adhikari,
+    """Damping that varies along the arm.
+
+    Damping falls or grows linearly from base to tip, mean kept: non-proportional damping (S. Adhikari,
     Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014, ch. 2).
 
     slope: (C(tip) - C(base)) / C(middle) [-].

@@ -19,7 +19,9 @@ def _in_series(profile: Array) -> Array:
 
 @dataclass(frozen=True)
 class StiffnessGradient(Law):
-    """EI falls or grows linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model
+    """Stiffness that varies along the arm.
+
+    EI falls or grows linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model
     of a Multibending Soft Robot Arm Driven by Cables, IEEE T-RO 30, 2014); series stiffness is kept.
 
     slope: (EI(tip) - EI(base)) / EI(middle) [-].
@@ -40,7 +42,9 @@ class StiffnessGradient(Law):
 
 @dataclass(frozen=True)
 class SoftSpot(Law):
-    """A defect as an added local compliance, the rotational spring of a cracked beam smeared over a
+    """A stretch that is softer or stiffer.
+
+    A defect as an added local compliance, the rotational spring of a cracked beam smeared over a
     stretch (A. D. Dimarogonas, Vibration of Cracked Structures, Eng. Fract. Mech. 55, 1996).
 
     centre: over L [-]; depth: 1/EI grows by depth/(1 - depth) at the centre, so EI falls by `depth`
@@ -65,7 +69,9 @@ class SoftSpot(Law):
 
 @dataclass(frozen=True)
 class Stiffening(Law):
-    """Cubic (Duffing) spring, M = K b (1 + beta b^2), b the local bending (A. H. Nayfeh, D. T. Mook,
+    """Stiffness that grows or falls with bending.
+
+    Cubic (Duffing) spring, M = K b (1 + beta b^2), b the local bending (A. H. Nayfeh, D. T. Mook,
     Nonlinear Oscillations, Wiley 1979, ch. 4).
 
     cubic: beta [1/rad2].
@@ -90,7 +96,9 @@ class Stiffening(Law):
 
 @dataclass(frozen=True)
 class BendingStop(Law):
-    """Piecewise linear elastic stops, on both sides (S. W. Shaw, P. J. Holmes, A Periodically Forced
+    """Stiffness that jumps beyond an angle.
+
+    Piecewise linear elastic stops, on both sides (S. W. Shaw, P. J. Holmes, A Periodically Forced
     Piecewise Linear Oscillator, J. Sound Vib. 90, 1983).
 
     angle: bending at which links lock [rad]; ratio: stiffness of the stop over K [-].
@@ -113,7 +121,9 @@ class BendingStop(Law):
 
 @dataclass(frozen=True)
 class Backlash(Law):
-    """Dead-zone spring: no elastic moment while |b| <= gap / 2 (M. Nordin, P.-O. Gutman, Controlling
+    """Play between links.
+
+    Dead-zone spring: no elastic moment while |b| <= gap / 2 (M. Nordin, P.-O. Gutman, Controlling
     Mechanical Systems with Backlash, a Survey, Automatica 38, 2002, eq. (3)); the damper acts throughout.
 
     gap: width of the dead zone, in bending of the whole arm [rad].

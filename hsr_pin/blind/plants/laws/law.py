@@ -22,8 +22,11 @@ AnyLaw = TypeVar("AnyLaw", bound="Law")
 
 @dataclass(frozen=True)
 class Joints:
-    """The joints of one simulation: s (n,) arc length over L; keq: declared stiffness [Nm/rad];
-    stiffness (n,): the true one, for the whole arm [Nm/rad]."""
+    """The joints of one simulation.
+
+    s (n,): arc length over L; keq: declared stiffness [Nm/rad]; stiffness (n,): the true one, for the
+    whole arm [Nm/rad].
+    """
 
     s: Array
     keq: float
@@ -31,8 +34,11 @@ class Joints:
 
 
 class State(NamedTuple):
-    """One instant: bend (n,) [rad], rate (n,) [rad/s], t [s] since the first sample, dt [s] of the
-    step, clock [s] at the first sample, tau [N m] that arrives, rest: whether the arm is settling."""
+    """One instant of a simulation.
+
+    bend (n,) [rad], rate (n,) [rad/s], t [s] since the first sample, dt [s] of the step, clock [s] at
+    the first sample, tau [N m] that arrives, rest: whether the arm is settling.
+    """
 
     bend: Array
     rate: Array
@@ -75,6 +81,10 @@ class Law(ABC):
     def describe(self) -> dict[str, Any]:
         """Name and parameters, for an answer file."""
         return {"name": self.name, **asdict(self)}  # type: ignore[call-overload]
+
+    def acts(self, place: str) -> bool:
+        """Whether the law does anything in the method of this name."""
+        return getattr(type(self), place) is not getattr(Law, place)
 
     # Where a law may act.
 
@@ -128,8 +138,8 @@ class Law(ABC):
 
 
 def acting(laws: Sequence[Law], place: str) -> list[Law]:
-    """Those of `laws` that override the method named `place`."""
-    return [law for law in laws if getattr(type(law), place) is not getattr(Law, place)]
+    """Those of `laws` that act in the method named `place`."""
+    return [law for law in laws if law.acts(place)]
 
 
 def sign(rng: np.random.Generator) -> float:

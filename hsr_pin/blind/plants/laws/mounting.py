@@ -15,7 +15,9 @@ from .law import Law, sign
 
 @dataclass(frozen=True)
 class GravityTilt(Law):
-    """The base is turned in the plane (robot-to-world calibration: B. Siciliano, O. Khatib, eds., Springer
+    """The base is not mounted as declared.
+
+    The base is turned in the plane (robot-to-world calibration: B. Siciliano, O. Khatib, eds., Springer
     Handbook of Robotics, 2nd ed., ch. 6).
 
     form ``mount``: the base is turned in the world, and the markers show it; ``frame``: the markers'
@@ -85,7 +87,9 @@ class AddedMass(Law):
 
 @dataclass(frozen=True)
 class MarkerOffset(Law):
-    """Markers stand off the neutral line by plates that turn with the arm (U. Della Croce et al., Human
+    """Markers off the neutral line.
+
+    Markers stand off the neutral line by plates that turn with the arm (U. Della Croce et al., Human
     Movement Analysis Using Stereophotogrammetry, part 4, Gait & Posture 21, 2005).
 
     distance: towards +x of the straight arm [m].

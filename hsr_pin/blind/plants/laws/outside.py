@@ -13,7 +13,9 @@ from .law import Joints, Law, Nodes, State, sign
 
 @dataclass(frozen=True)
 class BaseShake(Law):
-    """The frame that carries the base swings along x (support excitation: R. W. Clough, J. Penzien,
+    """What carries the base shakes.
+
+    The frame that carries the base swings along x (support excitation: R. W. Clough, J. Penzien,
     Dynamics of Structures, ch. 2). It starts smoothly at the first sample; base markers show it.
 
     amplitude: [m]; frequency: [Hz].
@@ -37,7 +39,9 @@ class BaseShake(Law):
 
 @dataclass(frozen=True)
 class WarmingArm(Law):
-    """Stiffness falls over the session as the silicone warms with work (L. Mullins, Softening of Rubber by
+    """The arm softens over the session.
+
+    Stiffness falls over the session as the silicone warms with work (L. Mullins, Softening of Rubber by
     Deformation, Rubber Chem. Technol. 42, 1969), and recovers at nothing: trial after trial is softer.
 
     loss: relative loss of stiffness in the end [-]; time: of the approach, on the session's clock [s].
@@ -60,7 +64,9 @@ class WarmingArm(Law):
 
 @dataclass(frozen=True)
 class PulsingStiffness(Law):
-    """Stiffness pulses with the muscles' supply: parametric excitation (Nayfeh, Mook, Nonlinear
+    """Stiffness pulses.
+
+    Stiffness pulses with the muscles' supply: parametric excitation (Nayfeh, Mook, Nonlinear
     Oscillations, ch. 5).
 
     depth: relative amplitude [-]; frequency: [Hz]; phase: on the session's clock [rad].
@@ -85,7 +91,9 @@ class PulsingStiffness(Law):
 
 @dataclass(frozen=True)
 class SupplyRipple(Law):
-    """A compressor's cycle on the supply: the torque saws by a fixed amount, whatever is commanded.
+    """The supply pulses.
+
+    A compressor's cycle on the supply: the torque saws by a fixed amount, whatever is commanded.
 
     amplitude: [N m]; frequency: [Hz]; phase: on the session's clock [cycles].
     """
@@ -109,7 +117,9 @@ class SupplyRipple(Law):
 
 @dataclass(frozen=True)
 class TipGust(Law):
-    """A fan's turbulent side force at the tip: first-order (Dryden-like) coloured noise (MIL-F-8785C,
+    """Wind on the tip.
+
+    A fan's turbulent side force at the tip: first-order (Dryden-like) coloured noise (MIL-F-8785C,
     sec. 3.7), as a sum of random harmonics; it blows from the first sample on.
 
     force_rms: standard deviation [N]; corner: [Hz]; seed: of the phases.
@@ -143,7 +153,9 @@ class TipGust(Law):
 
 @dataclass(frozen=True)
 class Tether(Law):
-    """A supply hose from the tip to a fixed point: slack, then taut (a one-sided spring: Shaw, Holmes, J.
+    """A hose on the tip.
+
+    A supply hose from the tip to a fixed point: slack, then taut (a one-sided spring: Shaw, Holmes, J.
     Sound Vib. 90, 1983).
 
     stiffness_taut: [N/m]; reach: free length [m]; x, z: where it is tied, arm frame [m].
@@ -174,7 +186,9 @@ class Tether(Law):
 
 @dataclass(frozen=True)
 class FollowerThrust(Law):
-    """A leak at the tip blows along the arm: a follower force that grows with the square of the torque
+    """A leak at the tip.
+
+    A leak at the tip blows along the arm: a follower force that grows with the square of the torque
     (M. Beck's column: V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, 1963).
 
     thrust: force towards the base at 1 N m [N/(N m)2].
