@@ -9,8 +9,10 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.ladder import Rung, ladder
-from hsr_pin.diagnosis.search import Search, Thresholds, search
+from hsr_pin.diagnosis.next_experiment import Proposal, propose
+from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search
 from hsr_pin.diagnosis.verdict import Verdict, judge
+from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.diagnosis.workers import workers
 from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.effects.effect import Effect, neutral
@@ -34,6 +36,8 @@ class Diagnosis:
         search: every model that was tried; None where there was too little to try any.
         thresholds: what counted.
         nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
+        where: maps of the gap that fitted stiffness and damping leave; None where there was too little to fit.
+        next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
     """
 
     experiment: Experiment
@@ -42,6 +46,8 @@ class Diagnosis:
     search: Search | None
     thresholds: Thresholds
     nominal: tuple[Array, ...]
+    where: Where | None = None
+    next_experiment: tuple[Proposal, ...] = ()
 
 
 def diagnose(
@@ -90,19 +96,38 @@ def diagnose(
     lacking = _insufficient(experiment)
     if lacking:
         verdict = Verdict("insufficient", (), (), lacking)
-        return Diagnosis(experiment, verdict, ladder(first, thresholds.noise, seed), None, thresholds, tuple(nominal))
+        rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
+        proposals = propose(experiment, rivals)
+        rungs = ladder(first, thresholds.noise, seed)
+        return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals)
     tell("stiffness and damping")
     base_fit = fit(experiment, hypothesis)
     base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
     with workers(experiment, jobs, advance) as crew:
         found = search(base, candidates, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
-    rungs = [*first, ("stiffness and damping", (), list(base.heldout))]
+    steps = [*first, ("stiffness and damping", (), list(base.heldout))]
     for before, after in zip(found.path, found.path[1:], strict=False):
         new = sorted(set(after.names) - set(before.names))
-        rungs.append((" + ".join(new), after.names, list(after.heldout)))
+        steps.append((" + ".join(new), after.names, list(after.heldout)))
     mended_left = max(0.0, _mean_square(mended) - thresholds.noise**2)
     verdict = judge(mended_left, found, thresholds, seed)
-    return Diagnosis(experiment, verdict, ladder(rungs, thresholds.noise, seed), found, thresholds, tuple(nominal))
+    tell("where the gap lies")
+    return Diagnosis(
+        experiment,
+        verdict,
+        ladder(steps, thresholds.noise, seed),
+        found,
+        thresholds,
+        tuple(nominal),
+        locate(experiment, base, found.best, seed),
+        propose(experiment, _fitted(found, verdict.alternatives)) if verdict.status == "ambiguous" else (),
+    )
+
+
+def _fitted(found: Search, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
+    """The best fit with each set of effects."""
+    best = [min((c for c in found.tried if c.names == names), key=mean_square) for names in sets]
+    return [(candidate.fit.hypothesis, candidate.fit.values) for candidate in best]
 
 
 def _templates(names: Sequence[str] | None) -> list[Effect]:

@@ -1,0 +1,54 @@
+"""What a fitted model says about its parameters, and which fitted models to show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.uncertainty import uncertainty
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter of a fitted model.
+
+    Attributes:
+        name: "keq_scale", "damping_scale", "effect.parameter".
+        unit: of the value; "1" for a ratio.
+        value: the best.
+        interval: 95 %, within the parameter's bounds.
+        description: what it is.
+        on_bound: whether the fit ended on a bound, so that the value says "at least" or "at most".
+    """
+
+    name: str
+    unit: str
+    value: float
+    interval: tuple[float, float]
+    description: str
+    on_bound: bool
+
+    def __str__(self) -> str:
+        low, high = self.interval
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.name} {self.value:.3g}{unit} [{low:.3g}, {high:.3g}]"
+
+
+def estimates(fit: Fit) -> tuple[Estimate, ...]:
+    """Every open parameter of a fit: the arm's own first, then those of each effect."""
+    intervals, on_bound = uncertainty(fit).interval, fit.on_bound()
+    return tuple(
+        Estimate(fact.name, fact.unit, float(value), (float(low), float(high)), fact.description, fact.name in on_bound)
+        for fact, value, (low, high) in zip(fit.hypothesis.parameters, fit.values, intervals, strict=True)
+    )
+
+
+def ranked(tried: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """The best reading of each set of effects, the smallest error on held-out trials first."""
+    best: dict[tuple[str, ...], Candidate] = {}
+    for candidate in sorted(tried, key=lambda candidate: (mean_square(candidate), candidate.names)):
+        best.setdefault(candidate.names, candidate)
+    return tuple(best.values())

@@ -1,0 +1,190 @@
+"""The figures of a report: the ladder, the candidates, the maps, simulation against measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.estimates import ranked
+from hsr_pin.diagnosis.inline_svg import ROLES, drawing
+from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.where import Map, Where
+from hsr_pin.diagnosis.words import model_name, readable
+from hsr_pin.identification.experiment import Run
+from hsr_pin.trajectory import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Width of a page [inch].
+_WIDTH = 7.4
+#: No more candidates than this in their figure.
+MOST_CANDIDATES = 14
+#: No more dots than this for one measured curve.
+_DOTS = 300
+
+
+def ladder_figure(diagnosis: Diagnosis) -> Figure:
+    """Error on held-out trials from rung to rung, with its interval, down to the noise floor."""
+    from matplotlib.figure import Figure
+
+    rungs = diagnosis.ladder
+    at, values = np.arange(len(rungs)), np.array([1e3 * rung.rms for rung in rungs])
+    reach = np.abs(1e3 * np.array([rung.interval for rung in rungs]) - values[:, None]).T
+    length = diagnosis.experiment.dataset.length
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 0.5 + 0.3 * len(rungs)), layout="constrained")
+        axes = figure.add_subplot()
+        axes.barh(at, values, height=0.62, color=[ROLES["bar"]] * (len(rungs) - 1) + [ROLES["noise"]])
+        axes.errorbar(values[:-1], at[:-1], xerr=reach[:, :-1], fmt="none", ecolor=ROLES["ink"], elinewidth=1, capsize=2.5)
+        axes.axvline(values[-1], color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
+        for y, value, end in zip(at, values, values + reach[1], strict=True):
+            axes.annotate(
+                f"{value:.3g} mm = {0.1 * value / length:.2g} % of L", (end, y), (6, 0), textcoords="offset points", va="center"
+            )
+        axes.set_yticks(at, [readable([rung.name.partition(" (")[0]]) for rung in rungs])
+        axes.set_xlim(0, 1.32 * float(np.max(values + reach[1])))
+        axes.invert_yaxis()
+        axes.tick_params(axis="y", length=0)
+        axes.set_xlabel("RMS marker distance on held-out trials [mm]")
+    return figure
+
+
+def candidates_figure(diagnosis: Diagnosis) -> Figure:
+    """The best models that were tried, by their error on held-out trials."""
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+
+    assert diagnosis.search is not None
+    shown = shown_candidates(diagnosis)
+    best, noise = diagnosis.search.best.names, 1e3 * diagnosis.thresholds.noise
+    said = {best, *diagnosis.verdict.alternatives}
+    values = [1e3 * mean_square(candidate) ** 0.5 for candidate in shown]
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
+        axes = figure.add_subplot()
+        axes.axvline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
+        axes.annotate("noise", (noise, 1), (-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points", ha="right", va="top")
+        for y, (candidate, value) in enumerate(zip(shown, values, strict=True)):
+            chosen = candidate.names in said
+            colour = ROLES["model"] if chosen else ROLES["faint"]
+            axes.plot([noise, value], [y, y], color=colour, lw=2.2 if chosen else 1.0)
+            axes.plot(value, y, "o", color=colour, ms=6 if chosen else 4.5)
+            axes.annotate(f"{value:.3g}", (value, y), (7, 0), textcoords="offset points", va="center")
+        axes.set_xscale("log")
+        axes.set_xlim(0.8 * min([noise, *values]), 1.25 * max([noise, *values]))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_yticks(range(len(shown)), [model_name(candidate) for candidate in shown])
+        axes.set_ylim(len(shown) - 0.4, -0.6)
+        axes.tick_params(axis="y", length=0)
+        axes.set_xlabel("RMS marker distance on held-out trials [mm], logarithmic")
+    return figure
+
+
+def shown_candidates(diagnosis: Diagnosis) -> tuple[Candidate, ...]:
+    """The best of what was tried, and in any case the model without effects."""
+    if diagnosis.search is None:
+        return ()
+    order = ranked(diagnosis.search.tried)
+    base = [candidate for candidate in order[MOST_CANDIDATES - 1 :] if not candidate.names]
+    return (*order[: MOST_CANDIDATES - len(base)], *base)
+
+
+def where_figure(where: Where) -> Figure:
+    """Every map as bars, with what noise alone would leave."""
+    from matplotlib.figure import Figure
+
+    maps = [where.arc_length, where.time, where.trials, *where.operating_range]
+    rows = -(-len(maps) // 3)
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 2.15 * rows), layout="constrained")
+        for number, chart in enumerate(maps):
+            _draw_map(figure.add_subplot(rows, 3, number + 1), chart)
+    return figure
+
+
+def _draw_map(axes: Axes, chart: Map) -> None:
+    at = np.arange(len(chart.bins))
+    axes.bar(at, [part.value for part in chart.bins], width=0.74, color=ROLES["bar"])
+    for x, part in zip(at, chart.bins, strict=True):
+        axes.plot([x - 0.44, x + 0.44], [part.noise, part.noise], color=ROLES["noise"], lw=2)
+    labels, unit = _short([part.label for part in chart.bins], chart)
+    crowded = sum(map(len, labels)) > 26
+    axes.set_xticks(at, labels, rotation=35 if crowded else 0, ha="right" if crowded else "center", rotation_mode="anchor", fontsize=7.5)
+    axes.tick_params(axis="x", length=0)
+    axes.grid(axis="y")
+    axes.set_title(f"{chart.quantity}{unit}")
+    axes.set_ylabel(f"{'torque' if chart.unit == 'N m' else 'distance'} [{chart.unit}]")
+
+
+def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
+    """Labels without the unit that all of them end in, and that unit for the title."""
+    ends = {label.partition(" ")[2] for label in labels}
+    if chart.quantity in ("time", "trial") or len(ends) != 1 or "" in ends:
+        return [label.replace("trial_", "") if chart.quantity == "trial" else label for label in labels], ""
+    return [label.partition(" ")[0].replace("-", "–") for label in labels], f" [{ends.pop()}]"
+
+
+def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
+    """One run, by the declared model and by the best: path of the marker nearest to the tip, its motion, and the error."""
+    from matplotlib.figure import Figure
+
+    run = diagnosis.experiment.runs[number]
+    tip = tip_of(diagnosis)
+    models = [("declared model", "declared", (0, (5, 2)), diagnosis.nominal[number])]
+    if diagnosis.search is not None:
+        best = diagnosis.search.best
+        models.append((f"with {model_name(best)}", "model", "-", best.heldout[number]))
+    paths = [_gapless(run, missed, tip) for *_, missed in models]
+    seen = run.measured[:: -(-len(run.time) // _DOTS), tip]
+    time = run.time[:: -(-len(run.time) // _DOTS)]
+    axis = 0 if np.nanmax(np.ptp(paths[-1][:, 0])) >= np.ptp(paths[-1][:, 2]) else 2
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 3.3), layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.35))
+        plane, motion, error = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
+        for axes, x, y in ((plane, seen[:, 0], seen[:, 2]), (motion, time, seen[:, axis])):
+            scale = 1e3 if axes is plane else 1.0
+            axes.plot(scale * x, 1e3 * y, ".", ms=3, color=ROLES["measured"], label="measured")
+        for (label, role, line, missed), path in zip(models, paths, strict=True):
+            drawn = {"color": ROLES[role], "ls": line, "lw": 1.5}
+            plane.plot(1e3 * path[:, 0], 1e3 * path[:, 2], label=label, **drawn)
+            motion.plot(run.time, 1e3 * path[:, axis], **drawn)
+            error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
+        _label(figure, diagnosis, (plane, motion, error), axis)
+    return figure
+
+
+def _label(figure: Figure, diagnosis: Diagnosis, panels: Iterable[Axes], axis: int) -> None:
+    plane, motion, error = panels
+    noise = 1e3 * np.sqrt(3) * diagnosis.experiment.noise[tip_of(diagnosis)]
+    error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
+    plane.set_aspect("equal", adjustable="datalim")
+    plane.set(xlabel="x [mm]", ylabel="z [mm]", title="path in the plane of bending")
+    motion.set(ylabel=f"{'xyz'[axis]} [mm]", title=f"{'xyz'[axis]} against time")
+    motion.sharex(error)
+    motion.tick_params(labelbottom=False)
+    error.set(xlabel="time [s]", ylabel="distance [mm]", title="distance to the measurement (dashed: noise)", ylim=(0, None))
+    for axes in (plane, motion, error):
+        axes.grid()
+    handles, labels = plane.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), markerscale=2.5)
+
+
+def tip_of(diagnosis: Diagnosis) -> int:
+    """Index of the marker farthest from the base."""
+    return int(np.argmax([marker.arc_length for marker in diagnosis.experiment.markers]))
+
+
+def _gapless(run: Run, missed: Array, marker: int) -> Array:
+    """(T, 3) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
+    path = run.measured[:, marker] + missed[:, marker]
+    seen = np.isfinite(path).all(axis=1)
+    return np.stack([np.interp(run.time, run.time[seen], column[seen]) for column in path.T], axis=1)

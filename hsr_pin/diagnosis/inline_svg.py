@@ -1,0 +1,84 @@
+"""Matplotlib figures as SVG inside a page: colours come from the page (light, dark, print), text stays text."""
+
+from __future__ import annotations
+
+import html
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Role -> a colour that stands for it while matplotlib draws; in the page it becomes the variable ``--role``.
+ROLES = {
+    "ink": "#010203",
+    "faint": "#010204",
+    "grid": "#010205",
+    "declared": "#010206",
+    "model": "#010207",
+    "measured": "#010208",
+    "bar": "#010209",
+    "noise": "#01020a",
+}
+
+_STYLE: dict[str, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "hsr_pin",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.edgecolor": ROLES["faint"],
+    "axes.labelcolor": ROLES["ink"],
+    "axes.titlecolor": ROLES["ink"],
+    "text.color": ROLES["ink"],
+    "xtick.color": ROLES["faint"],
+    "ytick.color": ROLES["faint"],
+    "xtick.labelcolor": ROLES["ink"],
+    "ytick.labelcolor": ROLES["ink"],
+    "grid.color": ROLES["grid"],
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.5,
+}
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """The style that figures for a page are made in."""
+    import matplotlib
+
+    with matplotlib.rc_context(_STYLE):
+        yield
+
+
+def inline(figure: Figure, name: str, description: str) -> str:
+    """A figure as an ``<svg>`` element that is as wide as its place.
+
+    Args:
+        figure: drawn in the colours of :data:`ROLES`.
+        name: goes before every id, so that several figures can stand in one page.
+        description: what is seen, for those who cannot see it.
+    """
+    content = io.StringIO()
+    with drawing():
+        figure.savefig(content, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = content.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>|<style .*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r' (?:width|height)="[\d.]+pt"', "", text, count=2)
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = re.sub(r'(url\(#|href="#)', rf"\g<1>{name}-", text)
+    for role, colour in ROLES.items():
+        text = text.replace(colour, f"var(--{role})")
+    text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana")
+    return text.replace("<svg", f'<svg role="img" aria-label="{html.escape(description)}"', 1)

@@ -1,0 +1,87 @@
+"""What to record next: the standard experiment in which the rivals differ most, beside the noise."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.simulation.batch import simulate_batch
+from hsr_pin.simulation.scenario import Pose, Scenario
+from hsr_pin.trajectory import Array
+
+_STEP, _DURATION = 0.01, 4.0
+#: Payload [kg] and tilt of the base [rad] of the experiments that have one.
+_PAYLOAD, _TILT = 0.05, 0.35
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """One standard experiment.
+
+    Attributes:
+        name: "steps", "staircase", "chirp", "release", "payload" or "tilted base".
+        separation: RMS distance between the markers that the two least different rivals predict, over the noise floor.
+    """
+
+    name: str
+    separation: float
+
+
+def propose(experiment: Experiment, rivals: Sequence[tuple[Hypothesis, Array]]) -> tuple[Proposal, ...]:
+    """The standard experiments, the most telling first, for at least two fitted rivals (model, values (P,))."""
+    programs = _programs(experiment)
+    scenarios = [_scenario(experiment, model, values, changes) for _, changes in programs for model, values in rivals]
+    results = simulate_batch(scenarios, integrator="ros2")
+    proposals = []
+    for k, (name, _) in enumerate(programs):
+        own = results[k * len(rivals) : (k + 1) * len(rivals)]
+        if not all(result.completed for result in own):
+            continue
+        distances = [
+            float(np.sqrt(((a.trajectory.positions - b.trajectory.positions) ** 2).sum(axis=2).mean()))
+            for a, b in itertools.combinations(own, 2)
+        ]
+        proposals.append(Proposal(name, min(distances) / experiment.noise_rms))
+    return tuple(sorted(proposals, key=lambda proposal: -proposal.separation))
+
+
+@dataclass(frozen=True, eq=False)
+class _Changes:
+    torque: Array
+    payload: float = 0.0
+    tilt: float = 0.0
+    released: bool = False
+
+
+def _programs(experiment: Experiment) -> list[tuple[str, _Changes]]:
+    run = experiment.runs[0]
+    largest = max(float(np.abs(each.torque).max()) for each in experiment.runs) or 0.9 * run.trial.keq
+    t = np.arange(round(_DURATION / _STEP) + 1) * _STEP
+    steps = np.where(t < 0.1, 0.0, largest)
+    stairs = largest * np.interp(t, [0, _DURATION / 2, _DURATION], [0, 1, 0])
+    stairs = np.round(stairs / largest * 4) / 4 * largest
+    chirp = np.where(t < 0.1, 0.0, largest / 2 * (1 - np.cos(2 * np.pi * (0.2 + 0.4 * t) * t)))
+    return [
+        ("steps", _Changes(steps)),
+        ("staircase", _Changes(stairs)),
+        ("chirp", _Changes(chirp)),
+        ("release", _Changes(np.zeros_like(t), released=True)),
+        ("payload", _Changes(steps, payload=_PAYLOAD)),
+        ("tilted base", _Changes(steps, tilt=_TILT)),
+    ]
+
+
+def _scenario(experiment: Experiment, model: Hypothesis, values: Array, changes: _Changes) -> Scenario:
+    template = experiment.runs[0]
+    time: Array = _STEP * np.arange(len(changes.torque), dtype=float)
+    blank = np.zeros((len(time), len(experiment.markers), 3))
+    run = Run(template.trial, time, changes.torque, blank, None, 0.0)
+    scenario = model.scenario(experiment, run, values)
+    arm = replace(scenario.arm, tip_mass=scenario.arm.tip_mass + changes.payload, tilt=scenario.arm.tilt + changes.tilt)
+    start = Pose(np.full(arm.links, 0.8 / arm.links)) if changes.released else scenario.start
+    return replace(scenario, arm=arm, start=start)

@@ -1,0 +1,118 @@
+"""The torque along the arm that the model lacks: inverse dynamics of the smoothed, measured motion minus those of the model's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from scipy.signal import savgol_filter
+
+from hsr_pin.identification.evaluation import at_samples
+from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.fit import Fit
+from hsr_pin.robot.kinematics import MarkerMap, marker_map
+from hsr_pin.robot.model import build_model
+from hsr_pin.simulation.batch import simulate_batch
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.trajectory import Array
+
+#: Window of the Savitzky-Golay filter [s], and its degree.
+_WINDOW, _DEGREE = 0.13, 3
+#: Expected size of the deviation in each curvature mode [rad]; higher ones are held smaller.
+_PRIOR = 0.3
+#: Draws of noise for the uncertainty.
+_DRAWS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualTorque:
+    """Of one run.
+
+    Attributes:
+        torque: (T, N) [N m] what is missing at each joint so that the arm moves as measured.
+        noise: (N,) [N m] RMS of it that marker noise alone would make.
+        bending: (T,) [rad] bending angle of the whole arm, by the model.
+        rate: (T,) [rad/s] its rate.
+    """
+
+    torque: Array
+    noise: Array
+    bending: Array
+    rate: Array
+
+
+def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[ResidualTorque]:
+    """For each run, about the motion that a fitted model without effects predicts.
+
+    Few markers tell only a few modes of curvature: the deviation of the joint angles is a sum of Legendre polynomials along the
+    arm, as many as there are marker coordinates in the plane (four at most), with a Gaussian prior that shrinks what the markers
+    do not tell (ridge regression). It is differentiated in time by a Savitzky-Golay filter.
+    """
+    scenarios = [fit.hypothesis.scenario(experiment, run, fit.values) for run in experiment.runs]
+    results = simulate_batch(scenarios, integrator=fit.hypothesis.integrator, step=fit.hypothesis.step)
+    generator = np.random.default_rng(seed)
+    answers = []
+    for run, scenario, result in zip(experiment.runs, scenarios, results, strict=True):
+        angles, rates = result.trajectory.joint_angles, result.trajectory.joint_rates
+        assert angles is not None and rates is not None
+        if len(angles) < len(scenario.time):
+            continue
+        answers.append(_residual(experiment, run, scenario, at_samples(run, angles), at_samples(run, rates), generator))
+    return answers
+
+
+def _residual(
+    experiment: Experiment, run: Run, scenario: Scenario, q: Array, v: Array, generator: np.random.Generator
+) -> ResidualTorque:
+    arm = build_model(scenario.arm)
+    places = marker_map(arm, np.array([marker.arc_length for marker in experiment.markers]))
+    gap = np.nan_to_num(run.measured - places.positions(q))
+    seen = np.isfinite(run.measured)
+    bend = _Bend(experiment, places, scenario, q, seen)
+
+    def torque(miss: Array) -> Array:
+        return _missing(scenario, arm.model, q, v, bend.deviation(miss), run.step)
+
+    noise = [generator.normal(size=gap.shape) * experiment.noise[:, None] * seen for _ in range(_DRAWS)]
+    zero = torque(np.zeros_like(gap))
+    power = np.mean([(torque(draw) - zero) ** 2 for draw in noise], axis=(0, 1))
+    return ResidualTorque(torque(gap), np.sqrt(power), q.sum(axis=1), v.sum(axis=1))
+
+
+class _Bend:
+    """From marker deviations (T, M, 3) [m] to joint angle deviations (T, N) [rad]."""
+
+    def __init__(self, experiment: Experiment, places: MarkerMap, scenario: Scenario, q: Array, seen: Array) -> None:
+        links = scenario.arm.links
+        modes = min(2 * len(experiment.markers), 4, links)
+        s = 2 * scenario.arm.element_arc_lengths - 1
+        self._shapes = np.polynomial.legendre.legvander(s, modes - 1) / links  # (N, K)
+        theta = np.cumsum(q, axis=1)
+        turn = -np.sin(theta)[..., None] * places.cosine + np.cos(theta)[..., None] * places.sine  # (T, N, 3M) d p / d theta
+        summed = np.cumsum(self._shapes, axis=0)  # d theta / d mode
+        jacobian = np.einsum("tnx,nk->txk", turn, summed)
+        weight = (seen / experiment.noise[:, None]).reshape(len(q), -1)
+        self._weighted = jacobian * weight[..., None] ** 2
+        prior = np.diag(((1 + np.arange(modes)) / _PRIOR) ** 2)
+        self._normal = np.einsum("txk,txl->tkl", self._weighted, jacobian) + prior
+
+    def deviation(self, miss: Array) -> Array:
+        right = np.einsum("txk,tx->tk", self._weighted, miss.reshape(len(miss), -1))
+        modes = np.linalg.solve(self._normal, right[..., None])[..., 0]
+        return np.asarray(modes @ self._shapes.T)
+
+
+def _missing(scenario: Scenario, model: pin.Model, q: Array, v: Array, deviation: Array, step: float) -> Array:
+    """(T, N) [N m] inverse dynamics of the deviated motion minus that of the model's own."""
+    window = max(_DEGREE + 2, 2 * round(_WINDOW / step / 2) + 1)
+    if window > len(q):
+        return np.zeros_like(q)
+    dq, dv, da = (savgol_filter(deviation, window, _DEGREE, deriv=k, delta=step, axis=0) for k in range(3))
+    a = np.gradient(v, step, axis=0)
+    data = model.createData()
+    rigid = [
+        pin.rnea(model, data, q_d, v_d, a_d) - pin.rnea(model, data, q_0, v_0, a_0)
+        for q_d, v_d, a_d, q_0, v_0, a_0 in zip(q + dq, v + dv, a + da, q, v, a, strict=True)
+    ]
+    return np.asarray(np.array(rigid) + scenario.arm.joint_stiffness * dq + scenario.arm.joint_damping * dv)

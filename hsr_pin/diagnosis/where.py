@@ -1,0 +1,225 @@
+"""Where the gap lies: along the arm, along time, over the operating range, by trial."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import spearmanr
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.phases import PHASES, phases
+from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.trajectory import Array
+
+_BINS = 4
+#: A part of the arm or of time that holds this share of the squared gap is where it sits.
+_MOST = 0.5
+#: Rank correlation from which the gap is said to grow with something.
+_GROWS = 0.3
+
+
+@dataclass(frozen=True)
+class Bin:
+    """One piece of a map.
+
+    Attributes:
+        label: what it is.
+        value: RMS there, in the map's unit.
+        share: of the whole squared gap beyond noise, 0 to 1.
+        noise: what noise alone would give there, in the map's unit.
+    """
+
+    label: str
+    value: float
+    share: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class Map:
+    """RMS of the gap over one quantity.
+
+    Attributes:
+        quantity: "arc length", "time", "bending angle", ...
+        unit: of the values.
+        bins: in order.
+    """
+
+    quantity: str
+    unit: str
+    bins: tuple[Bin, ...]
+
+
+@dataclass(frozen=True)
+class Where:
+    """All maps of the gap that is left when stiffness and damping are fitted.
+
+    Attributes:
+        arc_length: residual torque [N m] along the arm.
+        time: marker distance [mm] by phase.
+        operating_range: marker distance [mm] over bending angle, rate and torque.
+        trials: marker distance [mm] by trial.
+        frequency: [Hz] at which the residual is strongest; None if it is flat.
+        defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
+        sentence: as a person would say it.
+    """
+
+    arc_length: Map
+    time: Map
+    operating_range: tuple[Map, ...]
+    trials: Map
+    frequency: float | None
+    defect: tuple[float, float, float] | None
+    sentence: str
+
+
+def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) -> Where:
+    """Map what the model with fitted stiffness and damping misses on held-out trials.
+
+    Args:
+        experiment: the recordings.
+        base: stiffness and damping fitted, no effects.
+        best: the model in which a local defect is looked for.
+        seed: of the noise draws.
+    """
+    gaps = [np.sqrt((residual**2).sum(axis=2).mean(axis=1)) for residual in base.heldout]  # (T,) over the markers
+    noise = experiment.noise_rms
+    torques = residual_torques(experiment, base.fit, seed)
+    labels = [phases(run, _filled(run.measured + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
+    whole = np.concatenate(gaps)
+    along = _along(torques)
+    time = Map("time", "mm", _binned(whole, np.concatenate(labels), PHASES, noise))
+    ranges = _operating_range(experiment, torques, gaps, noise) if len(torques) == len(gaps) else ()
+    names = [run.trial.name for run in experiment.runs]
+    index = np.concatenate([np.full(len(gap), k) for k, gap in enumerate(gaps)])
+    trials = Map("trial", "mm", _binned(whole, index, names, noise))
+    frequency = _frequency(experiment, base.heldout)
+    sentence = _sentence(along, time, experiment, torques, gaps)
+    return Where(along, time, ranges, trials, frequency, _defect(best), sentence)
+
+
+def _filled(positions: Array) -> Array:
+    """Positions (T, M, 3) with gaps bridged by straight lines."""
+    columns = positions.reshape(len(positions), -1).copy()
+    sample = np.arange(len(columns))
+    for column in columns.T:
+        seen = np.isfinite(column)
+        column[:] = np.interp(sample, sample[seen], column[seen]) if seen.any() else 0.0
+    return np.asarray(columns.reshape(positions.shape))
+
+
+def _along(torques: Sequence[ResidualTorque]) -> Map:
+    squares = np.concatenate([t.torque for t in torques]) ** 2
+    noise = np.sqrt(np.mean([t.noise**2 for t in torques], axis=0))
+    power = squares.mean(axis=0)
+    beyond = np.maximum(power - noise**2, 0.0)
+    links = len(power)
+    return Map(
+        "arc length",
+        "N m",
+        tuple(
+            Bin(f"{k / links:.2f}-{(k + 1) / links:.2f} L", float(power[k] ** 0.5), _share(beyond, k), float(noise[k]))
+            for k in range(links)
+        ),
+    )
+
+
+def _binned(gap: Array, index: NDArray[np.int_], labels: Sequence[str], noise: float) -> tuple[Bin, ...]:
+    seen = np.isfinite(gap)
+    sums = np.array([(gap[seen & (index == k)] ** 2).sum() for k in range(len(labels))])
+    counts = np.array([(seen & (index == k)).sum() for k in range(len(labels))])
+    beyond = np.maximum(sums - counts * noise**2, 0.0)
+    return tuple(
+        Bin(label, 1e3 * float(np.sqrt(sums[k] / counts[k])), _share(beyond, k), 1e3 * noise)
+        for k, label in enumerate(labels)
+        if counts[k]
+    )
+
+
+def _share(beyond: Array, k: int) -> float:
+    whole = float(beyond.sum())
+    return float(beyond[k]) / whole if whole > 0 else 0.0
+
+
+def _operating_range(
+    experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array], noise: float
+) -> tuple[Map, ...]:
+    gap = np.concatenate(gaps)
+    quantities = (
+        ("bending angle", "rad", np.abs(np.concatenate([t.bending for t in torques]))),
+        ("bending rate", "rad/s", np.abs(np.concatenate([t.rate for t in torques]))),
+        ("torque", "N m", np.abs(np.concatenate([run.torque for run in experiment.runs]))),
+    )
+    maps = []
+    for quantity, unit, values in quantities:
+        edges = np.linspace(0.0, float(values.max()), _BINS + 1)
+        if edges[-1] <= 0:
+            continue
+        index = np.clip(np.digitize(values, edges) - 1, 0, _BINS - 1)
+        labels = [f"{low:.2g}-{high:.2g} {unit}" for low, high in itertools.pairwise(edges)]
+        maps.append(Map(quantity, "mm", _binned(gap, index, labels, noise)))
+    return tuple(maps)
+
+
+def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None:
+    """The frequency [Hz] with the most residual power, zero left out; None if it stands out less than five times."""
+    spectra: dict[float, float] = {}
+    for run, residual in zip(experiment.runs, heldout, strict=True):
+        signal = np.nan_to_num(residual.reshape(len(residual), -1))
+        power = (np.abs(np.fft.rfft(signal - signal.mean(axis=0), axis=0)) ** 2).sum(axis=1)
+        for frequency, value in zip(np.fft.rfftfreq(len(signal), run.step)[1:], power[1:], strict=True):
+            spectra[round(float(frequency), 1)] = spectra.get(round(float(frequency), 1), 0.0) + float(value)
+    powers = np.array(list(spectra.values()))
+    peak = int(np.argmax(powers))
+    return list(spectra)[peak] if powers[peak] > 5 * np.median(powers) and list(spectra)[peak] > 0 else None
+
+
+def _defect(best: Candidate) -> tuple[float, float, float] | None:
+    facts = [fact.name for fact in best.fit.hypothesis.parameters]
+    if "soft_spot.centre" not in facts:
+        return None
+    place = facts.index("soft_spot.centre")
+    low, high = uncertainty(best.fit).interval[place]
+    return float(best.fit.values[place]), float(low), float(high)
+
+
+def _sentence(along: Map, time: Map, experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array]) -> str:
+    phase = max(time.bins, key=lambda part: part.share)
+    when = {
+        "rest": "while the arm is at rest",
+        "command change": "just after the command changes",
+        "transient": "while the arm moves",
+        "settled": "where the arm has settled",
+    }[phase.label]
+    if phase.share < _MOST:
+        when = "in all parts of the motion"
+    thirds = np.array([part.share for part in along.bins])
+    at = (np.arange(len(thirds)) + 0.5) / len(thirds)
+    held = [float(thirds[(at >= k / 3) & (at < (k + 1) / 3)].sum()) for k in range(3)]
+    names = ("inner third", "middle third", "outer third")
+    place = f"in the {names[int(np.argmax(held))]} of the arm" if max(held) >= _MOST else "all along the arm"
+    return f"The gap sits {when}, {place}{_growth(experiment, torques, gaps)}."
+
+
+def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array]) -> str:
+    if len(torques) != len(gaps):
+        return ""
+    gap = np.concatenate(gaps)
+    seen = np.isfinite(gap)
+    ranks = {}
+    for name, values in (
+        ("bending", [np.abs(t.bending) for t in torques]),
+        ("the rate of bending", [np.abs(t.rate) for t in torques]),
+        ("torque", [np.abs(run.torque) for run in experiment.runs]),
+    ):
+        value = np.concatenate(values)[seen]
+        if np.ptp(value) > 0:
+            ranks[name] = float(spearmanr(value, gap[seen]).statistic)
+    name, rank = max(ranks.items(), key=lambda item: item[1], default=("", 0.0))
+    return f", and grows with {name}" if rank > _GROWS else ""

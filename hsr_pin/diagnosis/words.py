@@ -1,0 +1,77 @@
+"""What a diagnosis means and what to do with it, in words: the same on the screen and in the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.identification.fit import Fit
+
+#: Verdict -> what it comes down to.
+HEADLINES = {
+    "identified": "Missing physics identified",
+    "ambiguous": "More than one explanation",
+    "parameters": "Stiffness and damping explain it",
+    "no_gap": "No gap",
+    "unexplained": "Not explained by any known effect",
+    "insufficient": "Too little to go on",
+}
+
+#: Standard experiment -> how to carry it out.
+EXPERIMENTS = {
+    "steps": "steps from rest to the largest torque",
+    "staircase": "up to the largest torque in four stairs, and down again",
+    "chirp": "swing between no torque and the largest, slowly at first, then ever faster",
+    "release": "hold the arm bent, with no torque, and let it go",
+    "payload": "the same steps with 50 g at the tip",
+    "tilted base": "the same steps with the base tilted by 20 degrees",
+}
+
+
+def readable(names: Sequence[str]) -> str:
+    """Names of effects as text: ``dry friction + tip mass``."""
+    return " + ".join(name.replace("_", " ") for name in names)
+
+
+def model_name(candidate: Candidate) -> str:
+    """A fitted model in a few words."""
+    return readable(candidate.names) or "stiffness and damping only"
+
+
+def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """What to do next, a sentence each."""
+    status, search = diagnosis.verdict.status, diagnosis.search
+    sentences = []
+    if diagnosis.next_experiment:
+        first = diagnosis.next_experiment[0]
+        what = EXPERIMENTS.get(first.name, first.name)
+        told = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
+        sentences.append(f"Record next: {what}; it {told} (by {first.separation:.3g} times the noise).")
+    if status in ("identified", "parameters") and search is not None:
+        sentences.append(f"Simulate with {settings(search.best.fit)}.")
+    if status == "unexplained":
+        sentences.append("Look at the maps of where the gap lies for what is missing; none of the catalogue's laws fits it.")
+    if status == "no_gap":
+        sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
+    return tuple(sentences)
+
+
+def settings(fit: Fit) -> str:
+    """What to change in the simulation: factors on the declared values, and options of ``hsr-sim``."""
+    named = fit.named
+    scales = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass"}
+    parts = [f"{what} times {named[name]:.3g}" for name, what in scales.items() if name in named]
+    return ", ".join(parts) + "".join(f" {option}" for option in effect_options(fit))
+
+
+def effect_options(fit: Fit) -> tuple[str, ...]:
+    """The fitted effects as ``hsr-sim`` takes them: ``--effect dry_friction:level=0.05``."""
+    return tuple(
+        f"--effect {effect.name}:"
+        + ",".join(
+            [f"{fact.name}={getattr(effect, fact.name):.4g}" for fact in effect.parameters()]
+            + [f"{name}={value}" for name, value in effect.options]
+        )
+        for effect in fit.hypothesis.effects_at(fit.values)
+    )
