@@ -28,18 +28,16 @@ class ArmModel:
     @property
     def joint_axis(self) -> Array:
         """(3,) unit vector of the joint axes in the world frame (they are all parallel)."""
-        data = self.model.createData()
-        pin.forwardKinematics(self.model, data, pin.neutral(self.model))
-        axis: Array = data.oMi[1].rotation @ np.array([0.0, 1.0, 0.0])
-        return axis
+        return self._base_rotation[:, 1]
 
     @property
     def direction(self) -> Array:
         """(3,) unit vector along the straight arm, from base to tip, in the world frame."""
-        data = self.model.createData()
-        pin.forwardKinematics(self.model, data, pin.neutral(self.model))
-        direction: Array = data.oMi[1].rotation @ np.array([0.0, 0.0, 1.0])
-        return direction
+        return self._base_rotation[:, 2]
+
+    @property
+    def _base_rotation(self) -> Array:
+        return np.array(self.model.jointPlacements[1].rotation)
 
 
 @lru_cache(maxsize=4096)

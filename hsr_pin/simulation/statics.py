@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.linalg import solve_banded
 
+from hsr_pin.robot.model import ArmModel
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
@@ -18,6 +19,40 @@ TOLERANCE = 1e-12
 ACCEPTED = 1e-8
 _ITERATIONS = 60
 _HALVINGS = 8
+
+
+class Gravity:
+    """Torques of gravity at the joints of planar chains, linear in cos and sin of the link angles theta_i = q_1 + ... + q_i.
+
+    The potential is -sum_i (c_i cos theta_i + s_i sin theta_i): (c_i, s_i) are gravity along and across the straight arm times
+    the mass that link i carries, its own at its centre and all further ones at the next joint.
+    """
+
+    def __init__(self, arms: list[ArmModel]) -> None:
+        pairs = {id(arm.model): self._pair(arm) for arm in arms}
+        self._cosine, self._sine = (
+            np.column_stack([pairs[id(arm.model)][part] for arm in arms]) for part in range(2)
+        )  # (N, B) [N m]
+
+    @staticmethod
+    def _pair(arm: ArmModel) -> tuple[Array, Array]:
+        mass = np.array([body.mass for body in arm.model.inertias[1:]])
+        lever = np.array([body.lever[2] for body in arm.model.inertias[1:]])
+        reach = np.array([place.translation[2] for place in arm.model.jointPlacements[2:]] + [0.0])
+        moment = mass * lever + reach * (mass[::-1].cumsum()[::-1] - mass)
+        g = arm.model.gravity.linear
+        return moment * (g @ arm.direction), moment * (g @ np.cross(arm.joint_axis, arm.direction))
+
+    def torque(self, q: Array) -> Array:
+        """(N, B) [N m] with which gravity turns the joints."""
+        theta = q.cumsum(axis=0)
+        own = self._sine * np.cos(theta) - self._cosine * np.sin(theta)
+        return np.asarray(own[::-1].cumsum(axis=0)[::-1])
+
+    def stiffness(self, q: Array) -> Array:
+        """(N, B) [Nm/rad] second derivatives of the potential to the link angles; the mixed ones vanish."""
+        theta = q.cumsum(axis=0)
+        return np.asarray(self._cosine * np.cos(theta) + self._sine * np.sin(theta))
 
 
 def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
@@ -33,29 +68,38 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
     """
     straight = np.zeros((columns.shape.links, len(columns.scenarios)), order="F")
     virgin = columns.virgin_states()
-    models = [arm.model for arm in columns.arm_models]
-    data = {id(model): model.createData() for model in models}
-    drive = columns.drive * torque
+    gravity, drive = Gravity(columns.arm_models), columns.drive * torque
     tolerance = TOLERANCE * np.maximum(1.0, np.abs(torque))
 
     def residual(q: Array) -> Array:
         states = columns.update(virgin, straight, q, math.inf)
-        gravity = [pin.computeGeneralizedGravity(m, data[id(m)], q[:, b]).copy() for b, m in enumerate(models)]
-        return np.asarray(drive + columns.torque(q, straight, states) - np.column_stack(gravity))
+        return np.asarray(drive + columns.torque(q, straight, states) + gravity.torque(q))
 
     q, rest = straight, residual(straight)
     for _ in range(_ITERATIONS):
         moving = wanted & (np.abs(rest).max(axis=0) >= tolerance)
         if not moving.any():
             break
-        local = _local_stiffness(columns, q, virgin, straight)
+        local, weight = _local_stiffness(columns, q, virgin, straight), gravity.stiffness(q)
         direction = np.zeros_like(q)
         for b in np.flatnonzero(moving):
-            slope = pin.computeGeneralizedGravityDerivatives(models[b], data[id(models[b])], q[:, b])
-            direction[:, b] = _solve(np.diag(local[:, b]) + slope, rest[:, b])
+            direction[:, b] = _newton(local[:, b], weight[:, b], rest[:, b])
         direction *= np.minimum(1.0, 0.5 / np.maximum(np.abs(direction).max(axis=0), 1e-300))
         q, rest = _line_search(residual, q, rest, direction, moving)
     return q, wanted & (np.abs(rest).max(axis=0) < ACCEPTED * np.maximum(1.0, np.abs(torque)))
+
+
+def _newton(joint: Array, link: Array, rest: Array) -> Array:
+    """(N,) solve (diag(joint) + U diag(link) U^T) x = rest, U the upper triangle of ones: tridiagonal in the link angles."""
+    bands = np.zeros((3, len(joint)))
+    bands[1] = joint + link
+    bands[1, :-1] += joint[1:]
+    bands[0, 1:] = bands[2, :-1] = -joint[1:]
+    try:
+        turn = solve_banded((1, 1), bands, rest - np.append(rest[1:], 0.0), check_finite=False)
+    except np.linalg.LinAlgError:  # at the point of buckling: as if gravity were not there
+        return rest / joint
+    return np.diff(turn, prepend=0.0)
 
 
 def _line_search(
@@ -72,13 +116,6 @@ def _line_search(
             break
         scale = np.where(worse, scale / 2, scale)
     return trial, new
-
-
-def _solve(matrix: Array, right: Array) -> Array:
-    try:
-        return np.asarray(np.linalg.solve(matrix, right))
-    except np.linalg.LinAlgError:  # at the point of buckling: along the other directions
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
 
 def _local_stiffness(columns: Columns, q: Array, virgin: tuple[Array, ...], straight: Array) -> Array:

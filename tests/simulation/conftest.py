@@ -13,12 +13,15 @@ from hsr_pin.robot.model import build_model
 
 
 @pytest.fixture(scope="session")
-def exact_angles():
-    """``exact_angles(scenario, q, v)``: (T, N) [rad] by SciPy's Radau at 1e-10, restarted at every change of the input."""
-    return _exact_angles
+def exact_motion():
+    """Give ``exact_motion(scenario, q, v)``: (T, 2N) angles [rad] and rates [rad/s].
+
+    By SciPy's Radau at 1e-10, restarted at every change of the input.
+    """
+    return _exact_motion
 
 
-def _exact_angles(scenario, q, v=None, tolerance=1e-10):
+def _exact_motion(scenario, q, v=None, tolerance=1e-10):
     arm = scenario.arm
     model = build_model(arm).model
     data, n = model.createData(), arm.links
@@ -42,7 +45,7 @@ def _exact_angles(scenario, q, v=None, tolerance=1e-10):
         return matrix
 
     state = np.concatenate([q, np.zeros(n) if v is None else v])
-    angles = [state[:n]]
+    states = [state]
     changes = [0, *(np.flatnonzero(np.diff(scenario.torque[:-1])) + 1), len(scenario.time) - 1]
     for start, stop in itertools.pairwise(changes):
         times, torque = scenario.time[start : stop + 1], scenario.torque[start]
@@ -50,9 +53,9 @@ def _exact_angles(scenario, q, v=None, tolerance=1e-10):
             rhs(torque), times[[0, -1]], state, "Radau", times, jac=jacobian(torque), rtol=tolerance, atol=tolerance * 1e-2
         )
         assert run.success
-        angles += list(run.y[:n].T[1:])
+        states += list(run.y.T[1:])
         state = run.y[:, -1]
-    return np.array(angles)
+    return np.array(states)
 
 
 @pytest.fixture

@@ -43,30 +43,23 @@ def lagrange(bodies):
     The numbers: per body its length, distance to its centre, mass, inertia; then where the first joint is along the fixed base,
     tip mass, stiffness, damping, torque, gravity, and the upward components of the straight arm and of its bending side.
     """
-    t = sp.Symbol("t")
-    angle = [sp.Function(f"q{i}")(t) for i in range(bodies)]
-    rate = [x.diff(t) for x in angle]
-    length, centre, mass, inertia = (sp.symbols(f"{name}:{bodies}") for name in ("l", "c", "m", "J"))
+    q, v = (sp.Matrix(sp.symbols(f"{name}:{bodies}")) for name in "qv")
+    length, centre, mass, inertia = (sp.symbols(f"{name}:{bodies}") for name in ("l", "d", "m", "J"))
     first, tip, k, c, tau, g, along_up, side_up = rest = sp.symbols("first tip k c tau g along_up side_up")
     joint, turn, kinetic, potential = sp.Matrix([first, 0]), 0, 0, 0
     for i in range(bodies):
-        turn += angle[i]
+        turn += q[i]
         way = sp.Matrix([sp.cos(turn), sp.sin(turn)])
         for point, weight in ((joint + centre[i] * way, mass[i]), (joint + length[i] * way, tip if i == bodies - 1 else 0)):
-            kinetic += weight * point.diff(t).dot(point.diff(t)) / 2
+            speed = point.jacobian(q) * v
+            kinetic += weight * speed.dot(speed) / 2
             potential += weight * g * (along_up * point[0] + side_up * point[1])
-        kinetic += inertia[i] * turn.diff(t) ** 2 / 2
-        potential += k * angle[i] ** 2 / 2
+        kinetic += inertia[i] * sum(v[: i + 1]) ** 2 / 2
+        potential += k * q[i] ** 2 / 2
         joint += length[i] * way
-    equations = [
-        (kinetic.diff(v).diff(t) - (kinetic - potential).diff(q) + c * v - tau) for q, v in zip(angle, rate, strict=True)
-    ]
-    q, v, a = (sp.symbols(f"{name}_:{bodies}") for name in "qva")
-    plain = [e.subs({x.diff(t, 2): y for x, y in zip(angle, a, strict=True)}) for e in equations]
-    plain = sp.Matrix([e.subs(dict(zip(rate, v, strict=True))).subs(dict(zip(angle, q, strict=True))) for e in plain])
-    matrix = plain.jacobian(a)
-    right = -plain.subs(dict.fromkeys(a, 0))
-    return sp.lambdify([q, v, [*length, *centre, *mass, *inertia, *rest]], (matrix, right), cse=True)
+    momentum, force = (sp.Matrix([expression]).jacobian(x).T for expression, x in ((kinetic, v), (kinetic - potential, q)))
+    right = force - c * v + tau * sp.ones(bodies, 1) - momentum.jacobian(q) * v
+    return sp.lambdify([list(q), list(v), [*length, *centre, *mass, *inertia, *rest]], (momentum.jacobian(v), right), cse=True)
 
 
 def numbers_of(arm, torque):
