@@ -17,8 +17,11 @@ from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Amplitude with which an effect is probed, over its parameter's scale.
+#: Amplitude with which an effect is probed, over its parameter's scale; one with shape parameters with a small and a large one.
 _PROBE = 0.5
+_PROBES = (0.25, 2.0)
+#: Starts of the fit of an effect with shape parameters: their landscape has valleys.
+_STARTS = 2
 #: No first guess goes further than this from neutral, over the parameter's scale.
 _FARTHEST = 6.0
 
@@ -43,36 +46,31 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """A place to start a fit from.
+    """Where to start a fit from.
 
     Attributes:
         hypothesis: with the effect in it.
-        start: (P,) values.
-        gain: share of the squared misfit that this start is predicted to take away, 0 to 1.
+        starts: (P,) values each, the most promising first.
+        gain: share of the squared misfit that the first start is predicted to take away, 0 to 1.
     """
 
     hypothesis: Hypothesis
-    start: Array
+    starts: tuple[Array, ...]
     gain: float
 
 
 def guesses(experiment: Experiment, base: Fit, effects: list[Effect]) -> list[Guess]:
-    """First guesses for adding one effect to a fitted model, the best of each effect's, in the order of ``effects``.
+    """First guesses for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
 
     Each effect is probed with a small amplitude at several values of its shape parameters, all in one batch. The change it makes
     is taken as linear in the amplitude; the amplitude that fits best, with the open parameters adjusted along their known
     derivatives, and the misfit that it should leave, follow from linear least squares.
     """
     nominal = predict(experiment, base.hypothesis, [(run, base.values) for run in experiment.runs])
-    best = []
-    for effect in effects:
-        tried = [guess for guess in _guesses(experiment, base, effect, nominal) if guess is not None]
-        if tried:
-            best.append(max(tried, key=lambda guess: guess.gain))
-    return best
+    return [guess for effect in effects for guess in _guess(experiment, base, effect, nominal)]
 
 
-def _guesses(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Prediction]) -> list[Guess | None]:
+def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Prediction]) -> list[Guess]:
     probes = _probes(effect)
     hypothesis = base.hypothesis.with_effects(effect)
     names = [name.split(".")[1] for name in hypothesis.free[len(base.values) :]]
@@ -80,29 +78,36 @@ def _guesses(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pr
     predictions = predict(experiment, hypothesis, [(run, start) for start in starts for run in experiment.runs])
     residual, slopes = stacked(base)
     count = len(experiment.runs)
-    answers: list[Guess | None] = []
+    answers: dict[object, tuple[float, Array]] = {}  # the best for each set of shape parameters
     for k, start in enumerate(starts):
         own = predictions[k * count : (k + 1) * count]
         if any(p.failed for p in own):
-            answers.append(None)
             continue
         change = [((p.positions - n.positions) * w)[w > 0] for p, n, w in zip(own, nominal, base.weights, strict=True)]
-        answers.append(_linear_guess(base, hypothesis, start, residual, slopes, np.concatenate(change)))
-    return answers
+        answer = _linear_guess(base, hypothesis, start, residual, slopes, np.concatenate(change))
+        shape = tuple(getattr(probes[k], fact.name) for fact in effect.parameters() if not fact.amplitude)
+        answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
+    best = sorted(answers.values(), key=lambda answer: -answer[0])[:_STARTS]
+    return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
 
 
 def try_candidate(experiment: Experiment, guess: Guess, spread: float | None = None) -> Candidate:
     """Fit from a guess and predict every run from the others."""
-    answer = fit(experiment, guess.hypothesis, start=guess.start, spread=spread)
+    answers = [fit(experiment, guess.hypothesis, start=start, spread=spread) for start in guess.starts]
+    answer = min(answers, key=lambda fitted: fitted.rms)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
 
 
 def _probes(effect: Effect) -> list[Effect]:
     """The effect with a small amplitude, at a few values of each shape parameter."""
     facts = effect.parameters()
-    amplitudes = {p.name: p.neutral + _PROBE * p.scale for p in facts if p.amplitude}
     shapes = [[(p.name, value) for value in _grid(p)] for p in facts if not p.amplitude]
-    return [with_values(effect, **amplitudes, **dict(shape)) for shape in itertools.product(*shapes)]
+    sizes = _PROBES if shapes else (_PROBE,)
+    return [
+        with_values(effect, **{p.name: p.neutral + size * p.scale for p in facts if p.amplitude}, **dict(shape))
+        for size in sizes
+        for shape in itertools.product(*shapes)
+    ]
 
 
 def _grid(fact: Parameter) -> list[float]:
@@ -113,7 +118,10 @@ def _grid(fact: Parameter) -> list[float]:
     return [fact.lower + (fact.upper - fact.lower) * f for f in at]
 
 
-def _linear_guess(base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, change: Array) -> Guess:
+def _linear_guess(
+    base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, change: Array
+) -> tuple[float, Array]:
+    """The predicted gain, and the values (P,) that should bring it."""
     facts, old = hypothesis.parameters, len(base.values)
     scale = np.array([fact.scale for fact in facts])
     directions = np.column_stack([slopes * scale[:old], change])
@@ -124,20 +132,21 @@ def _linear_guess(base: Fit, hypothesis: Hypothesis, start: Array, residual: Arr
     values[:old] += scale[:old] * np.clip(step[:-1], -3.0, 3.0)
     for index in range(old, len(facts)):
         if facts[index].amplitude:
-            factor = _allowed(facts[index], factor)
-            values[index] = facts[index].neutral + factor * _PROBE * facts[index].scale
+            probe = start[index] - facts[index].neutral
+            factor = _allowed(facts[index], factor * probe / facts[index].scale) * facts[index].scale / probe
+            values[index] = facts[index].neutral + factor * probe
     left = residual + directions[:, :-1] @ step[:-1] + directions[:, -1] * factor
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
     gain = 1 - float(left @ left) / float(residual @ residual)
-    return Guess(hypothesis, np.clip(values, lower, upper), max(0.0, gain))
+    return max(0.0, gain), np.asarray(np.clip(values, lower, upper))
 
 
-def _allowed(fact: Parameter, factor: float) -> float:
-    """The amplitude, in probes, nearest to the wanted one that is within bounds, not far away, and not neutral itself.
+def _allowed(fact: Parameter, wanted: float) -> float:
+    """The amplitude, over its scale, nearest to the wanted one that is within bounds, not far away, and not neutral itself.
 
     On the neutral value shape parameters have no derivative, and a fit that starts there cannot move them.
     """
-    lowest = max(-_FARTHEST, (fact.lower - fact.neutral) / fact.scale) / _PROBE
-    highest = min(_FARTHEST, (fact.upper - fact.neutral) / fact.scale) / _PROBE
-    factor = float(np.clip(factor, lowest, highest))
-    return factor if abs(factor) > 0.2 else float(np.copysign(0.2, factor if lowest < 0 else 1.0))
+    lowest = max(-_FARTHEST, (fact.lower - fact.neutral) / fact.scale)
+    highest = min(_FARTHEST, (fact.upper - fact.neutral) / fact.scale)
+    amplitude = float(np.clip(wanted, lowest, highest))
+    return amplitude if abs(amplitude) > 0.1 else float(np.copysign(0.1, amplitude if lowest < 0 else 1.0))

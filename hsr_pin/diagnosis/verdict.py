@@ -16,7 +16,7 @@ from hsr_pin.identification.uncertainty import uncertainty
 #: A rival is set aside only if what it leaves is certainly more, and more than this times what the best leaves ...
 FACTOR = 1.5
 #: ... plus the square of this share of the noise floor.
-MARGIN = 0.15
+MARGIN = 0.1
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
 
