@@ -23,9 +23,9 @@ class BendingStop(Effect):
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=30.0, unit="1", scale=2.0, amplitude=True, description="stiffness added beyond the stop, over Keq"
+        0.0, lower=0.0, upper=30.0, unit="1", scale=0.3, amplitude=True, description="stiffness added beyond the stop, over Keq"
     )
-    angle: float = parameter(1.0, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
+    angle: float = parameter(0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
 
     def moment(self, bending: Bending) -> Array:
         beyond = bending.angle - np.clip(bending.angle, -self.angle, self.angle)
