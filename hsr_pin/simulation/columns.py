@@ -14,7 +14,7 @@ from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.trajectory import Array
 
 #: Gauss-Legendre points on [0, 1] over which a property is averaged within the stretch of arm that a joint stands for.
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(32)
 _POINTS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2
 
 

@@ -1,0 +1,96 @@
+"""Inverse dynamics by the recursive Newton-Euler algorithm: which torque, and which pressures, make this motion.
+
+J. Y. S. Luh, M. W. Walker, R. P. C. Paul, On-line computational scheme for mechanical manipulators, J. Dyn. Sys. Meas. Control
+102 (1980); ``pin.rnea``. A motion is given as angles q [rad], rates v [rad/s] and accelerations a [rad/s^2], (T, N) each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.robot.pressure import PressureMap
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True, eq=False)
+class RequiredTorque:
+    """The uniform torque nearest to what a motion needs.
+
+    Attributes:
+        torque: (T,) [N m] that the muscles must deliver.
+        residual: (T, N) [N m] at the joints, what the motion needs beyond it; no uniform torque delivers this.
+    """
+
+    torque: Array
+    residual: Array
+
+
+def joint_torques(arm: ArmSpecification, q: ArrayLike, v: ArrayLike, a: ArrayLike, effects: Sequence[Effect] = ()) -> Array:
+    """(T, N) [N m] that the muscles must deliver at each joint: RNEA, less springs, dampers and effects.
+
+    Raises:
+        InputError: the arrays are not (T, N), or an effect has a memory (its moment does not follow from q and v).
+    """
+    columns = _columns(arm, effects)
+    q, v, a = (_checked(name, x, arm.links) for name, x in (("q", q), ("v", v), ("a", a)))
+    if not q.shape == v.shape == a.shape:
+        raise InputError("motion", expected="q, v and a of one shape", received=f"{q.shape}, {v.shape}, {a.shape}")
+    model = columns.arm_models[0].model
+    data = model.createData()
+    needed = np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)]).reshape(q.shape)
+    return np.asarray(needed - columns.torque(q.T, v.T, columns.virgin_states()).T)
+
+
+def required_torque(
+    arm: ArmSpecification, q: ArrayLike, v: ArrayLike, a: ArrayLike, effects: Sequence[Effect] = ()
+) -> RequiredTorque:
+    """The torque, the same at every joint but for the effects' share, that makes this motion best (least squares over joints).
+
+    It is the torque that arrives: lag, dead time and other effects on the command are not undone.
+    """
+    share = _columns(arm, effects).drive[:, 0]
+    tau = joint_torques(arm, q, v, a, effects)
+    torque = tau @ share / (share @ share)
+    return RequiredTorque(torque, tau - torque[:, None] * share)
+
+
+def required_pressures(
+    arm: ArmSpecification,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    effects: Sequence[Effect] = (),
+    pressure_map: PressureMap | None = None,
+) -> Array:
+    """(T, 2) [bar] P1 and P2 that deliver :func:`required_torque` at the arm's stiffness.
+
+    Raises:
+        PressureError: the motion needs pressures out of range.
+    """
+    pressures = pressure_map or PressureMap.fit()
+    return pressures.pressures_for_torque(arm.keq, required_torque(arm, q, v, a, effects).torque)
+
+
+def _columns(arm: ArmSpecification, effects: Sequence[Effect]) -> Columns:
+    remembering = [effect.name for effect in effects if effect.states]
+    if remembering:
+        raise InputError("effects", expected="those whose moment follows from the motion", received=", ".join(remembering))
+    scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
+    return Columns([scenario], shape_of(scenario, 1.0))
+
+
+def _checked(name: str, values: ArrayLike, links: int) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 2 or array.shape[1] != links or not np.all(np.isfinite(array)):
+        raise InputError(name, expected=f"finite values (T, {links})", received=f"shape {array.shape}")
+    return array
