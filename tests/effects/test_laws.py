@@ -1,0 +1,241 @@
+"""Each law is what its equation says: closed forms, one by one."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import simpson, trapezoid
+
+from hsr_pin.effects import EFFECTS, parse_effect
+from hsr_pin.effects.effect import Bending, Command, stack
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import along
+from hsr_pin.simulation.scenario import Marker, Settled, step_scenario
+from hsr_pin.simulation.simulate import simulate
+
+KEQ = 2.0
+S = np.linspace(0, 1, 20001)[:, None]
+
+
+def moment(effect, angle, rate=0.0, state=None, stiffness=1.0):
+    """[N m] over Keq, for angles of any shape."""
+    angle = np.atleast_1d(np.asarray(angle, dtype=float))[:, None]
+    state = np.zeros((effect.states, *angle.shape)) if state is None else state
+    at = Bending(angle, rate + 0 * angle, np.array([KEQ]), np.full((1, 1), stiffness), state)
+    return effect.moment(at)[:, 0] / KEQ
+
+
+def walked(effect, path, step=0.01):
+    """The state after a path of angles from the virgin state, and the moment over Keq at every point of it."""
+    state, moments = np.zeros((effect.states, 1, 1)), []
+    for start, end in zip([0.0, *path[:-1]], path, strict=True):
+        state = effect.update(state, np.full((1, 1), start), np.full((1, 1), end), step)
+        moments.append(moment(effect, end, state=state).item())
+    return state.item(), np.array(moments)
+
+
+def delivered(effect, torque, step=0.01, initial=0.0):
+    torque = np.asarray(torque, dtype=float)[:, None]
+    return effect.command(Command(torque, np.array([initial]), step, np.array([KEQ])))
+
+
+@pytest.mark.parametrize("slope", [-1.8, -0.5, -2e-3, -1e-9, 0.0, 1.9e-3, 2.1e-3, 1.0, 1.8])
+def test_a_stiffness_gradient_keeps_the_series_stiffness(slope):
+    k = EFFECTS["stiffness_gradient"](slope).stiffness(S)[:, 0]
+    assert simpson(1 / k, x=S[:, 0]) == pytest.approx(1, abs=1e-8)
+    assert k[-1] / k[0] == pytest.approx((2 + slope) / (2 - slope))
+
+
+def test_a_stiffness_gradient_keeps_the_series_stiffness_of_the_chain():
+    for links in (1, 4, 10):
+        k = along((EFFECTS["stiffness_gradient"](1.5),), "stiffness", links)
+        assert np.mean(1 / k) == pytest.approx(1, abs=1e-9)
+
+
+def test_a_soft_spot_takes_its_depth_at_its_centre_and_adds_the_same_compliance_to_any_chain():
+    spot = EFFECTS["soft_spot"](0.6, 0.4, 0.1)
+    assert spot.stiffness(np.array([[0.4]])).item() == pytest.approx(0.4)
+    assert spot.stiffness(np.array([[0.5]])).item() == pytest.approx(1 - 0.6 * math.exp(-0.5))
+    compliance = simpson(1 / spot.stiffness(S)[:, 0], x=S[:, 0])
+    for links in (2, 5, 16):
+        assert np.mean(1 / along((spot,), "stiffness", links)) == pytest.approx(compliance, abs=1e-6)
+
+
+def test_stiffening_is_cubic_where_arms_work():
+    angle = np.linspace(-1.2, 1.2, 25)
+    for cubic in (-0.15, 0.1, 3.0):
+        np.testing.assert_allclose(moment(EFFECTS["stiffening"](cubic), angle, stiffness=0.7), 0.7 * cubic * angle**3, atol=1e-14)
+
+
+@pytest.mark.parametrize("cubic", [-1.0, -0.15, 0.05, 5.0])
+def test_stiffening_leaves_a_fifth_of_the_stiffness_and_is_smooth(cubic):
+    angle = np.linspace(-3.5, 3.5, 70001)
+    slope = np.gradient(moment(EFFECTS["stiffening"](cubic), angle), angle)[1:-1]
+    assert slope.min() > -0.8 - 1e-6 and slope.max() < 20 + 1e-6
+    assert np.abs(np.diff(slope)).max() < 0.01
+
+
+def test_a_stop_acts_beyond_its_angle_only():
+    stop = EFFECTS["bending_stop"](4.0, 0.5)
+    np.testing.assert_allclose(moment(stop, [-0.7, -0.5, 0.0, 0.3, 0.6]), [-0.8, 0, 0, 0, 0.4], atol=1e-15)
+
+
+def test_backlash_leaves_a_dead_zone_and_the_spring_beyond_it():
+    angle = np.array([-0.5, -0.1, 0.0, 0.15, 0.4])
+    total = 1.3 * angle + moment(EFFECTS["backlash"](0.3), angle, stiffness=1.3)
+    np.testing.assert_allclose(total, 1.3 * np.array([-0.35, 0, 0, 0, 0.25]), atol=1e-15)
+
+
+def test_friction_slides_at_its_level_and_needs_twice_the_presliding_angle_to_turn_round():
+    friction = EFFECTS["dry_friction"](0.2)
+    d = friction.presliding
+    _, m = walked(friction, [d / 2, d, 1.0, 1.0 - d, 1.0 - 2 * d, 0.3])
+    np.testing.assert_allclose(m, [0.1, 0.2, 0.2, 0, -0.2, -0.2], atol=1e-12)
+
+
+def test_friction_takes_four_levels_per_unit_of_amplitude_in_a_cycle():
+    friction = EFFECTS["dry_friction"](0.2)
+    d, path = friction.presliding, 0.5 * np.sin(np.linspace(0, 4 * np.pi, 40001))
+    _, m = walked(friction, path)
+    last = slice(20000, None)
+    assert trapezoid(m[last], path[last]) == pytest.approx(4 * 0.2 * (0.5 - d), rel=1e-3)
+
+
+def test_an_arm_with_friction_stays_where_a_small_torque_cannot_slide_it():
+    friction = EFFECTS["dry_friction"](0.3)
+    arm = ArmSpecification(placement="mid")
+    run = simulate(step_scenario(arm, 0.2 * arm.keq, duration=2, effects=(friction,)))
+    assert abs(run.trajectory.joint_angles[-1].sum()) < friction.presliding
+
+
+def test_hysteresis_saturates_exponentially_in_the_angle():
+    z, m = walked(EFFECTS["hysteresis"](0.4, 0.2), [0.1, 0.3])
+    assert z == pytest.approx(1 - math.exp(-1.5))
+    assert m[0] == pytest.approx(0.4 * (1 - math.exp(-0.5)))
+    z, _ = walked(EFFECTS["hysteresis"](0.4, 0.2), [5.0, 4.9])
+    assert z == pytest.approx(-1 + 2 * math.exp(-0.5))
+
+
+@pytest.mark.parametrize("name", ["dry_friction", "hysteresis"])
+def test_rate_independent_laws_see_the_path_and_not_its_speed_nor_its_sampling(name):
+    law = EFFECTS[name](0.3)
+    path = np.array([0.1, 0.5, 0.43, 0.6, -0.2])
+    fine = np.interp(np.arange(1, 501) / 100, np.arange(6), [0.0, *path])
+    assert walked(law, fine, 1e-4)[0] == pytest.approx(walked(law, path, 10.0)[0], abs=1e-12)
+    assert walked(law, path, math.inf)[0] == walked(law, path)[0]
+
+
+def test_a_maxwell_branch_relaxes_exponentially_and_follows_a_ramp_exactly():
+    law = EFFECTS["viscoelastic"](0.5, 0.2)
+    path = 3.0 * 0.1 * np.arange(1, 11)  # 3 rad/s for 1 s
+    assert walked(law, path, 0.1)[0] == pytest.approx(3.0 * 0.2 * (1 - math.exp(-1 / 0.2)), abs=1e-12)
+    assert walked(law, [3.0], 1.0)[0] == pytest.approx(3.0 * 0.2 * (1 - math.exp(-1 / 0.2)), abs=1e-12)
+    _, m = walked(law, [1.0, *[1.0] * 40], 1e-9)
+    assert m[0] == pytest.approx(0.5, abs=1e-6)
+    state = law.update(np.ones((1, 1, 1)), np.ones((1, 1)), np.ones((1, 1)), 0.3)
+    assert state.item() == pytest.approx(math.exp(-1.5))
+    assert law.update(state, np.zeros((1, 1)), np.ones((1, 1)), math.inf).item() == 0
+
+
+def test_quadratic_damping_is_odd_and_quadratic_up_to_15_rad_per_second_and_then_goes_on_evenly():
+    law = EFFECTS["quadratic_damping"](0.02)
+    for rate in (-14.0, -1.0, 0.0, 0.5, 15.0):
+        assert KEQ * moment(law, 0.3, rate).item() == pytest.approx(0.02 * rate * abs(rate), abs=1e-15)
+    assert KEQ * moment(law, 0.3, -20.0).item() == pytest.approx(-0.02 * (225 + 30 * 5))
+
+
+def test_a_damping_gradient_keeps_the_mean():
+    law = EFFECTS["damping_gradient"](-1.2)
+    assert along((law,), "damping", 7).mean() == pytest.approx(1, abs=1e-12)
+    np.testing.assert_allclose(law.damping(np.array([[0.0], [1.0]]))[:, 0], [1.6, 0.4])
+
+
+def test_a_lag_gives_the_mean_of_the_exponential_over_each_step():
+    lag, h = 0.03, 0.02
+    mean = delivered(EFFECTS["actuator_lag"](lag), [1.0] * 5, h).torque[:, 0]
+    edges = h * np.arange(6)
+    integral = edges + lag * np.exp(-edges / lag)  # of 1 - exp(-t / T)
+    np.testing.assert_allclose(mean, np.diff(integral) / h, atol=1e-14)
+
+
+def test_a_lag_starts_settled_and_takes_each_column_its_own_time():
+    laws = stack([EFFECTS["actuator_lag"](t) for t in (0.0, 1e-9, 0.1)])
+    command = Command(np.full((100, 3), 2.0), np.full(3, 0.5), 0.01, np.full(3, KEQ))
+    torque = laws.command(command).torque
+    assert np.all(torque[:, 0] == 2.0)
+    np.testing.assert_allclose(torque[:, 1], 2.0, atol=1e-6)
+    assert torque[0, 2] < 0.6 and torque[-1, 2] == pytest.approx(2.0, abs=1e-3)
+    assert np.all(delivered(EFFECTS["actuator_lag"](0.2), [0.7] * 9, initial=0.7).torque == 0.7)
+
+
+def test_a_dead_time_of_whole_steps_shifts_and_a_part_of_a_step_is_averaged():
+    u = [1.0, 3.0, 2.0, 0.0]
+    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.02), u, initial=9.0).torque[:, 0], [9, 9, 1, 3], atol=1e-12)
+    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.0025), u, initial=5.0).torque[:, 0], [2, 2.5, 2.25, 0.5])
+    assert np.all(delivered(EFFECTS["dead_time"](0.5), u, initial=9.0).torque == 9.0)
+
+
+def test_the_torque_changes_evenly_with_a_dead_time_within_a_step():
+    late = [delivered(EFFECTS["dead_time"](d), [0.0, 1.0, 4.0, 4.0]).torque[:, 0] for d in (0.012, 0.013, 0.018)]
+    np.testing.assert_allclose((late[1] - late[0]) * 5, late[2] - late[1], atol=1e-12)
+
+
+def test_a_bias_is_a_shift_of_the_command():
+    arm = ArmSpecification()
+    biased = simulate(step_scenario(arm, 0.5, duration=1, effects=(EFFECTS["torque_bias"](0.1),)))
+    shifted = step_scenario(arm, 0.5, duration=1)
+    shifted = type(shifted)(arm, shifted.time, shifted.torque + 0.1, Settled(0.1))
+    np.testing.assert_allclose(biased.trajectory.positions, simulate(shifted).trajectory.positions, atol=1e-14)
+
+
+def test_the_torque_map_bends_the_command_both_ways_alike():
+    command = delivered(EFFECTS["torque_map"](0.3), [1.0, -1.0, 2.0], initial=2.0)
+    np.testing.assert_allclose(command.torque[:, 0], [1.15, -1.15, 2.6])
+    assert command.initial.item() == pytest.approx(2.6)
+
+
+def test_torque_decay_falls_from_base_to_tip():
+    drive = along((EFFECTS["torque_decay"](0.4),), "actuation", 4)
+    np.testing.assert_allclose(drive[:, 0], 1 - 0.4 * np.array([0.125, 0.375, 0.625, 0.875]))
+
+
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+def test_a_tilted_base_is_the_declared_tilt_and_its_own_frame_turns_back_with_it(mount):
+    arm = ArmSpecification(mount=mount, placement="mid")
+    markers = (Marker("fixed", 0.01), Marker("tip", 0.24))  # the first half link does not move against the base
+
+    def seen(text=None, **declared):
+        plain = step_scenario(ArmSpecification(mount=mount, placement="mid", **declared), 0.4, duration=0.5, markers=markers)
+        effects = (parse_effect(text),) if text else ()
+        return simulate(type(plain)(plain.arm, plain.time, plain.torque, plain.start, effects, markers)).trajectory.positions
+
+    world, base = seen("gravity_tilt:angle=0.2"), seen("gravity_tilt:angle=0.2,frame=base")
+    np.testing.assert_allclose(world, seen(tilt=0.2), atol=1e-14)
+    np.testing.assert_allclose(base[:, 0], seen()[:, 0], atol=1e-14)
+    assert np.abs(world[:, 0] - seen()[:, 0]).max() > 1e-3
+    np.testing.assert_allclose(np.linalg.norm(base, axis=-1), np.linalg.norm(world, axis=-1), atol=1e-14)
+    assert arm.tilt == 0
+
+
+def test_a_tilt_beyond_half_a_turn_comes_round():
+    assert EFFECTS["gravity_tilt"](0.3).arm(ArmSpecification(tilt=3.0)).tilt == pytest.approx(3.3 - 2 * math.pi)
+
+
+def test_masses_are_added_to_what_was_declared():
+    arm = ArmSpecification(mass=0.2, tip_mass=0.05)
+    assert EFFECTS["tip_mass"](0.1).arm(arm) == ArmSpecification(mass=0.2, tip_mass=0.05 + 0.1)
+    assert EFFECTS["added_mass"](0.1).arm(arm) == ArmSpecification(mass=0.2 + 0.1, tip_mass=0.05)
+
+
+def test_markers_are_seen_at_their_offset_across_the_backbone():
+    plain = step_scenario(ArmSpecification(placement="mid"), 0.8, duration=0.5)
+
+    def seen(*effects):
+        return simulate(type(plain)(plain.arm, plain.time, plain.torque, plain.start, effects)).trajectory.positions
+
+    shift = seen(parse_effect("marker_offset:offset=0.01")) - seen()
+    np.testing.assert_allclose(np.linalg.norm(shift, axis=-1), 0.01, atol=1e-15)
+    np.testing.assert_allclose(shift[:, 0], [[0.01, 0, 0]] * len(shift), atol=1e-15)  # bends towards +x
+    kept = seen(parse_effect("marker_offset:offset=0.01,base=kept")) - seen()
+    assert np.all(kept[:, 0] == 0)
+    np.testing.assert_array_equal(kept[:, 1:], shift[:, 1:])
