@@ -84,7 +84,10 @@ def _check_outputs(options: dict[str, Any]) -> None:
         if options[name] is not None:
             check_writable(options[name])
     if options["csv_folder"] is not None:
+        from hsr_pin.recordings.write import check_target
+
         check_folder_writable(options["csv_folder"])
+        check_target(options["csv_folder"])
 
 
 def _write(runs: list[Run], options: dict[str, Any]) -> list[str]:

@@ -11,17 +11,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import meshcat.animation as ma
-import meshcat.geometry as mg
-import meshcat.transformations as mt
 import numpy as np
-from meshcat import Visualizer
-from meshcat.path import Path
 from numpy.typing import NDArray
 
 from hsr_pin.replay.bodies import Body, bodies, poses
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.replay.labels import label
+from hsr_pin.replay.viewer import Path, Visualizer
+from hsr_pin.replay.viewer import animation as ma
+from hsr_pin.replay.viewer import geometry as mg
+from hsr_pin.replay.viewer import transformations as mt
 from hsr_pin.trajectory import Array
 
 #: Frames per second, and the largest number of frames; a longer run has fewer per second.
@@ -70,7 +69,7 @@ def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
         place.set_transform(mt.translation_matrix(number * shift))
         colour = trail_colour(run, number)
         _draw_arm(place, run, clip, animation)
-        _draw_trail(place["simulated_trail"], run.simulated.marker(run.tip.name) + _front(run), colour, 0.06 * run.arm.diameter)
+        _draw_trail(place["simulated_trail"], run.tip_path + _front(run), colour, 0.06 * run.arm.diameter)
         if run.measured is not None:
             _draw_measured(place, run, clip, animation)
         if len(runs) > 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import Akima1DInterpolator
 
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Marker, Trajectory
@@ -41,6 +42,14 @@ class Drawn:
     def tip(self) -> Marker:
         """The simulated marker farthest along the arm."""
         return max(self.simulated.markers, key=lambda marker: marker.arc_length)
+
+    @property
+    def tip_path(self) -> Array:
+        """(T', 3) [m] where the simulated tip went, without corners: five points to a sample."""
+        time, path = self.simulated.time, self.simulated.marker(self.tip.name)
+        if len(time) < 4:
+            return path
+        return np.asarray(Akima1DInterpolator(time, path)(np.linspace(time[0], time[-1], 5 * len(time) - 4)))
 
     @property
     def common(self) -> tuple[Marker, ...]:

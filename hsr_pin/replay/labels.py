@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from typing import Any
 
-import meshcat.geometry as mg
+from hsr_pin.replay.viewer import geometry as mg
 
 
 def label(text: str, colour: str, height: float) -> tuple[Any, Any]:

@@ -7,16 +7,15 @@ import sys
 import time
 from collections.abc import Sequence
 
-import meshcat
-
 from hsr_pin.replay.animation import draw
 from hsr_pin.replay.drawn import Drawn
+from hsr_pin.replay.viewer import Visualizer
 
 
 def show(runs: Sequence[Drawn]) -> None:
     """Open the animation in the browser and keep it there until Ctrl-C."""
     with contextlib.redirect_stdout(sys.stderr):  # meshcat prints its address; stdout is for results
-        viewer = meshcat.Visualizer()
+        viewer = Visualizer()
         draw(viewer, runs)
         viewer.open()
     print("The animation's time slider is under Open Controls, Animations. Ctrl-C ends.", file=sys.stderr)

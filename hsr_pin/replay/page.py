@@ -10,13 +10,12 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-import meshcat
 import umsgpack  # type: ignore[import-untyped]
-from meshcat.servers.zmqserver import VIEWER_ROOT
 
 from hsr_pin.output import write_text
 from hsr_pin.replay.animation import ASPECT, GRID, MEASURED, SIMULATED, draw, trail_colour
 from hsr_pin.replay.drawn import Drawn
+from hsr_pin.replay.viewer import VIEWER_ROOT, Visualizer
 
 _HINT = f"Squares of {100 * GRID:g} cm. Drag to turn, scroll to zoom, space to pause."
 
@@ -50,7 +49,7 @@ def write_page(runs: Sequence[Drawn], path: str | Path, title: str = "Hybrid sof
 def page(runs: Sequence[Drawn], title: str = "Hybrid soft robot", text: Sequence[str] = ()) -> str:
     """The text of that file."""
     recorder = _Recorder()
-    clip = draw(meshcat.Visualizer(window=recorder), runs)
+    clip = draw(Visualizer(window=recorder), runs)
     template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
     return template.substitute(
         title=html.escape(title),

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from hsr_pin.errors import OutputError
 from hsr_pin.output import write_bytes
@@ -128,7 +127,7 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn]) -> None:
         alone = len(runs) == 1 and run.measured is not None
         shape = 1e3 * _backbone(run)
         axes.plot(*shape.T, color=colour, lw=5.0, alpha=0.22, solid_capstyle="round", zorder=1.5)
-        path = 1e3 * _smooth(run.simulated.time, run.simulated.marker(run.tip.name)[:, [0, 2]])
+        path = 1e3 * run.tip_path[:, [0, 2]]
         (handles[index],) = axes.plot(*path.T, color=colour, zorder=3 + layer, label="simulated" if alone else run.label)
         axes.plot(*path[-1], "o", color=colour, mec="white", ms=6, zorder=4 + len(runs))
         if run.measured is not None and run.tip in run.common:
@@ -164,14 +163,6 @@ def _backbone(run: Drawn) -> Array:
     arm = run.arm
     bends = np.concatenate([[0.0], arm.joint_arc_lengths * arm.length, [arm.length]])
     return np.asarray(marker_map(build_model(arm), bends).positions(run.angles[-1])[:, [0, 2]])
-
-
-def _smooth(time: Array, path: Array) -> Array:
-    """A path (T, 2) drawn without corners: five points to a sample."""
-    if len(time) < 4:
-        return path
-    fine = np.linspace(time[0], time[-1], 5 * len(time) - 4)
-    return np.asarray(Akima1DInterpolator(time, path)(fine))
 
 
 def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:

@@ -1,0 +1,93 @@
+"""Simulation beside measurement, as a table for people and as facts for programs."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from hsr_pin.identification.comparison import Comparison, MarkerError
+
+
+def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
+    """Print the error of every marker, trial by trial and over all, in mm and in % of the arm's length.
+
+    Args:
+        comparison: of a dataset.
+        trial: only this one.
+    """
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    dataset = comparison.experiment.dataset
+    arm = comparison.trials[0].arm
+    links = "1 link" if arm.links == 1 else f"{arm.links} links"
+    console.print(
+        f"{dataset.name}: {links}, joints at {arm.placement}, {arm.mount}, L {1e3 * arm.length:g} mm",
+        style="bold",
+        soft_wrap=True,
+        markup=False,
+    )
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
+    for column in ("trial\n", "marker\n"):
+        table.add_column(column, no_wrap=True)
+    for column in ("RMS\nmm", "RMS\n% of L", "95th pct.\nmm", "95th pct.\n% of L", "transient\nRMS, mm", "settled\nRMS, mm"):
+        table.add_column(column, justify="right", no_wrap=True)
+    chosen = [run for run in comparison.trials if trial in (None, run.name)]
+    for run in chosen:
+        for number, error in enumerate(_several(run.errors)):
+            table.add_row("" if number else run.name, *_cells(error, arm.length))
+    if trial is None and len(chosen) > 1:
+        for number, error in enumerate(_several(comparison.errors)):
+            table.add_row("" if number else "all trials", *_cells(error, arm.length), style="bold")
+    console.print(table)
+    console.print("distance from simulated to measured, no means aligned; a dash: no such part", style="dim")
+    for note in comparison.experiment.notes:
+        console.print(f"note: {note}", style="yellow", markup=False)
+
+
+def comparison_facts(comparison: Comparison, trial: str | None = None) -> dict[str, Any]:
+    """The same as a JSON object, in m; what is not known is null."""
+    dataset = comparison.experiment.dataset
+    return {
+        "dataset": dataset.name,
+        "unit": "m",
+        "length": dataset.length,
+        "trials": [
+            {"trial": run.name, "keq": float(run.arm.keq), "damping": float(run.arm.damping), "errors": _facts(run.errors)}
+            for run in comparison.trials
+            if trial in (None, run.name)
+        ],
+        "errors": _facts(comparison.errors),
+        "notes": list(comparison.experiment.notes),
+    }
+
+
+def _several(errors: tuple[MarkerError, ...]) -> tuple[MarkerError, ...]:
+    """The last, over all markers, says nothing new where there is one marker."""
+    return errors[:-1] if len(errors) == 2 else errors
+
+
+def _cells(error: MarkerError, length: float) -> list[str]:
+    cells = [error.marker]
+    for distance in (error.rms, error.p95):
+        cells += [_number(1e3 * distance), _number(100 * distance / length)]
+    return [*cells, _number(1e3 * error.transient), _number(1e3 * error.settled)]
+
+
+def _number(value: float) -> str:
+    return f"{value:.2f}" if math.isfinite(value) else "-"
+
+
+def _facts(errors: tuple[MarkerError, ...]) -> list[dict[str, Any]]:
+    return [
+        {
+            "marker": error.marker,
+            **{
+                name: value if math.isfinite(value := getattr(error, name)) else None
+                for name in ("rms", "p95", "transient", "settled")
+            },
+        }
+        for error in errors
+    ]

@@ -1,0 +1,128 @@
+"""``hsr-replay``: a recording and its simulation, side by side."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.cli.command import run
+
+if TYPE_CHECKING:
+    from hsr_pin.identification.comparison import Comparison, TrialComparison
+    from hsr_pin.replay.drawn import Drawn
+
+
+@click.command(name="hsr-replay", context_settings={"max_content_width": 100})
+@click.argument("dataset", metavar="DATASET")
+@click.option("--trial", metavar="N", help="Number of the trial, from 1, or its name.  [default: the first]")
+@click.option("--links", type=int, default=4, show_default=True, metavar="N", help="Number of links of the simulated arm.")
+@click.option("--placement", metavar="WORD", default="base", show_default=True, help="Of its joints: base or mid.")
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME:PARAM=VALUE",
+    help="Add what the paper's model lacks, e.g. dry_friction:level=0.05; may be repeated.",
+)
+@click.option("--html", metavar="FILE.html", help="Write the animation into one self-contained file.")
+@click.option("--plot", metavar="FILE.png", help="Draw tip paths, markers and error against time (.png, .pdf or .svg).")
+@click.option("--json", "as_json", is_flag=True, help="Print the errors as one JSON document, for programs.")
+@click.option(
+    "--live/--no-live", default=None, help="Open the animation in the browser.  [default: without --html, --plot, --json]"
+)
+def command(dataset: str, **options: Any) -> None:
+    """Show a recording beside the simulation of the same input, mount, payload and start, and print the error.
+
+    DATASET is a folder in the recording format. The error is the distance from simulated to measured markers.
+    """
+    import json
+
+    from hsr_pin.cli.comparison_report import comparison_facts, print_comparison
+    from hsr_pin.identification.comparison import compare
+
+    asked = _checked(dataset, options)
+    comparison = compare(**asked)
+    chosen = _chosen(comparison, options["trial"])
+    shown = _drawn(comparison, chosen)
+    written = _write(shown, chosen, options)
+    only = chosen.name if options["trial"] is not None else None
+    if options["as_json"]:
+        click.echo(json.dumps({**comparison_facts(comparison, only), "written": written}, indent=2, allow_nan=False))
+    else:
+        print_comparison(comparison, only)
+        for path in written:
+            click.echo(f"wrote {path}")
+    wanted = options["live"]
+    if wanted or (wanted is None and not written and not options["as_json"]):
+        from hsr_pin.replay.live import show
+
+        show([shown])
+
+
+def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
+    """What to compare, and a word now about what cannot be read, meant or written."""
+    from hsr_pin.effects.catalogue import parse_effect
+    from hsr_pin.output import check_writable
+    from hsr_pin.recordings.read import read_dataset
+    from hsr_pin.robot.specification import ArmSpecification
+
+    arm = ArmSpecification(options["links"], placement=options["placement"])
+    effects = [parse_effect(text) for text in options["effects"]]
+    if options["plot"] is not None:
+        from hsr_pin.replay.plots import picture_format
+
+        picture_format(options["plot"])
+    for name in ("html", "plot"):
+        if options[name] is not None:
+            check_writable(options[name])
+    return {"dataset": read_dataset(dataset), "links": arm.links, "placement": arm.placement, "effects": effects}
+
+
+def _chosen(comparison: Comparison, trial: str | None) -> TrialComparison:
+    """The trial to draw, by number in the dataset or by name.
+
+    Raises:
+        InputError: there is none such, or it could not be used.
+    """
+    from hsr_pin.errors import InputError
+
+    if trial is None:
+        return comparison.trials[0]
+    names = [run.name for run in comparison.experiment.dataset.trials]
+    name = names[int(trial) - 1] if trial.isdecimal() and 1 <= int(trial) <= len(names) else trial
+    found = [run for run in comparison.trials if run.name == name]
+    if not found:
+        usable = ", ".join(run.name for run in comparison.trials)
+        raise InputError("--trial", expected=f"1 to {len(names)}, or a name of {usable}", received=trial)
+    return found[0]
+
+
+def _drawn(comparison: Comparison, trial: TrialComparison) -> Drawn:
+    from hsr_pin.replay.drawn import Drawn
+
+    return Drawn(f"{comparison.experiment.dataset.name}, {trial.name}", trial.arm, trial.simulated, trial.measured)
+
+
+def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> list[str]:
+    written = []
+    if options["plot"] is not None:
+        from hsr_pin.replay.plots import comparison_figure, save
+
+        save(comparison_figure(shown), options["plot"])
+        written.append(options["plot"])
+    if options["html"] is not None:
+        from hsr_pin.replay.page import write_page
+
+        whole = trial.errors[-1]
+        share = 100 * whole.rms / trial.arm.length
+        text = f"Error, RMS over all markers: {1e3 * whole.rms:.2f} mm, {share:.2f} % of the arm's length"
+        write_page([shown], options["html"], shown.label, [text])
+        written.append(options["html"])
+    return written
+
+
+def main() -> None:
+    """Entry point of ``hsr-replay``."""
+    sys.exit(run(command))
