@@ -35,9 +35,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise_floor_mm": _mm(diagnosis.experiment.noise_rms),
         "candidates": [_candidate(each) for each in sorted(tried, key=lambda each: (mean_square(each), each.names))],
         "where": _where(diagnosis.where),
-        "next_experiment": [
-            {"name": each.name, "separation": _number(each.separation)} for each in diagnosis.next_experiment
-        ],
+        "next_experiment": [{"name": each.name, "separation": _number(each.separation)} for each in diagnosis.next_experiment],
         "thresholds": {
             "worth_mm": _mm(diagnosis.thresholds.worth),
             "closed_mm": _mm(diagnosis.thresholds.closed),
@@ -74,7 +72,15 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
 
 def _where(where: Where | None) -> dict[str, Any]:
     if where is None:
-        return {"arc_length": {}, "time": {}, "operating_range": {}, "trials": {}, "sentence": "", "frequency_hz": None, "defect": None}
+        return {
+            "arc_length": {},
+            "time": {},
+            "operating_range": {},
+            "trials": {},
+            "sentence": "",
+            "frequency_hz": None,
+            "defect": None,
+        }
     centre, *interval = (None,) if where.defect is None else map(_number, where.defect)
     return {
         "arc_length": _map(where.arc_length),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.words import number
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.uncertainty import uncertainty
 
@@ -34,7 +35,7 @@ class Estimate:
     def __str__(self) -> str:
         low, high = self.interval
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.name} {self.value:.3g}{unit} [{low:.3g}, {high:.3g}]"
+        return f"{self.name} {number(self.value)}{unit} [{number(low)}, {number(high)}]"
 
 
 def estimates(fit: Fit) -> tuple[Estimate, ...]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from hsr_pin.diagnosis.estimates import ranked
 from hsr_pin.diagnosis.inline_svg import ROLES, drawing
 from hsr_pin.diagnosis.search import mean_square
 from hsr_pin.diagnosis.where import Map, Where
-from hsr_pin.diagnosis.words import model_name, readable
+from hsr_pin.diagnosis.words import model_name, number, readable
 from hsr_pin.identification.experiment import Run
 from hsr_pin.trajectory import Array
 
@@ -45,7 +45,11 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
         axes.axvline(values[-1], color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
         for y, value, end in zip(at, values, values + reach[1], strict=True):
             axes.annotate(
-                f"{value:.3g} mm = {0.1 * value / length:.2g} % of L", (end, y), (6, 0), textcoords="offset points", va="center"
+                f"{number(value)} mm = {0.1 * value / length:#.2g} % of L",
+                (end, y),
+                (6, 0),
+                textcoords="offset points",
+                va="center",
             )
         axes.set_yticks(at, [readable([rung.name.partition(" (")[0]]) for rung in rungs])
         axes.set_xlim(0, 1.32 * float(np.max(values + reach[1])))
@@ -69,13 +73,15 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
         axes = figure.add_subplot()
         axes.axvline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
-        axes.annotate("noise", (noise, 1), (-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points", ha="right", va="top")
+        axes.annotate(
+            "noise", (noise, 1), (-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points", ha="right", va="top"
+        )
         for y, (candidate, value) in enumerate(zip(shown, values, strict=True)):
             chosen = candidate.names in said
             colour = ROLES["model"] if chosen else ROLES["faint"]
             axes.plot([noise, value], [y, y], color=colour, lw=2.2 if chosen else 1.0)
             axes.plot(value, y, "o", color=colour, ms=6 if chosen else 4.5)
-            axes.annotate(f"{value:.3g}", (value, y), (7, 0), textcoords="offset points", va="center")
+            axes.annotate(number(value), (value, y), (7, 0), textcoords="offset points", va="center")
         axes.set_xscale("log")
         axes.set_xlim(0.8 * min([noise, *values]), 1.25 * max([noise, *values]))
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -117,7 +123,9 @@ def _draw_map(axes: Axes, chart: Map) -> None:
         axes.plot([x - 0.44, x + 0.44], [part.noise, part.noise], color=ROLES["noise"], lw=2)
     labels, unit = _short([part.label for part in chart.bins], chart)
     crowded = sum(map(len, labels)) > 26
-    axes.set_xticks(at, labels, rotation=35 if crowded else 0, ha="right" if crowded else "center", rotation_mode="anchor", fontsize=7.5)
+    axes.set_xticks(
+        at, labels, rotation=35 if crowded else 0, ha="right" if crowded else "center", rotation_mode="anchor", fontsize=7.5
+    )
     axes.tick_params(axis="x", length=0)
     axes.grid(axis="y")
     axes.set_title(f"{chart.quantity}{unit}")
@@ -129,7 +137,7 @@ def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
     ends = {label.partition(" ")[2] for label in labels}
     if chart.quantity in ("time", "trial") or len(ends) != 1 or "" in ends:
         return [label.replace("trial_", "") if chart.quantity == "trial" else label for label in labels], ""
-    return [label.partition(" ")[0].replace("-", "–") for label in labels], f" [{ends.pop()}]"
+    return [label.partition(" ")[0].replace("-", "\u2013") for label in labels], f" [{ends.pop()}]"
 
 
 def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
@@ -137,8 +145,8 @@ def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
     from matplotlib.figure import Figure
 
     run = diagnosis.experiment.runs[number]
-    tip = tip_of(diagnosis)
-    models = [("declared model", "declared", (0, (5, 2)), diagnosis.nominal[number])]
+    tip = farthest_seen(run, diagnosis)
+    models: list[tuple[str, str, Any, Array]] = [("declared model", "declared", (0, (5, 2)), diagnosis.nominal[number])]
     if diagnosis.search is not None:
         best = diagnosis.search.best
         models.append((f"with {model_name(best)}", "model", "-", best.heldout[number]))
@@ -152,35 +160,39 @@ def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
         plane, motion, error = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
         for axes, x, y in ((plane, seen[:, 0], seen[:, 2]), (motion, time, seen[:, axis])):
             scale = 1e3 if axes is plane else 1.0
-            axes.plot(scale * x, 1e3 * y, ".", ms=3, color=ROLES["measured"], label="measured")
+            axes.plot(scale * x, 1e3 * y, ".", ms=6, mew=0, color=ROLES["measured"], label="measured")
         for (label, role, line, missed), path in zip(models, paths, strict=True):
-            drawn = {"color": ROLES[role], "ls": line, "lw": 1.5}
+            drawn: dict[str, Any] = {"color": ROLES[role], "ls": line, "lw": 1.3}
             plane.plot(1e3 * path[:, 0], 1e3 * path[:, 2], label=label, **drawn)
             motion.plot(run.time, 1e3 * path[:, axis], **drawn)
             error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
-        _label(figure, diagnosis, (plane, motion, error), axis)
+        noise = 1e3 * 3**0.5 * float(diagnosis.experiment.noise[tip])
+        error.set_yscale("log")
+        error.set_ylim(bottom=0.2 * noise)
+        error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
+        _label(figure, (plane, motion, error), "xyz"[axis])
     return figure
 
 
-def _label(figure: Figure, diagnosis: Diagnosis, panels: Iterable[Axes], axis: int) -> None:
+def _label(figure: Figure, panels: tuple[Axes, Axes, Axes], axis: str) -> None:
     plane, motion, error = panels
-    noise = 1e3 * np.sqrt(3) * diagnosis.experiment.noise[tip_of(diagnosis)]
-    error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel="x [mm]", ylabel="z [mm]", title="path in the plane of bending")
-    motion.set(ylabel=f"{'xyz'[axis]} [mm]", title=f"{'xyz'[axis]} against time")
+    motion.set(ylabel=f"{axis} [mm]", title=f"{axis} against time")
     motion.sharex(error)
     motion.tick_params(labelbottom=False)
-    error.set(xlabel="time [s]", ylabel="distance [mm]", title="distance to the measurement (dashed: noise)", ylim=(0, None))
-    for axes in (plane, motion, error):
+    error.set(xlabel="time [s]", ylabel="distance [mm]", title="distance to the measurement (dashed: noise)")
+    for axes in panels:
         axes.grid()
     handles, labels = plane.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), markerscale=2.5)
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), markerscale=1.6)
 
 
-def tip_of(diagnosis: Diagnosis) -> int:
-    """Index of the marker farthest from the base."""
-    return int(np.argmax([marker.arc_length for marker in diagnosis.experiment.markers]))
+def farthest_seen(run: Run, diagnosis: Diagnosis) -> int:
+    """Index of the marker farthest from the base, of those that were seen for a good part of a run."""
+    seen = np.isfinite(run.measured).all(axis=2).sum(axis=0)
+    reach = [marker.arc_length for marker in diagnosis.experiment.markers]
+    return int(np.argmax(np.where(seen >= seen.max() / 2, reach, -1.0)))
 
 
 def _gapless(run: Run, missed: Array, marker: int) -> Array:

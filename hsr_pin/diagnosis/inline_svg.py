@@ -24,7 +24,7 @@ ROLES = {
     "noise": "#01020a",
 }
 
-_STYLE: dict[str, Any] = {
+_STYLE: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "hsr_pin",
     "font.family": "sans-serif",
@@ -71,7 +71,9 @@ def inline(figure: Figure, name: str, description: str) -> str:
     """
     content = io.StringIO()
     with drawing():
-        figure.savefig(content, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+        figure.savefig(
+            content, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
+        )
     text = content.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>|<style .*?</style>", "", text, flags=re.DOTALL)

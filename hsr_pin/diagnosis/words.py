@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.fit import Fit
 
 #: Verdict -> what it comes down to.
@@ -34,6 +35,18 @@ def readable(names: Sequence[str]) -> str:
     return " + ".join(name.replace("_", " ") for name in names)
 
 
+def number(value: float) -> str:
+    """Three digits, with the zeros that say so."""
+    return "0" if value == 0 else f"{value:#.3g}".rstrip(".")
+
+
+def sentence(text: str) -> str:
+    """A sentence for people, from one that calls effects by their names in code."""
+    for name in EFFECTS:
+        text = text.replace(name, name.replace("_", " "))
+    return text[:1].upper() + text[1:]
+
+
 def model_name(candidate: Candidate) -> str:
     """A fitted model in a few words."""
     return readable(candidate.names) or "stiffness and damping only"
@@ -47,9 +60,9 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         first = diagnosis.next_experiment[0]
         what = EXPERIMENTS.get(first.name, first.name)
         told = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
-        sentences.append(f"Record next: {what}; it {told} (by {first.separation:.3g} times the noise).")
+        sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
     if status in ("identified", "parameters") and search is not None:
-        sentences.append(f"Simulate with {settings(search.best.fit)}.")
+        sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
     if status == "unexplained":
         sentences.append("Look at the maps of where the gap lies for what is missing; none of the catalogue's laws fits it.")
     if status == "no_gap":
@@ -57,12 +70,10 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def settings(fit: Fit) -> str:
-    """What to change in the simulation: factors on the declared values, and options of ``hsr-sim``."""
-    named = fit.named
-    scales = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass"}
-    parts = [f"{what} times {named[name]:.3g}" for name, what in scales.items() if name in named]
-    return ", ".join(parts) + "".join(f" {option}" for option in effect_options(fit))
+def scales(fit: Fit) -> str:
+    """The fitted factors on what was declared of the arm: ``Keq times 1.07, C times 1.1``."""
+    counterparts = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass"}
+    return ", ".join(f"{what} times {number(fit.named[name])}" for name, what in counterparts.items() if name in fit.named)
 
 
 def effect_options(fit: Fit) -> tuple[str, ...]:

@@ -1,0 +1,104 @@
+"""What ``hsr-diagnose`` prints: one screen of 80 x 24."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.text import Text
+
+from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.estimates import estimates, ranked
+from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.words import HEADLINES, advice, number
+
+#: Lines of a screen, without the one for the next prompt.
+LINES = 23
+#: Verdict -> colour of its headline.
+_COLOURS = {
+    "identified": "bold green",
+    "no_gap": "bold green",
+    "parameters": "bold blue",
+    "ambiguous": "bold yellow",
+    "unexplained": "bold red",
+    "insufficient": "bold yellow",
+}
+
+
+def print_report(diagnosis: Diagnosis, written: Sequence[str] = ()) -> None:
+    """Print the verdict, the ladder, the best models, where the gap lies, what next, and the files written."""
+    console = Console(highlight=False)
+    for line in screen(diagnosis, console.width, written):
+        console.print(line, soft_wrap=True)
+
+
+def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -> list[Text]:
+    """The lines of the report; where they are too many for a screen, the last parameters are left out and counted."""
+    width = max(40, width)
+    name, status = diagnosis.experiment.dataset.name, diagnosis.verdict.status
+    above = [Text.assemble((f"{name}: ", "bold"), (HEADLINES[status], _COLOURS[status]))]
+    above += _wrapped(diagnosis.verdict.sentence, width)
+    above += [Text(), *_ladder(diagnosis, width), Text()]
+    below = [] if diagnosis.where is None else _wrapped(f"where: {diagnosis.where.sentence}", width)
+    below += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
+    below += _notes(diagnosis, width)
+    below += [Text(f"wrote {path}", style="green") for path in written]
+    return above + _models(diagnosis, width, LINES - len(above) - len(below)) + below
+
+
+def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
+    length, room = diagnosis.experiment.dataset.length, width - 45
+    lines = [
+        Text(f"{'held-out trials':<{room}}{'RMS [mm]':>9}{'% of L':>8}{'95 % interval':>17}{'of gap²':>10}", style="bold cyan")
+    ]
+    for place, rung in enumerate(diagnosis.ladder):
+        last = place == len(diagnosis.ladder) - 1
+        low, high = (number(1e3 * bound) for bound in rung.interval)
+        interval = "" if last else f"{low} to {high}"
+        share = "" if place == 0 else f"{100 * rung.share:.1f} %".replace("-0.0", "0.0")
+        name = _cut("noise floor; the rest unexplained" if last else rung.name, room)
+        lines.append(
+            Text(f"{name:<{room}}{number(1e3 * rung.rms):>9}{number(100 * rung.rms / length):>8}{interval:>17}{share:>10}")
+        )
+    return lines
+
+
+def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
+    """The parameters of the best model and the names of the next best, in at most ``room`` lines."""
+    if diagnosis.search is None:
+        return []
+    best = diagnosis.search.best
+    heading = f"best model: {' + '.join(best.names) or 'stiffness and damping'}"
+    others = [candidate for candidate in ranked(diagnosis.search.tried) if candidate.names != best.names]
+    named = [f"{number(1e3 * mean_square(each) ** 0.5)} {' + '.join(each.names) or 'none'}" for each in others[:3]]
+    rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
+    own, rows = estimates(best.fit), []
+    for each in own:
+        if "." not in each.name:
+            continue
+        low, high = each.interval
+        unit = "" if each.unit == "1" else each.unit
+        bound = " (on its bound)" if each.on_bound else ""
+        rows.append(f"  {each.name:<30}{number(each.value):>10}  {f'{number(low)} to {number(high)}':<22}{unit}{bound}")
+    rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
+    free = max(2, room - 2 - len(rivals))
+    if len(rows) > free:
+        rows = [*rows[: free - 1], f"  and {len(rows) - free + 1} more lines of parameters: see --html or --json"]
+    return [Text(_cut(heading, width), style="bold cyan"), *(Text(_cut(row, width)) for row in rows), *rivals, Text()]
+
+
+def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
+    notes = diagnosis.experiment.notes
+    if not notes:
+        return []
+    more = f" (and {len(notes) - 1} more notes)" if len(notes) > 1 else ""
+    return [Text(line.plain, style="yellow") for line in _wrapped(f"note:  {notes[0]}{more}", width)]
+
+
+def _wrapped(text: str, width: int) -> list[Text]:
+    return [Text(line) for line in textwrap.wrap(text, width, subsequent_indent="       " if text[4:7] in (":  ", "e: ") else "")]
+
+
+def _cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: width - 1]}…"

@@ -1,0 +1,188 @@
+"""A diagnosis as one HTML file that needs nothing else: no network, no scripts; for the screen and for paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from hsr_pin.diagnosis import figures
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.estimates import Estimate, estimates, ranked
+from hsr_pin.diagnosis.inline_svg import inline
+from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.words import EXPERIMENTS, HEADLINES, advice, effect_options, model_name, number, readable, sentence
+from hsr_pin.effects import EFFECTS
+from hsr_pin.identification.experiment import Run
+from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.output import write_text
+from hsr_pin.trajectory import Array
+
+
+def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
+    """Write the report.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    write_text(path, report(diagnosis))
+
+
+def report(diagnosis: Diagnosis) -> str:
+    """The text of that file."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"readable": readable, "mm": _mm, "percent": _percent, "number": number}
+    template = environment.get_template("report.html.jinja")
+    return template.render(
+        diagnosis=diagnosis,
+        verdict=diagnosis.verdict,
+        dataset=diagnosis.experiment.dataset,
+        sentence=sentence(diagnosis.verdict.sentence),
+        headline=HEADLINES[diagnosis.verdict.status],
+        advice=advice(diagnosis),
+        rungs=_rungs(diagnosis),
+        models=_models(diagnosis),
+        effects=[EFFECTS[name] for name in _named(diagnosis)],
+        experiments=EXPERIMENTS,
+        recordings=[_recording(run, diagnosis) for run in diagnosis.experiment.runs],
+        notes=_notes(diagnosis),
+        tried=0 if diagnosis.search is None else len(diagnosis.search.tried),
+        **_figures(diagnosis),
+    )
+
+
+@dataclass(frozen=True)
+class Model:
+    """A fitted model to show with its parameters.
+
+    Attributes:
+        name: of its effects, as text.
+        rms: [m] on held-out trials.
+        estimates: its parameters.
+        options: of ``hsr-sim``, to simulate with its effects.
+        doubts: what the data hardly tell, a sentence each.
+    """
+
+    name: str
+    rms: float
+    estimates: tuple[Estimate, ...]
+    options: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+
+def telling(diagnosis: Diagnosis) -> list[tuple[int, str]]:
+    """The runs to look at, and why: where the gap shrinks most, and where most of it is left."""
+    declared = np.array([_square(missed) for missed in diagnosis.nominal])
+    if diagnosis.search is None:
+        return [(int(np.argmax(declared)), "where the declared model misses most")]
+    left = np.array([_square(missed) for missed in diagnosis.search.best.heldout])
+    shrinks, remains = int(np.argmax(declared - left)), int(np.argmax(left))
+    if shrinks == remains:
+        return [(shrinks, "where the gap shrinks most, and most of it is left")]
+    return [(shrinks, "where the gap shrinks most"), (remains, "where most of the gap is left")]
+
+
+def _figures(diagnosis: Diagnosis) -> dict[str, Any]:
+    runs = diagnosis.experiment.runs
+    search, where = diagnosis.search, diagnosis.where
+    motions = []
+    for index, why in telling(diagnosis):
+        marker = diagnosis.experiment.markers[figures.farthest_seen(runs[index], diagnosis)].name
+        caption = f"{runs[index].trial.name}, {why}: marker {marker}"
+        svg = inline(figures.motion_figure(diagnosis, index), f"motion{index}", caption)
+        motions.append((caption, Markup(svg)))
+    drawn = {
+        "ladder_svg": (figures.ladder_figure(diagnosis), "ladder", "Error from rung to rung"),
+        "candidates_svg": (search and figures.candidates_figure(diagnosis), "candidates", "Error of each candidate"),
+        "where_svg": (where and figures.where_figure(where), "where", "Maps of the gap"),
+    }
+    return {key: figure and Markup(inline(figure, *words)) for key, (figure, *words) in drawn.items()} | {"motions": motions}
+
+
+def _rungs(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    rows, before = [], set[str]()
+    for rung in diagnosis.ladder:
+        name, _, remark = rung.name.partition(" (")
+        dropped = sorted(before - set(rung.effects)) if rung.effects else []
+        if dropped:
+            remark = f"in place of {readable(dropped)}"
+        rows.append({"rung": rung, "name": readable([name]), "remark": remark.rstrip(")")})
+        before = set(rung.effects)
+    return rows
+
+
+def _models(diagnosis: Diagnosis) -> list[Model]:
+    """The best model, and those that the recordings cannot tell from it."""
+    if diagnosis.search is None:
+        return []
+    by_names = {candidate.names: candidate for candidate in ranked(diagnosis.search.tried)}
+    shown = [diagnosis.search.best]
+    shown += [by_names[names] for names in diagnosis.verdict.alternatives if names != shown[0].names]
+    return [_model(candidate) for candidate in shown]
+
+
+def _model(candidate: Candidate) -> Model:
+    fit = candidate.fit
+    doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
+    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), effect_options(fit), doubts)
+
+
+def _named(diagnosis: Diagnosis) -> list[str]:
+    """Every effect that the verdict or the best model names, in the order of the catalogue."""
+    names = {*diagnosis.verdict.effects, *(name for names in diagnosis.verdict.alternatives for name in names)}
+    if diagnosis.search is not None:
+        names |= {*diagnosis.search.best.names}
+    return [name for name in EFFECTS if name in names]
+
+
+def _recording(run: Run, diagnosis: Diagnosis) -> dict[str, Any]:
+    index = diagnosis.experiment.runs.index(run)
+    trial = run.trial
+    best = None if diagnosis.search is None else diagnosis.search.best.heldout[index]
+    return {
+        "name": trial.name,
+        "seconds": float(run.time[-1] - run.time[0]),
+        "rate": 1 / run.step,
+        "keq": trial.keq,
+        "payload": 1e3 * trial.tip_mass,
+        "drive": _span(run.torque) if trial.trajectory.has_input else "released",
+        "missing": float(np.isnan(run.measured).any(axis=2).mean()),
+        "declared": _square(diagnosis.nominal[index]) ** 0.5,
+        "best": None if best is None else _square(best) ** 0.5,
+    }
+
+
+def _notes(diagnosis: Diagnosis) -> list[str]:
+    experiment = diagnosis.experiment
+    own = [f"{run.trial.name}: {note}" for run in experiment.runs for note in run.trial.trajectory.notes]
+    return [*experiment.notes, *experiment.dataset.notes, *own]
+
+
+def _square(missed: Array | Sequence[Array]) -> float:
+    return float(np.nanmean((np.asarray(missed) ** 2).sum(axis=-1)))
+
+
+def _mm(metres: float) -> str:
+    return f"{number(1e3 * metres)} mm"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %".replace("-0.0", "0.0")
+
+
+def _span(torque: Array) -> str:
+    low, high = (round(float(bound), 2) + 0.0 for bound in (torque.min(), torque.max()))
+    return f"{low:g} to {high:g}"
