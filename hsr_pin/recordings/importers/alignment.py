@@ -8,11 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.clean import moving_average
 from hsr_pin.recordings.importers.capture import seen
 from hsr_pin.trajectory import Array
 
 #: Share of the frames, the straightest ones, that the straight pose is the median of; and at least so many frames.
 STRAIGHTEST, FEWEST = 0.02, 5
+#: The reach is smoothed over so many frames first, lest noise choose the frames.
+SMOOTH = 11
 #: Less motion across the arm than this [m, root mean square] shows no plane.
 STILL = 2e-4
 #: The arm is held to be vertical within this angle's cosine of it, horizontal within the sine.
@@ -58,7 +61,8 @@ def straight_pose(captures: Sequence[Array], stretch: Sequence[Array]) -> Array:
     Raises:
         RecordingError: no frame shows all bodies.
     """
-    poses, reach = np.concatenate(captures), np.concatenate(stretch)
+    poses = np.concatenate(captures)
+    reach = np.concatenate([moving_average(values[:, None, None], SMOOTH)[:, 0, 0] for values in stretch])
     usable = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(reach)
     if not usable.any():
         raise RecordingError("no frame shows all markers", hint="choose fewer with --marker")
