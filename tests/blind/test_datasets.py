@@ -98,20 +98,18 @@ def test_no_file_tells_the_law(plant, tmp_path):
 
 
 def test_tiny_nuisances_stay_below_half_the_noise(plant):
-    for seed in range(3):
-        nuisance = Nuisance.draw(np.random.default_rng(seed))
-        assert 0.85 <= nuisance.k <= 1.15
-        assert 0.70 <= nuisance.c <= 1.30
-        alone = replace(nuisance, noise=0.0)
-        without = Nuisance(k=nuisance.k, c=nuisance.c)
-        asked = program("steps")
-        gap = np.concatenate(
-            [
-                (a - b)[:, 1:].reshape(-1, 3)
-                for a, b in zip(plant.watch(asked, (), alone), plant.watch(asked, (), without), strict=True)
-            ]
-        )
-        assert np.sqrt(np.mean(np.sum(gap**2, axis=1))) < noise_floor(nuisance.noise) / 2
+    nuisance = Nuisance.draw(np.random.default_rng(0))
+    without = Nuisance(k=nuisance.k, c=nuisance.c)
+    asked = program("steps")
+    pairs = zip(plant.watch(asked, (), nuisance), plant.watch(asked, (), without), strict=True)
+    gap = np.concatenate([(a - b)[:, 1:].reshape(-1, 3) for a, b in pairs])
+    assert np.sqrt(np.mean(np.sum(gap**2, axis=1))) < noise_floor(nuisance.noise) / 2
+
+
+def test_drawn_nuisances_keep_to_their_ranges():
+    drawn = [Nuisance.draw(np.random.default_rng(seed)) for seed in range(200)]
+    assert all(abs(n.k - 1) <= 0.15 and abs(n.c - 1) <= 0.3 and 3e-4 <= n.noise <= 5e-4 for n in drawn)
+    assert max(abs(n.k - 1) for n in drawn) > 0.14
 
 
 def test_strength_is_found_for_a_gap(plant):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,6 +36,7 @@ def step_to(tau: float, duration: float, keq: float = KEQ) -> Trial:
     return Trial(keq, 0.045 * keq, duration, (0.0,) * 2 + (tau,) * (round(100 * duration) - 1))
 
 
+@pytest.mark.long  # as are all that run the rod: PyElastica compiles for about a minute at its first use
 def test_without_gravity_a_uniform_moment_gives_the_arc(engines):
     phi = 0.9
     trial = Trial(KEQ, C, 0.0, (KEQ * phi,))
@@ -45,12 +45,13 @@ def test_without_gravity_a_uniform_moment_gives_the_arc(engines):
     assert motion.z[0, -1] == pytest.approx(0.24 * np.sin(phi) / phi, abs=1e-4)
 
 
+@pytest.mark.long
 def test_a_step_moves_it_as_it_moves_the_chain(engines):
     trial = step_to(1.0, 0.2)
     assert tip_rms(RodPlant(16).simulate(trial), ChainPlant().simulate(trial)) < 0.3
 
 
-def test_laws_of_contact_are_refused(engines):
+def test_laws_of_contact_are_refused():
     with pytest.raises(EffectError, match="chain plant"):
         RodPlant(8).simulate(step_to(0.5, 0.02), (Wall(0.2),))
 
@@ -90,7 +91,7 @@ LAWS = [
 @pytest.mark.long
 @pytest.mark.parametrize("laws", LAWS, ids=lambda laws: "+".join(law.name for law in laws) or "none")
 def test_under_every_law_both_plants_move_alike(engines, laws):
-    trial = replace(step_to(1.0, 0.5), hold_force=0.0)
+    trial = step_to(1.0, 0.5)
     rod, chain = RodPlant().simulate(trial, laws), ChainPlant().simulate(trial, laws)
     assert tip_rms(rod, chain) < 0.3
     if laws:
@@ -98,6 +99,6 @@ def test_under_every_law_both_plants_move_alike(engines, laws):
 
 
 @pytest.mark.long
-def test_over_whole_trials_both_plants_agree():
+def test_over_whole_trials_both_plants_agree(engines):
     for trial in program("steps+releases").trials[2:5]:
         assert tip_rms(RodPlant().simulate(trial), ChainPlant().simulate(trial)) < 0.3
