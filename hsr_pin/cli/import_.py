@@ -99,58 +99,56 @@ def _point(text: str) -> tuple[float, ...]:
 
 def _list(files: tuple[str, ...], unit: str | None) -> None:
     import numpy as np
-    from rich.console import Console
-    from rich.table import Table
 
     from hsr_pin.recordings.importers.detect import read_capture
 
     for path in files:
         capture = read_capture(path, unit)
-        table = Table(
-            title=f"{path}: {capture.system}, {len(capture.time)} frames, {capture.time[-1]:.3f} s", title_justify="left"
-        )
-        for heading in ("point", "seen", "x [m]", "y [m]", "z [m]"):
-            table.add_column(heading, justify="left" if heading == "point" else "right")
+        rows = []
         for name, places in zip(capture.names, capture.positions.swapaxes(0, 1), strict=True):
             seen = places[np.isfinite(places).all(axis=1)]
             middle = [f"{value:.4f}" for value in np.median(seen, axis=0)] if len(seen) else ["", "", ""]
-            table.add_row(name, f"{len(seen) / len(places):.0%}", *middle)
-        Console().print(table)
+            rows.append([name, f"{len(seen) / len(places):.0%}", *middle])
+        click.echo(f"{path}: {capture.system}, {len(capture.time)} frames, {capture.time[-1]:.3f} s, {capture.up} up")
+        _table(["point", "seen", "x [m]", "y [m]", "z [m]"], rows)
 
 
 def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
     import numpy as np
-    from rich.console import Console
-    from rich.table import Table
 
     from hsr_pin.recordings.noise import noise_floor
 
-    dataset = imported.dataset
-    console = Console()
-    places = ", ".join(f"{marker.name} {marker.arc_length:.4g} m" for marker in dataset.markers)
-    table = Table(title=f"{output}: {dataset.mount} arm of {dataset.length:.4g} m; {places}", title_justify="left")
-    for heading in ("trial", "file", "samples", "rate [Hz]", "missing", "noise [mm]", "in plane [mm]", "out of plane [mm]"):
-        table.add_column(heading, justify="left" if heading in ("trial", "file") else "right")
+    dataset, rows = imported.dataset, []
     for trial, path, within, out in zip(dataset.trials, files, imported.in_plane, imported.out_of_plane, strict=True):
-        trajectory = trial.trajectory
-        missing = np.isnan(trajectory.positions).any(axis=2)
-        noise = noise_floor(trial)
+        trajectory, noise = trial.trajectory, noise_floor(trial)
         quiet = f"{1e3 * np.nanmax(noise):.3f}" if np.isfinite(noise).any() else ""
-        row = (
-            str(len(trajectory.time)),
-            f"{1 / trajectory.step:.4g}",
-            f"{missing.mean():.1%}",
-            quiet,
-            f"{1e3 * within:.2f}",
-            f"{1e3 * out:.2f}",
+        missing = f"{np.isnan(trajectory.positions).any(axis=2).mean():.1%}"
+        rate = f"{1 / trajectory.step:.4g}"
+        rows.append(
+            [trial.name, path, str(len(trajectory.time)), rate, missing, quiet, f"{1e3 * within:.2f}", f"{1e3 * out:.2f}"]
         )
-        table.add_row(trial.name, path, *row)
-    console.print(table)
+    click.echo(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m")
+    click.echo("markers: " + ", ".join(f"{marker.name} at {marker.arc_length:.4g} m" for marker in dataset.markers))
+    _table(["trial", "file", "samples", "Hz", "missing", "noise mm", "in plane mm", "out of plane mm"], rows)
     for note in dataset.notes:
-        console.print(f"  {note}", highlight=False, markup=False)
+        click.echo(f"  {note}")
     for trial in dataset.trials:
         for note in trial.trajectory.notes:
-            console.print(f"  {trial.name}: {note}", highlight=False, markup=False)
+            click.echo(f"  {trial.name}: {note}")
+
+
+def _table(headings: list[str], rows: list[list[str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table()
+    words = {"point", "trial", "file"}
+    for heading in headings:
+        table.add_column(Text(heading), justify="left" if heading in words else "right", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    Console().print(table)
 
 
 def main() -> None:

@@ -1,0 +1,128 @@
+"""hsr-import turns a capture into a dataset, or says in one line why it cannot."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hsr_pin.cli.command import run
+from hsr_pin.cli.import_ import command
+from hsr_pin.recordings.read import read_dataset
+
+ARM = ["--mass", "0.15", "--diameter", "0.04", "--keq", "1.11"]
+MARKERS = ["--base", "base", "-m", "mid@0.12=Arm:mid", "-m", "tip@0.24=Arm:tip"]
+
+
+@pytest.fixture
+def take(tmp_path):
+    """A Vicon Nexus file of a hanging arm that swings in the laboratory's x-z plane, and its input."""
+    time = np.arange(200) / 100
+    angle = np.sin(3 * time) + 1e-9
+    lines = ["Trajectories", "100", ",,Arm:base,,,Arm:mid,,,Arm:tip", "Frame,Sub Frame" + ",X,Y,Z" * 3, "," + ",mm" * 9]
+    for frame, bent in enumerate(angle):
+        row = [str(frame + 1), "0"]
+        for arc in (0.0, 120.0, 240.0):
+            k = bent * arc / 240 or 1e-12
+            row += [f"{arc * (1 - np.cos(k)) / k + 500:.5f}", "0.00001", f"{900 - arc * np.sin(k) / k:.5f}"]
+        lines.append(",".join(row))
+    path = tmp_path / "take.csv"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    (tmp_path / "input.csv").write_text(
+        "t,tau\n" + "\n".join(f"{t},{a}" for t, a in zip(time, angle, strict=True)), encoding="utf-8"
+    )
+    return path
+
+
+def complaint(capsys, arguments):
+    """The one line that a refused command says."""
+    assert run(command, [str(argument) for argument in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("hsr-import: error: ")
+    assert err.count("\n") == 1
+    return err
+
+
+def test_a_capture_becomes_a_dataset(take, tmp_path, capsys):
+    arguments = [
+        str(take),
+        "-o",
+        str(tmp_path / "arm"),
+        *ARM,
+        *MARKERS,
+        "--input",
+        str(tmp_path / "input.csv"),
+        "--damping",
+        "0.05",
+    ]
+    assert run(command, arguments) == 0
+    dataset = read_dataset(tmp_path / "arm")
+    trial = dataset.trials[0]
+    assert (dataset.name, dataset.mount, dataset.length, trial.keq, trial.damping) == ("arm", "hanging", 0.24, 1.11, 0.05)
+    assert [marker.name for marker in dataset.markers] == ["base", "mid", "tip"]
+    tip = trial.trajectory.marker("tip")
+    assert np.abs(tip[0] - [0, 0, -0.24]).max() < 1e-6
+    assert np.corrcoef(tip[:, 0], trial.trajectory.torque)[0, 1] > 0.95
+    said = capsys.readouterr().out
+    assert "trial_01" in said
+    assert "x is the way the arm goes as its input rises" in said
+
+
+def test_the_points_of_a_file_can_be_listed(take, capsys):
+    assert run(command, [str(take), "--list"]) == 0
+    said = capsys.readouterr().out
+    assert all(name in said for name in ("Arm:base", "Arm:mid", "Arm:tip", "200 frames"))
+
+
+@pytest.mark.parametrize("missing", ["--mass", "--diameter", "--keq", "-o"])
+def test_what_is_needed_is_asked_for(take, tmp_path, capsys, missing):
+    given = [take, "-o", tmp_path / "arm", *ARM]
+    at = given.index(missing)
+    assert "Missing option" in complaint(capsys, given[:at] + given[at + 2 :])
+
+
+WRONG = {
+    "no such file": (["nowhere.csv"], "cannot read the file"),
+    "no number": (["--keq", "stiff"], "stiff"),
+    "no axis": (["--up", "north"], "up"),
+    "no mount": (["--mount", "sideways"], "hanging or upright or horizontal"),
+    "no unit": (["--unit", "furlong"], "furlong"),
+    "wrong unit": (["--unit", "m"], "another unit"),
+    "no place": (["--origin", "here"], "X,Y,Z"),
+    "half a place": (["--origin", "1,2"], "three numbers"),
+    "no such point": (["-m", "top=Arm:top"], "did you mean 'Arm:tip'"),
+    "no body": (["-m", "=x"], "NAME[@ARC_LENGTH in m]=POINT"),
+    "no input": (["--input", "nowhere.csv"], "cannot read the file"),
+    "too many inputs": (["--t-start", "0", "--t-start", "1"], "one for all files"),
+    "unknown option": (["--lenght", "1"], "--length"),
+}
+
+
+@pytest.mark.parametrize("wrong, said", WRONG.values(), ids=WRONG)
+def test_bad_input_is_one_line_and_nothing_is_written(take, tmp_path, capsys, wrong, said):
+    before = sorted(tmp_path.iterdir())
+    assert said in complaint(capsys, [take, "-o", tmp_path / "arm", *ARM, *MARKERS, *wrong])
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(take, tmp_path, capsys):
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "thesis.tex").write_text("precious", encoding="utf-8")
+    assert "will not replace" in complaint(capsys, [take, "-o", tmp_path / "arm", *ARM, *MARKERS])
+    assert [path.name for path in (tmp_path / "arm").iterdir()] == ["thesis.tex"]
+
+
+def test_help_loads_nothing_heavy():
+    program = (
+        "import sys; sys.argv = ['hsr-import', '--help']\n"
+        "from hsr_pin.cli import import_\n"
+        "code = import_.run(import_.command)\n"
+        "heavy = {'numpy', 'scipy', 'rich', 'ezc3d', 'pinocchio'} & set(sys.modules)\n"
+        "sys.exit(f'loaded {heavy}' if heavy else code)"
+    )
+    repository = Path(__file__).resolve().parents[2]
+    shown = subprocess.run([sys.executable, "-c", program], cwd=repository, capture_output=True, text=True, check=False)
+    assert shown.returncode == 0, shown.stderr
+    assert "--marker" in shown.stdout
