@@ -64,6 +64,37 @@ def test_extrapolation_weights_cancel_the_powers_of_the_step(order):
         assert cancelled == pytest.approx(1.0 if power == 0 else 0.0, abs=1e-12 * 6**order)
 
 
+class Oscillator:
+    """One degree of freedom of unit mass with k = (w h)^2 and a damping ratio, in a step of 1, as a Chain."""
+
+    def __init__(self, method, frequency, ratio):
+        self.stiffness, self.damping = np.array([[frequency**2]]), np.array([[2 * ratio * frequency]])
+        self.lengths = method.lengths(1.0)
+
+    def solve(self, slot, q, v, elapsed, push=0.0):
+        d = self.lengths[slot]
+        mass = 1 + d * self.damping + d * d * self.stiffness
+        return (push - self.stiffness * q - self.damping * v - d * self.stiffness * v) / mass
+
+
+def growth(method, frequency, ratio):
+    """Factor by which an oscillation can grow in a step: the spectral radius of the method's stability matrix."""
+    chain = Oscillator(method, frequency, ratio)
+    columns = [np.concatenate(method.advance(chain, np.array([[q]]), np.array([[v]]), 1.0)) for q, v in ((1.0, 0.0), (0.0, 1.0))]
+    return np.abs(np.linalg.eigvals(np.hstack(columns))).max()
+
+
+@pytest.mark.parametrize("ratio", [0.006, 0.1, 1.0, 10.0])
+@methods
+def test_no_oscillation_damped_by_six_thousandths_grows_at_any_step(name, ratio):
+    assert max(growth(INTEGRATORS[name], frequency, ratio) for frequency in np.logspace(-2, 4, 150)) < 1
+
+
+@pytest.mark.parametrize("name", ["euler", "extrapolated2", "ros2"])
+def test_methods_up_to_order_two_are_stable_without_damping(name):
+    assert max(growth(INTEGRATORS[name], frequency, 0.0) for frequency in np.logspace(-2, 4, 150)) <= 1 + 1e-12
+
+
 def check_settling(name, links, stiffnesses):
     """Simulate a step at the default step of time: the motion is bounded, and ends where the arm rests under that torque."""
     moving, resting = [], []
