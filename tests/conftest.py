@@ -1,8 +1,16 @@
 """What every test may ask for."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from hsr_pin.effects import parse_effect
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.scenario import step_scenario
+from hsr_pin.simulation.simulate import simulate
+from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
 
 @pytest.fixture(scope="session")
@@ -12,3 +20,17 @@ def shared():
     if not folder.is_dir():
         pytest.skip("needs the folder `shared` beside the repository, which is not there")
     return folder
+
+
+@pytest.fixture(scope="session")
+def heavy_tip():
+    """A dataset of four short steps of an arm that carries 30 g more at its tip than is declared."""
+    generator = np.random.default_rng(5)
+    trials = []
+    for number, torque in enumerate((0.4, 0.8, -0.6, 1.0), 1):
+        scenario = step_scenario(ArmSpecification(links=10, placement="mid"), torque, duration=1.0, step=0.02)
+        motion = simulate(replace(scenario, effects=(parse_effect("tip_mass:mass=0.03"),))).trajectory
+        seen = motion.positions + 1e-4 * generator.standard_normal(motion.positions.shape)
+        recording = Trajectory(motion.time, motion.markers, seen, torque=motion.torque)
+        trials.append(Trial(f"trial_{number:02d}", recording, keq=1.11, damping=scenario.arm.damping))
+    return Dataset("heavy-tip", 0.24, 0.15, 0.04, "hanging", tuple(trials), description="four <short> steps & a weight")

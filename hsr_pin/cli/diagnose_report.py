@@ -77,10 +77,10 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     for each in own:
         if "." not in each.name:
             continue
-        low, high = each.interval
+        value, low, high = each.rounded
         unit = "" if each.unit == "1" else each.unit
         bound = " (on its bound)" if each.on_bound else ""
-        rows.append(f"  {each.name:<30}{number(each.value):>10}  {f'{number(low)} to {number(high)}':<22}{unit}{bound}")
+        rows.append(f"  {each.name:<30}{value:>10}  {f'{low} to {high}':<22}{unit}{bound}")
     rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
     free = max(2, room - 2 - len(rivals))
     if len(rows) > free:

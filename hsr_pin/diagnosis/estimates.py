@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -32,10 +33,20 @@ class Estimate:
     description: str
     on_bound: bool
 
+    @property
+    def rounded(self) -> tuple[str, str, str]:
+        """Value and ends of the interval, to two digits of half its width."""
+        numbers = (self.value, *self.interval)
+        half = (self.interval[1] - self.interval[0]) / 2
+        if not 1e-6 < half < 1e6:
+            return (number(numbers[0]), number(numbers[1]), number(numbers[2]))
+        places = max(0, 1 - math.floor(math.log10(half)))
+        value, low, high = (f"{each:.{places}f}" for each in numbers)
+        return value, low, high
+
     def __str__(self) -> str:
-        low, high = self.interval
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.name} {number(self.value)}{unit} [{number(low)}, {number(high)}]"
+        value, low, high = self.rounded
+        return f"{self.name} {value}{'' if self.unit == '1' else f' {self.unit}'} [{low}, {high}]"
 
 
 def estimates(fit: Fit) -> tuple[Estimate, ...]:

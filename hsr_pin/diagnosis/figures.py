@@ -168,6 +168,7 @@ def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
             error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
         noise = 1e3 * 3**0.5 * float(diagnosis.experiment.noise[tip])
         error.set_yscale("log")
+        error.yaxis.set_major_formatter("{x:g}")
         error.set_ylim(bottom=0.2 * noise)
         error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
         _label(figure, (plane, motion, error), "xyz"[axis])

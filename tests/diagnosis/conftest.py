@@ -1,0 +1,29 @@
+"""One small diagnosis, made once; variants of it that a dataset would have to be searched for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.diagnose import diagnose
+from hsr_pin.diagnosis.next_experiment import Proposal
+from hsr_pin.diagnosis.verdict import Verdict
+
+
+@pytest.fixture(scope="session")
+def diagnosis(heavy_tip):
+    """Of an arm with a heavy tip, among two candidates."""
+    return diagnose(heavy_tip, effects=["tip_mass", "actuator_lag"], max_effects=1, jobs=1)
+
+
+@pytest.fixture(scope="session")
+def ambiguous(diagnosis):
+    """The same, as if it could not tell two effects apart."""
+    verdict = Verdict("ambiguous", (), (("tip_mass",), ("actuator_lag",)), "these recordings cannot tell apart: <a>, or b & c.")
+    return replace(diagnosis, verdict=verdict, next_experiment=(Proposal("payload", 40.0), Proposal("steps", np.inf)))
+
+
+@pytest.fixture(scope="session")
+def insufficient(heavy_tip):
+    """Of one trial alone."""
+    return diagnose(replace(heavy_tip, trials=heavy_tip.trials[:1]), jobs=1)
