@@ -22,6 +22,8 @@ _PROBE = 0.5
 _PROBES = (0.25, 2.0)
 #: Starts of the fit of an effect with shape parameters: their landscape has valleys.
 _STARTS = 2
+#: Values of each shape parameter that are probed.
+_GRID = 3
 #: No first guess goes further than this from neutral, over the parameter's scale.
 _FARTHEST = 6.0
 
@@ -91,10 +93,15 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
     return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
 
 
-def try_candidate(experiment: Experiment, guess: Guess, spread: float | None = None) -> Candidate:
-    """Fit from a guess and predict every run from the others."""
-    answers = [fit(experiment, guess.hypothesis, start=start, spread=spread) for start in guess.starts]
-    answer = min(answers, key=lambda fitted: fitted.rms)
+def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
+    """A quick fit from each of a guess's starts; the best of them."""
+    answers = [fit(experiment, guess.hypothesis, start=start, after=base, quick=True) for start in guess.starts]
+    return min(answers, key=lambda fitted: fitted.rms)
+
+
+def finish(experiment: Experiment, quick: Fit) -> Candidate:
+    """The full fit after a quick one, and every run predicted from the others."""
+    answer = fit(experiment, quick.hypothesis, start=quick.values, after=quick)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
 
 
@@ -111,8 +118,8 @@ def _probes(effect: Effect) -> list[Effect]:
 
 
 def _grid(fact: Parameter) -> list[float]:
-    """Four values across the bounds, evenly by ratio where they span more than a factor of five."""
-    at = (0.125, 0.375, 0.625, 0.875)
+    """Values across the bounds, evenly by ratio where they span more than a factor of five."""
+    at = [(k + 0.5) / _GRID for k in range(_GRID)]
     if fact.lower > 0 and fact.upper / fact.lower > 5:
         return [fact.lower * math.pow(fact.upper / fact.lower, f) for f in at]
     return [fact.lower + (fact.upper - fact.lower) * f for f in at]

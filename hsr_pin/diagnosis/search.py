@@ -10,11 +10,16 @@ from typing import Protocol
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.evidence import Squares, gain_interval, squares
 from hsr_pin.effects.effect import Effect
+from hsr_pin.identification.fit import Fit
 
-#: Fits a rung: of all effects, those that a probe predicts to help most.
-FITS = 8
-#: Sets carried on to the next rung, and fits for each.
-BEAM, BEAM_FITS = 3, 5
+#: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
+GLANCES = 9
+#: ... and at least this share of the best's predicted gain.
+PROMISING = 0.15
+#: The best of these get a full fit: at least this many, and all whose RMS is within this factor of the best.
+FINISHED, CLOSE = 3, 1.5
+#: Sets carried on to the next rung, and quick fits for each.
+BEAM, BEAM_GLANCES = 3, 5
 
 #: The effects of a model, each with its options.
 Key = tuple[tuple[str, object], ...]
@@ -48,8 +53,11 @@ class Workers(Protocol):
     def guess(self, base: Candidate, effects: Sequence[Effect]) -> list[Guess]:
         """First guesses for adding each effect."""
 
-    def fit(self, guesses: Sequence[Guess]) -> list[Candidate]:
-        """A candidate for each guess."""
+    def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
+        """A quick fit for each guess about a base fit."""
+
+    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
+        """A candidate for each quick fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,15 +139,19 @@ def key(candidate: Candidate) -> Key:
 def _extend(
     beam: Sequence[Candidate], effects: Sequence[Effect], workers: Workers, tried: dict[Key, Candidate]
 ) -> list[Candidate]:
-    chosen: dict[Key, Guess] = {}
+    chosen: dict[Key, tuple[Fit, Guess]] = {}
     for base in beam:
         open_effects = [effect for effect in effects if effect.name not in base.names]
         ranked = sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain)
-        for guess in ranked[: FITS if len(beam) == 1 else BEAM_FITS]:
+        for guess in ranked[: GLANCES if len(beam) == 1 else BEAM_GLANCES]:
+            if guess.gain < PROMISING * ranked[0].gain:
+                break
             name = tuple(sorted((effect.name, effect.options) for effect in guess.hypothesis.effects))
             if name not in tried:
-                chosen.setdefault(name, guess)
-    return workers.fit(list(chosen.values()))
+                chosen.setdefault(name, (base.fit, guess))
+    quick = sorted(workers.glance(list(chosen.values())), key=lambda fit: fit.rms)
+    kept = [fit for place, fit in enumerate(quick) if place < FINISHED or fit.rms < CLOSE * quick[0].rms]
+    return workers.finish(kept)
 
 
 def _distinct(candidates: Sequence[Candidate]) -> list[Candidate]:

@@ -4,41 +4,61 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from typing import TypeVar
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess, guesses, try_candidate
+from hsr_pin.diagnosis.candidates import Candidate, Guess, finish, glance, guesses
 from hsr_pin.effects.effect import Effect
 from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.fit import Fit
+
+T = TypeVar("T")
 
 _experiment: Experiment | None = None  # in a worker process: what it works on, sent once
 
 
-class Serial:
+class _Counting:
+    """Calls ``advance`` after each answer."""
+
+    def __init__(self, advance: Callable[[], None]) -> None:
+        self._advance = advance
+
+    def _counted(self, answers: Iterable[T]) -> list[T]:
+        done = []
+        for answer in answers:
+            done.append(answer)
+            self._advance()
+        return done
+
+
+class Serial(_Counting):
     """All in this process."""
 
     def __init__(self, experiment: Experiment, advance: Callable[[], None] = lambda: None) -> None:
-        self._experiment, self._advance = experiment, advance
+        super().__init__(advance)
+        self._experiment = experiment
 
     def guess(self, base: Candidate, effects: Sequence[Effect]) -> list[Guess]:
         """First guesses for adding each effect."""
         return guesses(self._experiment, base.fit, list(effects))
 
-    def fit(self, guesses: Sequence[Guess]) -> list[Candidate]:
-        """A candidate for each guess."""
-        answers = []
-        for guess in guesses:
-            answers.append(try_candidate(self._experiment, guess))
-            self._advance()
-        return answers
+    def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
+        """A quick fit for each guess about a base fit."""
+        return self._counted(glance(self._experiment, base, guess) for base, guess in tasks)
+
+    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
+        """A candidate for each quick fit."""
+        return self._counted(finish(self._experiment, fit) for fit in quick)
 
 
-class Pool:
+class Pool(_Counting):
     """In several processes; gives what :class:`Serial` gives."""
 
     def __init__(self, executor: ProcessPoolExecutor, jobs: int, advance: Callable[[], None] = lambda: None) -> None:
-        self._executor, self._jobs, self._advance = executor, jobs, advance
+        super().__init__(advance)
+        self._executor, self._jobs = executor, jobs
 
     def guess(self, base: Candidate, effects: Sequence[Effect]) -> list[Guess]:
         """First guesses for adding each effect."""
@@ -48,13 +68,13 @@ class Pool:
         found = [guess for answer in answers for guess in answer]
         return sorted(found, key=lambda guess: order[guess.hypothesis.effects[-1].name, guess.hypothesis.effects[-1].options])
 
-    def fit(self, guesses: Sequence[Guess]) -> list[Candidate]:
-        """A candidate for each guess."""
-        answers = []
-        for answer in self._executor.map(_fit, guesses):
-            answers.append(answer)
-            self._advance()
-        return answers
+    def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
+        """A quick fit for each guess about a base fit."""
+        return self._counted(self._executor.map(_glance, *zip(*tasks, strict=True)) if tasks else ())
+
+    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
+        """A candidate for each quick fit."""
+        return self._counted(self._executor.map(_finish, quick))
 
 
 @contextmanager
@@ -79,6 +99,11 @@ def _guess(base: Candidate, effects: list[Effect]) -> list[Guess]:
     return guesses(_experiment, base.fit, effects)
 
 
-def _fit(guess: Guess) -> Candidate:
+def _glance(base: Fit, guess: Guess) -> Fit:
     assert _experiment is not None
-    return try_candidate(_experiment, guess)
+    return glance(_experiment, base, guess)
+
+
+def _finish(quick: Fit) -> Candidate:
+    assert _experiment is not None
+    return finish(_experiment, quick)

@@ -17,6 +17,8 @@ from hsr_pin.trajectory import Array
 FINE_LINKS, FINE_STEP = 20, 0.005
 #: Of the two rounds: the first need not be exact, the defect changes its answer anyway.
 _TOLERANCES = (1e-3, 1e-4)
+#: Tolerance and evaluations of a quick look.
+_QUICK = (1e-2, 7)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +31,7 @@ class Fit:
         residuals: for each run (T, M, 3) [m] predicted (by the fine chain) minus measured.
         slopes: for each run (T, M, 3, P) derivatives of the prediction there.
         weights: for each run (T, M, 3) [1/m] with which the residuals counted; zero in gaps.
+        defects: for each run (T, M, 3) [m] what the coarse chain gets wrong, as far as known.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
     """
@@ -38,6 +41,7 @@ class Fit:
     residuals: tuple[Array, ...]
     slopes: tuple[Array, ...]
     weights: tuple[Array, ...]
+    defects: tuple[Array, ...]
     converged: bool
     evaluations: int
 
@@ -65,6 +69,8 @@ def fit(
     hypothesis: Hypothesis,
     *,
     start: Array | None = None,
+    after: Fit | None = None,
+    quick: bool = False,
     spread: float | None = None,
     max_evaluations: int = 12,
     tell: Callable[[str], None] | None = None,
@@ -79,6 +85,8 @@ def fit(
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
+        after: the fit of a like model, whose defect is a first guess of this one's.
+        quick: stop early, and leave the defect at that guess: enough to see which of many models are worth a full fit.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
         max_evaluations: of each of the two rounds.
@@ -88,11 +96,11 @@ def fit(
     scale = np.array([fact.scale for fact in facts])
     lower, upper = np.array([fact.lower for fact in facts]) / scale, np.array([fact.upper for fact in facts]) / scale
     x = np.clip((hypothesis.start if start is None else np.asarray(start)) / scale, lower, upper)
-    misfit = _Misfit(experiment, hypothesis, scale)
+    misfit = _Misfit(experiment, hypothesis, scale, after)
     if spread is None:
         spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
-    for tolerance in _TOLERANCES:
+    for tolerance in _QUICK[:1] if quick else _TOLERANCES:
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         answer = least_squares(
             misfit.residual,
@@ -103,10 +111,11 @@ def fit(
             f_scale=spread,
             ftol=tolerance,
             xtol=tolerance,
-            max_nfev=max_evaluations,
+            max_nfev=_QUICK[1] if quick else max_evaluations,
         )
         x, converged = answer.x, answer.status > 0
-        misfit.correct(x)
+        if not quick:
+            misfit.correct(x)
         if tell:
             tell(f"cost {answer.cost:.6g}")
     return misfit.fit_at(x, spread, converged)
@@ -115,10 +124,10 @@ def fit(
 class _Misfit:
     """Weighted residuals and their derivatives at the values last asked for, simulated once."""
 
-    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, scale: Array) -> None:
+    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, scale: Array, after: Fit | None) -> None:
         self.experiment, self.hypothesis, self.scale = experiment, hypothesis, scale
         self.evaluations = 0
-        self._defect: list[Array | float] = [0.0] * len(experiment.runs)
+        self._defect = list(after.defects) if after else [np.zeros(run.measured.shape) for run in experiment.runs]
         self._at: Array | None = None
         self._mask = [np.isfinite(run.measured) for run in experiment.runs]
         self._weights = [np.where(mask, 1 / experiment.noise[:, None], 0.0) for mask in self._mask]
@@ -143,7 +152,10 @@ class _Misfit:
         """Take fine minus coarse prediction at ``x`` as the coarse chain's defect."""
         fine = self._fine(x)
         coarse = self._simulate(x)
-        self._defect = [0.0 if f.failed or c.failed else f.positions - c.positions for f, c in zip(fine, coarse, strict=True)]
+        self._defect = [
+            old if f.failed or c.failed else f.positions - c.positions
+            for old, f, c in zip(self._defect, fine, coarse, strict=True)
+        ]
 
     def _fine(self, x: Array) -> list[Prediction]:
         fine = self.hypothesis.finer(FINE_LINKS, FINE_STEP)
@@ -157,7 +169,16 @@ class _Misfit:
             for r, w in zip(missed, self._weights, strict=True)
         ]
         slopes = [p.slopes for p in predictions if p.slopes is not None]
-        return Fit(self.hypothesis, x * self.scale, tuple(missed), tuple(slopes), tuple(weights), converged, self.evaluations)
+        return Fit(
+            hypothesis=self.hypothesis,
+            values=x * self.scale,
+            residuals=tuple(missed),
+            slopes=tuple(slopes),
+            weights=tuple(weights),
+            defects=tuple(self._defect),
+            converged=converged,
+            evaluations=self.evaluations,
+        )
 
 
 def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:
