@@ -44,7 +44,7 @@ def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
     console.print(table)
     console.print("distance from simulated to measured, no means aligned; a dash: no such part", style="dim")
     for note in comparison.experiment.notes:
-        console.print(f"note: {note}", style="yellow", markup=False)
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
 
 
 def comparison_facts(comparison: Comparison, trial: str | None = None) -> dict[str, Any]:

@@ -44,7 +44,7 @@ def print_table(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> N
     for line in _footnotes(runs):
         console.print(line, style="dim", markup=False)
     for note in dict.fromkeys(note for run in runs for note in run.notes):
-        console.print(f"note: {note}", style="yellow", markup=False)
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     for path in written:
         console.print(f"wrote {path}", style="green", soft_wrap=True, markup=False)
 
