@@ -360,7 +360,17 @@ def test_a_law_that_breaks_a_promise_fails_it(promise, effect):
 
 @pytest.mark.parametrize(
     "promise",
-    [dissipates_on_closed_paths, state_stays_bounded, batch_equals_single, default_step_is_accurate, links_do_not_matter],
+    [
+        neutral_is_nominal,
+        dissipates_on_closed_paths,
+        loses_energy_in_free_motion,
+        own_parameters_are_recovered,
+        state_stays_bounded,
+        batch_equals_single,
+        default_step_is_accurate,
+        static_start_is_where_slow_loading_ends,
+        links_do_not_matter,
+    ],
 )
 def test_the_fabricated_laws_fail_for_their_own_fault(promise):
     """The harmless spring that they are made of keeps the promises."""
