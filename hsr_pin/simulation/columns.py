@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -64,6 +65,7 @@ def shape_of(scenario: Scenario, largest_step: float) -> Shape:
     )
 
 
+@lru_cache(maxsize=64)
 def implicit_part(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """(N,) stiffness [Nm/rad] and damping [Nm s/rad] at the joints, with an upper bound of what the effects add."""
     arm = scenario.arm

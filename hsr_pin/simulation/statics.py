@@ -1,4 +1,8 @@
-"""Equilibrium under a constant torque: drive * u - springs - effects - G(q) = 0, by a damped Newton method."""
+"""Equilibrium under a constant torque: drive * u - springs - effects - G(q) = 0, by a damped Newton method.
+
+Where that fails (play: no stiffness at all, and kinks), the arm is let creep to rest: pseudo-transient continuation, C. T. Kelley,
+D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer. Anal. 35 (1998).
+"""
 
 from __future__ import annotations
 
@@ -19,6 +23,7 @@ TOLERANCE = 1e-12
 ACCEPTED = 1e-8
 _ITERATIONS = 60
 _HALVINGS = 8
+_CREEP_ITERATIONS = 400
 
 
 class Gravity:
@@ -29,7 +34,7 @@ class Gravity:
     """
 
     def __init__(self, arms: list[ArmModel]) -> None:
-        pairs = {id(arm.model): self._pair(arm) for arm in arms}
+        pairs = {key: self._pair(arm) for key, arm in {id(arm.model): arm for arm in arms}.items()}
         self._cosine, self._sine = (
             np.column_stack([pairs[id(arm.model)][part] for arm in arms]) for part in range(2)
         )  # (N, B) [N m]
@@ -69,24 +74,53 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
     straight = np.zeros((columns.shape.links, len(columns.scenarios)), order="F")
     virgin = columns.virgin_states()
     gravity, drive = Gravity(columns.arm_models), columns.drive * torque
-    tolerance = TOLERANCE * np.maximum(1.0, np.abs(torque))
 
     def residual(q: Array) -> Array:
         states = columns.update(virgin, straight, q, math.inf)
         return np.asarray(drive + columns.torque(q, straight, states) + gravity.torque(q))
 
+    def direction(q: Array, rest: Array, moving: NDArray[np.bool_], drag: Array) -> Array:
+        local, weight = _local_stiffness(columns, q, virgin, straight) + drag, gravity.stiffness(q)
+        way = np.zeros_like(q)
+        for b in np.flatnonzero(moving):
+            way[:, b] = _newton(local[:, b], weight[:, b], rest[:, b])
+        return np.asarray(way * np.minimum(1.0, 0.5 / np.maximum(np.abs(way).max(axis=0), 1e-300)))
+
+    def far(rest: Array, bound: Array | float) -> NDArray[np.bool_]:
+        return np.asarray(~(np.abs(rest).max(axis=0) < bound * np.maximum(1.0, np.abs(torque))))
+
     q, rest = straight, residual(straight)
     for _ in range(_ITERATIONS):
-        moving = wanted & (np.abs(rest).max(axis=0) >= tolerance)
+        moving = wanted & far(rest, TOLERANCE)
         if not moving.any():
             break
-        local, weight = _local_stiffness(columns, q, virgin, straight), gravity.stiffness(q)
-        direction = np.zeros_like(q)
-        for b in np.flatnonzero(moving):
-            direction[:, b] = _newton(local[:, b], weight[:, b], rest[:, b])
-        direction *= np.minimum(1.0, 0.5 / np.maximum(np.abs(direction).max(axis=0), 1e-300))
-        q, rest = _line_search(residual, q, rest, direction, moving)
-    return q, wanted & (np.abs(rest).max(axis=0) < ACCEPTED * np.maximum(1.0, np.abs(torque)))
+        q, rest = _line_search(residual, q, rest, direction(q, rest, moving, np.zeros(len(wanted))), moving)
+    lost = wanted & far(rest, ACCEPTED)
+    if lost.any():
+        q = np.where(lost, straight, q)
+        q, rest = _creep(residual, direction, q, lambda rest: lost & far(rest, TOLERANCE), columns.shape.links * columns.keq)
+    return q, wanted & ~far(rest, ACCEPTED)
+
+
+def _creep(
+    residual: Callable[[Array], Array],
+    direction: Callable[[Array, Array, NDArray[np.bool_], Array], Array],
+    q: Array,
+    moving: Callable[[Array], NDArray[np.bool_]],
+    spring: Array,
+) -> tuple[Array, Array]:
+    """Steps of implicit Euler on dq/dt = residual, whose drag (B,) [Nm/rad] falls and rises with the residual."""
+    rest = residual(q)
+    size, drag = np.linalg.norm(rest, axis=0), 3.0 * spring
+    for _ in range(_CREEP_ITERATIONS):
+        if not moving(rest).any():
+            break
+        q = q + direction(q, rest, moving(rest), drag)
+        rest = residual(q)
+        new = np.linalg.norm(rest, axis=0)
+        drag = np.minimum(drag * np.clip(new / np.maximum(size, 1e-300), 0.3, 3.0), 100 * spring)
+        size = new
+    return q, rest
 
 
 def _newton(joint: Array, link: Array, rest: Array) -> Array:
