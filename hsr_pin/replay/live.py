@@ -18,6 +18,8 @@ def show(runs: Sequence[Drawn]) -> None:
         viewer = Visualizer()
         draw(viewer, runs)
         viewer.open()
+    if any(run.measured is not None for run in runs):
+        print("Blue is simulated, orange measured; rods are the gap between them.", file=sys.stderr)
     print("The animation's time slider is under Open Controls, Animations. Ctrl-C ends.", file=sys.stderr)
     with contextlib.suppress(KeyboardInterrupt):
         while True:

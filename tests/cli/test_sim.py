@@ -12,6 +12,7 @@ import pytest
 
 from hsr_pin.cli.command import run
 from hsr_pin.cli.sim import command
+from hsr_pin.identification.comparison import compare
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.combinations import combinations
 from hsr_pin.robot.pressure import PAPER
@@ -157,6 +158,11 @@ def test_the_dataset_reads_back_as_it_was_simulated(sim, tmp_path):
         motion = simulate(step_scenario(ArmSpecification(mount="upright"), row.tau)).trajectory
         assert np.abs(trial.trajectory.positions - motion.positions).max() < 1e-12
         assert PAPER.torque(trial.trajectory.pressures, trial.keq)[-1] == pytest.approx(row.tau, abs=1e-12)
+
+
+def test_a_dataset_that_it_wrote_compares_with_no_error(sim, tmp_path):
+    assert sim("--csv", tmp_path / "data", "--mount", "horizontal")[0] == 0
+    assert max(error.rms for error in compare(read_dataset(tmp_path / "data")).errors) < 1e-9
 
 
 def test_pictures_and_pages_are_written(sim, tmp_path):
