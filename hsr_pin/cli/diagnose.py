@@ -15,6 +15,11 @@ from hsr_pin.cli.command import run
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import Diagnosis
 
+#: Stages beside the effects: reading, stiffness and damping, where.
+_OTHER_STAGES = 3
+#: What a fit leaves of a stage.
+_SHARE = 0.9
+
 _EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
 
 
@@ -74,18 +79,30 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
 
 @contextmanager
 def _progress(max_effects: int) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
-    """What to call at each stage and after each fit: a bar on a terminal, nothing anywhere else."""
+    """What to call at each stage and after each fit: a bar on a terminal, nothing anywhere else.
+
+    How many fits a stage takes is not known before: each fills a fixed share of what its stage still lacks.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from hsr_pin.diagnosis.search import BEAM, BEAM_FITS, FITS
 
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        most = FITS + BEAM * BEAM_FITS * max(0, max_effects - 1)  # it may find its answer sooner
-        task = bar.add_task("starting", total=most)
-        yield lambda line: bar.update(task, description=line), lambda: bar.advance(task)
+        task = bar.add_task("starting", total=max_effects + _OTHER_STAGES)
+        begun, fits = 0, 0
+
+        def tell(line: str) -> None:
+            nonlocal begun, fits
+            begun, fits = begun + 1, 0
+            bar.update(task, description=line, completed=begun - 1)
+
+        def advance() -> None:
+            nonlocal fits
+            fits += 1
+            bar.update(task, completed=begun - _SHARE**fits)
+
+        yield tell, advance
 
 
 def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> list[str]:

@@ -37,14 +37,21 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
     """The lines of the report; where they are too many for a screen, the last parameters are left out and counted."""
     width = max(40, width)
     name, status = diagnosis.experiment.dataset.name, diagnosis.verdict.status
-    above = [Text.assemble((f"{name}: ", "bold"), (HEADLINES[status], _COLOURS[status]))]
-    above += _wrapped(diagnosis.verdict.sentence, width)
-    above += [Text(), *_ladder(diagnosis, width), Text()]
-    below = [] if diagnosis.where is None else _wrapped(f"where: {diagnosis.where.sentence}", width)
-    below += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
-    below += _notes(diagnosis, width)
-    below += [Text(f"wrote {path}", style="green") for path in written]
-    return above + _models(diagnosis, width, LINES - len(above) - len(below)) + below
+    verdict = [Text.assemble((f"{name}: ", "bold"), (HEADLINES[status], _COLOURS[status]))]
+    verdict += _wrapped(diagnosis.verdict.sentence, width)
+    ladder = _ladder(diagnosis, width)
+    rest = [] if diagnosis.where is None else _wrapped(f"where: {diagnosis.where.sentence}", width)
+    rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
+    rest += _notes(diagnosis, width)
+    rest += [Text(f"wrote {', '.join(written)}", style="green")] if written else []
+    models = _models(diagnosis, width, LINES - len(verdict) - len(ladder) - len(rest))
+    spare = LINES - len(verdict) - len(ladder) - len(models) - len(rest)
+    lines: list[Text] = []
+    for block in filter(None, (verdict, ladder, models, rest)):
+        if lines and spare > 0:
+            lines, spare = [*lines, Text()], spare - 1
+        lines += block
+    return lines
 
 
 def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
@@ -82,10 +89,11 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
         bound = " (on its bound)" if each.on_bound else ""
         rows.append(f"  {each.name:<30}{value:>10}  {f'{low} to {high}':<22}{unit}{bound}")
     rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
-    free = max(2, room - 2 - len(rivals))
+    free = max(1, room - 1)
     if len(rows) > free:
         rows = [*rows[: free - 1], f"  and {len(rows) - free + 1} more lines of parameters: see --html or --json"]
-    return [Text(_cut(heading, width), style="bold cyan"), *(Text(_cut(row, width)) for row in rows), *rivals, Text()]
+    lines = [Text(_cut(heading, width), style="bold cyan"), *(Text(_cut(row, width)) for row in rows)]
+    return [*lines, *rivals] if len(lines) < room else lines
 
 
 def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
@@ -93,11 +101,13 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
     if not notes:
         return []
     more = f" (and {len(notes) - 1} more notes)" if len(notes) > 1 else ""
-    return [Text(line.plain, style="yellow") for line in _wrapped(f"note:  {notes[0]}{more}", width)]
+    return [Text(_cut(f"note:  {notes[0]}", width - len(more)) + more, style="yellow")]
 
 
 def _wrapped(text: str, width: int) -> list[Text]:
-    return [Text(line) for line in textwrap.wrap(text, width, subsequent_indent="       " if text[4:7] in (":  ", "e: ") else "")]
+    indent = " " * 7 if text.startswith(("where: ", "next:  ")) else ""
+    lines = textwrap.wrap(text, width, subsequent_indent=indent, max_lines=5, placeholder=" \u2026")
+    return [Text(line) for line in lines]
 
 
 def _cut(text: str, width: int) -> str:
