@@ -120,6 +120,7 @@ def _start(columns: Columns, torque: Array) -> tuple[Array, Array, tuple[Array, 
     poses = {b: s.start for b, s in enumerate(columns.scenarios) if isinstance(s.start, Pose)}
     settled = np.array([b not in poses for b in range(len(columns.scenarios))])
     q, found = equilibrium(columns, torque, settled)
+    q = np.asfortranarray(q)
     v = np.zeros_like(q)
     for b, pose in poses.items():
         q[:, b], v[:, b] = pose.angles, pose.rates
