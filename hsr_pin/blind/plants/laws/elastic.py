@@ -11,12 +11,6 @@ from ..arm import Array
 from .law import Joints, Law, State, sign
 
 
-def _in_series(profile: Array) -> Array:
-    """The profile, scaled so that the compliance of joints in series is that of a uniform arm."""
-    scaled: Array = profile * np.mean(1 / profile)
-    return scaled
-
-
 @dataclass(frozen=True)
 class StiffnessGradient(Law):
     """Stiffness that varies along the arm.
@@ -37,7 +31,9 @@ class StiffnessGradient(Law):
         return cls(0.4 * sign(rng))
 
     def stiffness(self, s: Array) -> Array:
-        return _in_series(1 + self.slope * (s - 0.5))
+        a = self.slope
+        compliance = np.log((2 + a) / (2 - a)) / a if a else 1.0  # mean over the arm of 1 / (1 + a (s - 1/2))
+        return np.asarray(compliance * (1 + a * (s - 0.5)))
 
 
 @dataclass(frozen=True)
