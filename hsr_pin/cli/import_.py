@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -73,8 +74,6 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
 
 
 def _settings(options: dict[str, Any]) -> ImportSettings:
-    from pathlib import Path
-
     from hsr_pin.recordings.importers.bodies import Body
     from hsr_pin.recordings.importers.settings import ImportSettings
 
@@ -125,7 +124,16 @@ def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
         missing = f"{np.isnan(trajectory.positions).any(axis=2).mean():.1%}"
         rate = f"{1 / trajectory.step:.4g}"
         rows.append(
-            [trial.name, path, str(len(trajectory.time)), rate, missing, quiet, f"{1e3 * within:.2f}", f"{1e3 * out:.2f}"]
+            [
+                trial.name,
+                Path(path).name,
+                str(len(trajectory.time)),
+                rate,
+                missing,
+                quiet,
+                f"{1e3 * within:.2f}",
+                f"{1e3 * out:.2f}",
+            ]
         )
     click.echo(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m")
     click.echo("markers: " + ", ".join(f"{marker.name} at {marker.arc_length:.4g} m" for marker in dataset.markers))

@@ -81,7 +81,7 @@ def test_markers_that_were_never_exchanged_are_left_as_they_are(bending, motion)
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("frames", [[40], [200, 201, 202], list(range(120, 200)), [60, 61, 150, 290]])
+@pytest.mark.parametrize("frames", [[40], list(range(60)), list(range(120, 200)), [60, 61, 150, 290]])
 @pytest.mark.parametrize("pair", [(1, 2), (0, 1)])
 def test_exchanged_markers_are_told_apart(bending, motion, frames, pair):
     true, _ = arm(bending, motion, 6e-4, 1)

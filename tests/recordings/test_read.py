@@ -116,6 +116,7 @@ SPOILED_TABLES = {
     "time missing": ("0.000000,", ",", 2, "no value"),
     "time standing": ("0.020000,", "0.010000,", 4, "the time before it"),
     "time going back": ("0.020000,", "0.001000,", 4, "the time before it"),
+    "coordinate of no measure": ("0.5,", "1e11,", 2, "at most 1e+10"),
     "row too long": ("0.010000,0.5", "0.010000,0.5,1", 3, "8 fields"),
     "semicolons": (None, None, 1, "separated by commas"),
 }

@@ -29,7 +29,7 @@ def same(a, b):
 
 
 def tree(folder):
-    return {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def test_a_dataset_reads_back_equal_to_the_last_bit(dataset, tmp_path):

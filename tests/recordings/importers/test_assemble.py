@@ -270,3 +270,11 @@ def test_a_body_is_read_from_one_word(text, body):
 def test_a_word_that_is_no_body_is_refused(text):
     with pytest.raises(InputError, match="marker"):
         Body.parse(text)
+
+
+def test_an_arm_that_never_straightens_is_noted(record, laboratory):
+    lab = laboratory()
+    bent = lab.angle > 0.9
+    lab.positions, lab.time, lab.torque = lab.positions[bent], lab.time[bent], lab.torque[bent]
+    notes = import_recordings([record(lab)], settings(mount="hanging")).dataset.notes
+    assert any(note.startswith("tip: even the straightest pose reaches only 9") for note in notes)
