@@ -179,6 +179,14 @@ def test_a_failing_column_leaves_the_others_bitwise_as_they_are(outcome):
     assert with_fault[1].outcome is outcome
 
 
+def test_columns_that_fail_one_after_the_other_are_each_named_with_their_own_time():
+    torques = (9.0, 0.3, 6.0)
+    runs = [step_scenario(ARM, torque, duration=0.4) for torque in torques]
+    together, alone = simulate_batch(runs), [simulate(run, raise_on_failure=False) for run in runs]
+    assert all(same(a, b) for a, b in zip(together, alone, strict=True))
+    assert together[0].failure_time < together[2].failure_time
+
+
 def test_an_arm_driven_away_without_bound_diverges():
     blown_up = replace(BASE, effects=(Spoilt(-1e6, 0.2),))
     assert simulate(blown_up, raise_on_failure=False).outcome is Outcome.DIVERGED

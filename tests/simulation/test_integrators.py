@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.errors import InputError
 from hsr_pin.robot.specification import ArmSpecification, default_damping
 from hsr_pin.simulation.batch import simulate_batch
@@ -53,6 +54,16 @@ def test_order_holds_when_springs_and_dampers_are_treated_only_nearly_right(name
     scenario, exact = soft
     nearly = Scenario(ArmSpecification(links=1, keq=1.3, damping=0.06), scenario.time, scenario.torque)
     assert observed_order(name, (replace(scenario, implicit_as=nearly), exact), 5e-3) >= INTEGRATORS[name].order - 0.15
+
+
+@pytest.mark.parametrize("name", ["extrapolated2", "extrapolated4", "ros2"])
+def test_a_law_with_memory_is_followed_to_second_order(name):
+    time = np.arange(4) * 0.1
+    scenario = Scenario(
+        ArmSpecification(links=1, tip_mass=0.1), time, np.full(4, 0.5), Pose([0.2]), effects=(Viscoelastic(0.8, 0.05),)
+    )
+    exact = simulate(scenario, step=1e-4).trajectory.joint_angles
+    assert observed_order(name, (scenario, exact), 1e-2) >= 1.85
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
