@@ -1,6 +1,6 @@
 """Equilibrium under a constant torque: drive * u - springs - effects - G(q) = 0, by a damped Newton method.
 
-Where that fails (play: no stiffness at all, and kinks), the arm is let creep to rest: pseudo-transient continuation, C. T. Kelley,
+Where that fails (play: no stiffness at all, and kinks), the arm creeps to rest: pseudo-transient continuation, C. T. Kelley,
 D. E. Keyes, Convergence analysis of pseudo-transient continuation, SIAM J. Numer. Anal. 35 (1998).
 """
 
@@ -69,7 +69,7 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
         wanted: (B,) columns to solve for; the others stay straight.
 
     Returns:
-        Joint angles (N, B) [rad], and (B,) whether an equilibrium was found.
+        Joint angles (N, B) [rad], 0 where no equilibrium was found, and (B,) whether one was.
     """
     straight = np.zeros((columns.shape.links, len(columns.scenarios)), order="F")
     virgin = columns.virgin_states()
@@ -87,7 +87,7 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
         return np.asarray(way * np.minimum(1.0, 0.5 / np.maximum(np.abs(way).max(axis=0), 1e-300)))
 
     def far(rest: Array, bound: Array | float) -> NDArray[np.bool_]:
-        return np.asarray(~(np.abs(rest).max(axis=0) < bound * np.maximum(1.0, np.abs(torque))))
+        return np.asarray(~(np.abs(rest).max(axis=0) < bound * np.maximum(1.0, np.abs(torque))))  # NaN is far too
 
     q, rest = straight, residual(straight)
     for _ in range(_ITERATIONS):
@@ -99,7 +99,8 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
     if lost.any():
         q = np.where(lost, straight, q)
         q, rest = _creep(residual, direction, q, lambda rest: lost & far(rest, TOLERANCE), columns.shape.links * columns.keq)
-    return q, wanted & ~far(rest, ACCEPTED)
+    found = wanted & ~far(rest, ACCEPTED)
+    return np.where(found, q, 0.0), found
 
 
 def _creep(
@@ -113,9 +114,10 @@ def _creep(
     rest = residual(q)
     size, drag = np.linalg.norm(rest, axis=0), 3.0 * spring
     for _ in range(_CREEP_ITERATIONS):
-        if not moving(rest).any():
+        active = moving(rest) & np.isfinite(size)
+        if not active.any():
             break
-        q = q + direction(q, rest, moving(rest), drag)
+        q = q + direction(q, rest, active, drag)
         rest = residual(q)
         new = np.linalg.norm(rest, axis=0)
         drag = np.minimum(drag * np.clip(new / np.maximum(size, 1e-300), 0.3, 3.0), 100 * spring)
