@@ -16,9 +16,7 @@ class TorqueDecay(Effect):
     name = "torque_decay"
     lacks = "actuation falls (or grows) along the arm"
     cause = "friction of the muscle along the backbone"
-    citation = (
-        "G. Subramani, M. R. Zinn, Tackling friction: an analytical modeling approach (tendon-driven manipulators), ICRA (2015)"
-    )
+    citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
 
     decay: float = parameter(
         0.0,
