@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.evidence import structure
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search
@@ -109,8 +110,7 @@ def diagnose(
     for before, after in zip(found.path, found.path[1:], strict=False):
         new = sorted(set(after.names) - set(before.names))
         steps.append((" + ".join(new), after.names, list(after.heldout)))
-    mended_left = max(0.0, _mean_square(mended) - thresholds.noise**2)
-    verdict = judge(mended_left, found, thresholds, seed)
+    verdict = judge(structure(mended), found, thresholds, seed)
     tell("where the gap lies")
     return Diagnosis(
         experiment,
@@ -137,11 +137,6 @@ def _templates(names: Sequence[str] | None) -> list[Effect]:
 
 def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     return residuals(experiment, predict(experiment, hypothesis, [(run, hypothesis.start) for run in experiment.runs]))
-
-
-def _mean_square(missed: Sequence[Array]) -> float:
-    squares = np.concatenate([(residual**2).sum(axis=-1).ravel() for residual in missed])
-    return float(np.nanmean(squares))
 
 
 def _insufficient(experiment: Experiment) -> str:

@@ -47,6 +47,20 @@ def squares(heldout: Sequence[Array]) -> Squares:
     return Squares(np.array(sums), np.array(counts))
 
 
+def structure(heldout: Sequence[Array]) -> float:
+    """[m^2] mean square of the part of the residuals that lasts from one sample to the next.
+
+    The covariance of neighbouring samples: white marker noise drops out of it by itself, whatever its size, so that it is known
+    ten times better than the mean square beyond an estimated noise floor.
+    """
+    total, count = 0.0, 0
+    for residual in heldout:
+        product = (residual[1:] * residual[:-1]).sum(axis=-1)
+        seen = np.isfinite(product)
+        total, count = total + float(product[seen].sum()), count + int(seen.sum())
+    return max(0.0, total / count) if count else 0.0
+
+
 def draws(blocks: int, seed: int) -> Array:
     """(R, K) how often each block is drawn in each of R resamples."""
     generator = np.random.default_rng(seed)

@@ -8,18 +8,18 @@ from math import sqrt
 from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.evidence import Squares, gain_interval, squares
+from hsr_pin.diagnosis.evidence import Squares, gain_interval, squares, structure
 from hsr_pin.effects.effect import Effect
 from hsr_pin.identification.fit import Fit
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
-GLANCES = 9
+GLANCES = 12
 #: ... and at least this share of the best's predicted gain.
-PROMISING = 0.15
+PROMISING = 0.03
 #: The best of these get a full fit: at least this many, and all whose RMS is within this factor of the best.
 FINISHED, CLOSE = 3, 1.5
 #: Sets carried on to the next rung, and quick fits for each.
-BEAM, BEAM_GLANCES = 3, 5
+BEAM, BEAM_GLANCES = 3, 6
 
 #: The effects of a model, each with its options.
 Key = tuple[tuple[str, object], ...]
@@ -83,9 +83,9 @@ def mean_square(candidate: Candidate) -> float:
     return squares(candidate.heldout).mean
 
 
-def left(candidate: Candidate, thresholds: Thresholds) -> float:
-    """[m^2] mean square on held-out trials beyond what noise leaves."""
-    return max(0.0, mean_square(candidate) - thresholds.noise**2)
+def left(candidate: Candidate) -> float:
+    """[m^2] mean square on held-out trials that is not noise."""
+    return structure(candidate.heldout)
 
 
 def worth_having(worse: Squares, better: Squares, thresholds: Thresholds, seed: int) -> bool:
@@ -117,7 +117,7 @@ def search(
     """
     path, beam = [start], [start]
     tried: dict[Key, Candidate] = {(): start}
-    while len(path) <= max_effects and sqrt(left(path[-1], thresholds)) > thresholds.closed:
+    while len(path) <= max_effects and sqrt(left(path[-1])) > thresholds.closed:
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
         new = _extend(beam, effects, workers, tried)
         tried |= {key(candidate): candidate for candidate in new}

@@ -13,10 +13,10 @@ from hsr_pin.diagnosis.evidence import gain_interval, squares
 from hsr_pin.diagnosis.search import Search, Thresholds, left, mean_square
 from hsr_pin.identification.uncertainty import uncertainty
 
-#: A rival is set aside only if what it leaves is certainly more, and more than this times what the best leaves ...
-FACTOR = 1.5
+#: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
+FACTOR = 0.5
 #: ... plus the square of this share of the noise floor.
-MARGIN = 0.1
+MARGIN = 0.05
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
 
@@ -50,7 +50,7 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
         seed: of the resampling.
     """
     base, best = found.path[0], found.best
-    gap, rest = sqrt(left(base, thresholds)), sqrt(left(best, thresholds))
+    gap, rest = sqrt(left(base)), sqrt(left(best))
     closed = thresholds.closed
     if sqrt(nominal_left) <= closed:
         return Verdict(
@@ -77,7 +77,7 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
         sure = f"{' and '.join(common)} is certain; " if common else ""
         listed = ", or ".join(" with ".join(names) for names in sets)
         return Verdict("ambiguous", tuple(common), tuple(sets), f"{sure}these recordings cannot tell apart: {listed}.")
-    share = 100 * (1 - left(best, thresholds) / left(base, thresholds))
+    share = 100 * (1 - left(best) / left(base))
     are, them = ("is", "it") if len(best.names) == 1 else ("are", "them")
     sentence = (
         f"{_listed(best.names)} {are} missing from the model: with {them} {share:.0f} % of the squared gap is gone, "
@@ -98,8 +98,9 @@ def rivals(
             continue
         if not _explains(rival, base, thresholds):
             continue
-        certain = gain_interval(squares(rival.heldout), own, seed)[0] > 0
-        much = left(rival, thresholds) > FACTOR * left(best, thresholds) + (MARGIN * thresholds.noise) ** 2
+        other = squares(rival.heldout)
+        certain = gain_interval(other, own, seed)[0] > 0
+        much = other.mean - own.mean > FACTOR * left(best) + (MARGIN * thresholds.noise) ** 2
         if not (certain and much):
             answers.append(names)
     return answers
@@ -107,8 +108,8 @@ def rivals(
 
 def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
     """Whether a set of effects closes the gap, with every effect's amplitude clearly away from neutral."""
-    rest = left(candidate, thresholds)
-    if sqrt(rest) > thresholds.closed and rest > thresholds.explained * left(base, thresholds):
+    rest = left(candidate)
+    if sqrt(rest) > thresholds.closed and rest > thresholds.explained * left(base):
         return False
     sure, facts = uncertainty(candidate.fit), candidate.fit.hypothesis.parameters
     for effect in candidate.fit.hypothesis.effects:

@@ -19,7 +19,7 @@ class AddedMass(Effect):
     citation = "R. D. Blevins, Formulas for Natural Frequency and Mode Shape, Van Nostrand Reinhold (1979)"
     passive = True
 
-    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="spread over the arm")
+    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.1, amplitude=True, description="spread over the arm")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         return replace(specification, mass=specification.mass + self.mass)

@@ -21,8 +21,8 @@ class DampingGradient(Effect):
 
     slope: float = parameter(
         0.0,
-        lower=-1.8,
-        upper=1.8,
+        lower=-1.98,
+        upper=1.98,
         unit="1",
         scale=0.3,
         amplitude=True,
