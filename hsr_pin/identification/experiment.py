@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.release import held_pose, release_time
+from hsr_pin.identification.release import start_of
 from hsr_pin.recordings.clean import clean, noise_floor
 from hsr_pin.robot.pressure import PAPER
 from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
@@ -16,6 +16,8 @@ from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
 BASE = 0.02
 #: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
 _STILL = (6.0, 0.002)
+#: No recording is less noisy than this [m].
+_QUIETEST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +31,7 @@ class Run:
         measured: (T, M, 3) [m]; NaN in gaps.
         start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
         lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
+        start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
     """
 
     trial: Trial
@@ -37,6 +40,7 @@ class Run:
     measured: Array
     start_pose: Array | None
     lead: float
+    start_velocity: Array | None = None
 
     @property
     def step(self) -> float:
@@ -68,8 +72,12 @@ class Experiment:
         return float(np.sqrt(3 * np.mean(self.noise**2)))
 
 
-def prepare(dataset: Dataset) -> Experiment:
+def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     """Clean a dataset and cut it to what a model can be compared with.
+
+    Args:
+        dataset: as read.
+        delay: trials that start from a pose are followed only from so long after their declared start [s]: for releases by hand.
 
     Raises:
         IdentificationError: nothing usable is left.
@@ -78,10 +86,12 @@ def prepare(dataset: Dataset) -> Experiment:
     moving = [i for i, m in enumerate(dataset.markers) if m.arc_length > BASE * dataset.length]
     if not moving:
         raise IdentificationError("markers", expected="at least one beyond the base", received="base markers only")
-    noise = np.array([_noise(dataset, i) for i in moving])
+    if not (np.isfinite(delay) and delay >= 0):
+        raise IdentificationError("delay", expected="zero or more [s]", received=delay)
+    noise = _noise(dataset, moving)
     runs, notes = [], []
     for trial in dataset.trials:
-        run = _run(trial, moving, noise)
+        run = _run(trial, moving, noise, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
@@ -99,23 +109,25 @@ def moves(run: Run, noise: Array) -> bool:
     return bool(np.any(span > np.maximum(_STILL[0] * noise, _STILL[1])))
 
 
-def _noise(dataset: Dataset, marker: int) -> float:
-    floors = [float(noise_floor(trial)[marker]) for trial in dataset.trials]
-    known = [floor for floor in floors if np.isfinite(floor)]
-    return max(float(np.median(known)), 1e-6) if known else np.nan
+def _noise(dataset: Dataset, moving: list[int]) -> Array:
+    """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
+    floors = np.array([noise_floor(trial)[moving] for trial in dataset.trials])
+    known = [column[np.isfinite(column)] for column in floors.T]
+    noise = np.array([np.median(column) if len(column) else np.nan for column in known])
+    if not np.isfinite(noise).any():
+        raise IdentificationError("markers", expected="some consecutive samples of one of them", received="gaps everywhere")
+    return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), _QUIETEST)
 
 
-def _run(trial: Trial, moving: list[int], noise: Array) -> Run | str:
+def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | str:
     """The run, or in words why there is none."""
     trajectory = trial.trajectory
-    if np.isfinite(trajectory.positions[trial.first_sample :, moving]).all(axis=2).sum() < 10:
-        return "fewer than 10 positions were seen"
-    first, lead, pose = trial.first_sample, 0.0, None
+    first, start = trial.first_sample, None
     if not trial.starts_at_rest:
-        pose = held_pose(trial)[moving]
-        begin = release_time(trial, float(np.nanmax(noise)))
-        first = int(np.searchsorted(trajectory.time, begin + 1e-9))
-        lead = float((trajectory.time[first] - begin) / trajectory.step)
+        start = start_of(trial, float(noise.max()), delay)
+        first = start.sample
+    if np.isfinite(trajectory.positions[first:, moving]).all(axis=2).sum() < 10:
+        return "fewer than 10 positions were seen"
     if len(trajectory.time) - first < 5:
         return f"only {len(trajectory.time) - first} samples follow its start"
     if trajectory.torque is not None:
@@ -129,8 +141,9 @@ def _run(trial: Trial, moving: list[int], noise: Array) -> Run | str:
         time=_held(trajectory.time[first:]),
         torque=_held(torque[first:]),
         measured=_held(trajectory.positions[first:, moving]),
-        start_pose=None if pose is None else _held(pose),
-        lead=lead,
+        start_pose=None if start is None else _held(start.pose[moving]),
+        lead=0.0 if start is None else start.lead,
+        start_velocity=None if start is None else _held(start.velocity[moving]),
     )
 
 

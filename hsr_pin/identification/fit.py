@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from hsr_pin.identification.evaluation import Prediction, predict, predict_with_slopes, residuals, rms
+from hsr_pin.identification.evaluation import predict_with_slopes, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.misfit import FINE_LINKS, FINE_STEP, Misfit
 from hsr_pin.trajectory import Array
 
-#: The chain and step that stand for the continuous arm: against them the fitted, coarser chain is corrected.
-FINE_LINKS, FINE_STEP = 20, 0.005
+__all__ = ["FINE_LINKS", "FINE_STEP", "Fit", "fit", "stacked"]
+
 #: Of the two rounds: the first need not be exact, the defect changes its answer anyway.
 _TOLERANCES = (1e-3, 1e-4)
 #: Tolerance and evaluations of a quick look.
@@ -71,6 +72,7 @@ def fit(
     start: Array | None = None,
     after: Fit | None = None,
     quick: bool = False,
+    corrected: bool = True,
     spread: float | None = None,
     max_evaluations: int = 12,
     tell: Callable[[str], None] | None = None,
@@ -87,20 +89,19 @@ def fit(
         start: (P,) values to start from; default: those of the hypothesis.
         after: the fit of a like model, whose defect is a first guess of this one's.
         quick: stop early, and leave the defect at that guess: enough to see which of many models are worth a full fit.
+        corrected: False fits the coarse chain as it is: the values then belong to that chain.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
         max_evaluations: of each of the two rounds.
         tell: called with a line now and then.
     """
-    facts = hypothesis.parameters
-    scale = np.array([fact.scale for fact in facts])
-    lower, upper = np.array([fact.lower for fact in facts]) / scale, np.array([fact.upper for fact in facts]) / scale
-    x = np.clip((hypothesis.start if start is None else np.asarray(start)) / scale, lower, upper)
-    misfit = _Misfit(experiment, hypothesis, scale, after)
+    misfit = Misfit(experiment, hypothesis, after.defects if after else None)
+    lower, upper = misfit.lower, misfit.upper
+    x = np.clip((hypothesis.start if start is None else np.asarray(start)) / misfit.scale, lower, upper)
     if spread is None:
         spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
-    for tolerance in _QUICK[:1] if quick else _TOLERANCES:
+    for tolerance in _QUICK[:1] if quick else _TOLERANCES if corrected else _TOLERANCES[1:]:
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         answer = least_squares(
             misfit.residual,
@@ -114,71 +115,31 @@ def fit(
             max_nfev=_QUICK[1] if quick else max_evaluations,
         )
         x, converged = answer.x, answer.status > 0
-        if not quick:
+        if corrected and not quick:
             misfit.correct(x)
         if tell:
             tell(f"cost {answer.cost:.6g}")
-    return misfit.fit_at(x, spread, converged)
+    return _at(misfit, x, spread, converged, central=not quick)
 
 
-class _Misfit:
-    """Weighted residuals and their derivatives at the values last asked for, simulated once."""
-
-    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, scale: Array, after: Fit | None) -> None:
-        self.experiment, self.hypothesis, self.scale = experiment, hypothesis, scale
-        self.evaluations = 0
-        self._defect = list(after.defects) if after else [np.zeros(run.measured.shape) for run in experiment.runs]
-        self._at: Array | None = None
-        self._mask = [np.isfinite(run.measured) for run in experiment.runs]
-        self._weights = [np.where(mask, 1 / experiment.noise[:, None], 0.0) for mask in self._mask]
-
-    def _simulate(self, x: Array) -> list[Prediction]:
-        if self._at is None or not np.array_equal(self._at, x):
-            self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale)
-            self._at = np.array(x)
-            self.evaluations += 1
-        return self._predictions
-
-    def residual(self, x: Array) -> Array:
-        missed = residuals(self.experiment, self._simulate(x))
-        parts = zip(missed, self._defect, self._weights, self._mask, strict=True)
-        return np.concatenate([((r + d) * w)[m] for r, d, w, m in parts])
-
-    def jacobian(self, x: Array) -> Array:
-        parts = zip(self._simulate(x), self._weights, self._mask, strict=True)
-        return np.concatenate([(p.slopes * w[..., None])[m] for p, w, m in parts if p.slopes is not None]) * self.scale
-
-    def correct(self, x: Array) -> None:
-        """Take fine minus coarse prediction at ``x`` as the coarse chain's defect."""
-        fine = self._fine(x)
-        coarse = self._simulate(x)
-        self._defect = [
-            old if f.failed or c.failed else f.positions - c.positions
-            for old, f, c in zip(self._defect, fine, coarse, strict=True)
-        ]
-
-    def _fine(self, x: Array) -> list[Prediction]:
-        fine = self.hypothesis.finer(FINE_LINKS, FINE_STEP)
-        return predict(self.experiment, fine, [(run, x * self.scale) for run in self.experiment.runs])
-
-    def fit_at(self, x: Array, spread: float, converged: bool) -> Fit:
-        predictions = self._simulate(x)
-        missed = [np.asarray(r + d) for r, d in zip(residuals(self.experiment, predictions), self._defect, strict=True)]
-        weights = [
-            np.nan_to_num(w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25)
-            for r, w in zip(missed, self._weights, strict=True)
-        ]
-        slopes = [p.slopes for p in predictions if p.slopes is not None]
-        return Fit(
-            hypothesis=self.hypothesis,
-            values=x * self.scale,
-            residuals=tuple(missed),
-            slopes=tuple(slopes),
-            weights=tuple(weights),
-            defects=tuple(self._defect),
-            converged=converged,
-            evaluations=self.evaluations,
-        )
+def _at(misfit: Misfit, x: Array, spread: float, converged: bool, central: bool) -> Fit:
+    predictions = misfit.predictions(x)
+    if central:  # a search is steered well enough by forward differences; intervals and null directions want better ones
+        predictions = predict_with_slopes(misfit.experiment, misfit.hypothesis, x * misfit.scale, central=True)
+    missed = misfit.missed(x)
+    weights = [
+        w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25 for r, w in zip(missed, misfit.weights, strict=True)
+    ]  # of the soft-L1 loss at the optimum
+    return Fit(
+        hypothesis=misfit.hypothesis,
+        values=x * misfit.scale,
+        residuals=tuple(missed),
+        slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
+        weights=tuple(weights),
+        defects=tuple(misfit.defects),
+        converged=converged,
+        evaluations=misfit.evaluations,
+    )
 
 
 def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from hsr_pin.effects.effect import Effect, with_values
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.identification.release import pose_from_markers
+from hsr_pin.identification.release import state_from_markers
 from hsr_pin.parameters import Parameter
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification, Placement
@@ -57,8 +57,8 @@ class Hypothesis:
         known |= {f"{e.name}.{p.name}": replace(p, name=f"{e.name}.{p.name}") for e in self.effects for p in e.parameters()}
         facts = []
         for name in self.free:
-            base, _, level = name.partition("@")
-            if base not in known or (level and base not in ARM):
+            base, at, level = name.partition("@")
+            if base not in known or (at and (base not in ARM or not _is_number(level))):
                 raise IdentificationError("parameter", expected=", ".join(known), received=repr(name))
             facts.append(replace(known[base], name=name))
         return tuple(facts)
@@ -106,7 +106,7 @@ class Hypothesis:
             torque = np.append(run.torque[:1], run.torque)
         start: Settled | Pose = Settled(float(run.torque[0]))
         if run.start_pose is not None:
-            start = Pose(_start_angles(experiment, run, self.links, self.placement))
+            start = Pose(*_start_state(experiment, run, self.links, self.placement))
         return Scenario(arm, time, torque, start, self.effects_at(values), experiment.markers)
 
     def counterpart(self, name: str, experiment: Experiment, run: Run) -> tuple[str, float] | None:
@@ -119,16 +119,24 @@ class Hypothesis:
         return _SCENARIO_NAME[base], float(getattr(_declared(experiment, run, self), _SCENARIO_NAME[base]))
 
 
+def _is_number(text: str) -> bool:
+    try:
+        return bool(np.isfinite(float(text)))
+    except ValueError:
+        return False
+
+
 def _declared(experiment: Experiment, run: Run, hypothesis: Hypothesis) -> ArmSpecification:
     return ArmSpecification.from_trial(
         experiment.dataset, run.trial, links=hypothesis.links, placement=hypothesis.placement, bending_limit=2 * np.pi
     )
 
 
-@lru_cache(maxsize=4096)
-def _start_angles(experiment: Experiment, run: Run, links: int, placement: Placement) -> Array:
-    """(N,) [rad] the pose a run starts from: it depends on the run and the chain, not on what is fitted."""
+@lru_cache(maxsize=256)
+def _start_state(experiment: Experiment, run: Run, links: int, placement: Placement) -> tuple[Array, Array]:
+    """(N,) [rad], [rad/s] the state a run starts from: it depends on the run and the chain, not on what is fitted."""
     assert run.start_pose is not None
     arm = build_model(ArmSpecification.from_trial(experiment.dataset, run.trial, links=links, placement=placement))
     reach = np.array([marker.arc_length for marker in experiment.markers])
-    return pose_from_markers(arm, reach, run.start_pose, float(np.nanmax(experiment.noise)))
+    velocity = np.zeros_like(run.start_pose) if run.start_velocity is None else run.start_velocity
+    return state_from_markers(arm, reach, run.start_pose, velocity, float(experiment.noise.max()))

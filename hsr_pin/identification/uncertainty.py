@@ -12,6 +12,8 @@ from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
 WEAK = 1e-3
+#: No direction counts as weaker than this: derivatives by differences are not more exact.
+_BLIND = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,13 +24,16 @@ class Uncertainty:
         standard_error: (P,) in the parameters' units.
         interval: (P, 2) 95 % intervals, within the bounds.
         correlation: (P, P).
-        condition: ratio of the largest to the smallest singular value of the scaled derivatives.
-        weak: directions that the data cannot tell, in words.
+        inflation: (P,) variance over what it would be if the residuals were independent of each other.
+        condition: ratio of the largest to the smallest singular value of the scaled derivatives, at most 1e8.
+        weak: combinations that the data cannot tell, in words: those they tell a thousand times worse than others, or so badly
+            that the 95 % interval is wider than a change of practical size (the parameters' scale) either way.
     """
 
     standard_error: Array
     interval: Array
     correlation: Array
+    inflation: Array
     condition: float
     weak: tuple[str, ...]
 
@@ -51,24 +56,27 @@ def uncertainty(fit: Fit) -> Uncertainty:
         middle += _long_run(np.einsum("tmcp,tmc->tp", weighted, r), _memory(r))
         squares, count = squares + float((r**2).sum()), count + float((weights > 0).sum())
     singular_values, directions = _spectrum(hessian)
-    inverse = np.linalg.pinv(hessian, rcond=1e-12)
-    white = inverse * squares / max(count - len(scale), 1.0)
+    inverse = directions / singular_values**2 @ directions.T
+    freedom = max(count - len(scale), 1.0)
+    white = inverse * squares / freedom
     robust = inverse @ middle @ inverse
     variance = np.maximum(np.diag(robust), np.diag(white))
-    standard = np.sqrt(variance)
-    reach = stats.t.ppf(0.975, max(count - len(scale), 1.0)) * standard * scale
+    standard, sure = np.sqrt(variance), stats.t.ppf(0.975, freedom)
     bounds = np.array([(fact.lower, fact.upper) for fact in facts])
-    interval = np.clip(fit.values[:, None] + reach[:, None] * np.array([-1.0, 1.0]), bounds[:, :1], bounds[:, 1:])
-    size = np.sqrt(np.maximum(np.diag(white), 1e-300))
+    reach = (sure * standard * scale)[:, None] * np.array([-1.0, 1.0])
+    size = np.sqrt(np.diag(white))
+    inflation = variance / np.diag(white)
+    unsure = sure * np.sqrt(squares / freedom * inflation.max()) / singular_values
     return Uncertainty(
         standard_error=standard * scale,
-        interval=interval,
+        interval=np.clip(fit.values[:, None] + reach, bounds[:, :1], bounds[:, 1:]),
         correlation=white / np.outer(size, size),
-        condition=float(singular_values[0] / max(singular_values[-1], 1e-300)),
+        inflation=inflation,
+        condition=float(singular_values[0] / singular_values[-1]),
         weak=tuple(
             _in_words(direction, [fact.name for fact in facts])
-            for value, direction in zip(singular_values, directions.T, strict=True)
-            if value < WEAK * singular_values[0]
+            for value, width, direction in zip(singular_values, unsure, directions.T, strict=True)
+            if value < WEAK * singular_values[0] or width > 1
         ),
     )
 
@@ -94,8 +102,10 @@ def _long_run(scores: Array, lags: int) -> Array:
 
 
 def _spectrum(hessian: Array) -> tuple[Array, Array]:
+    """Singular values (P,) of the derivatives, the largest first, and their directions (P, P), one a column."""
     values, directions = np.linalg.eigh(hessian)
-    return np.sqrt(np.maximum(values[::-1], 0.0)), directions[:, ::-1]
+    singular_values = np.sqrt(np.maximum(values[::-1], 0.0))
+    return np.maximum(singular_values, _BLIND * max(singular_values[0], 1e-300)), directions[:, ::-1]
 
 
 def _in_words(direction: Array, names: list[str]) -> str:
