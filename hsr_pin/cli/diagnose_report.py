@@ -11,7 +11,7 @@ from rich.text import Text
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
 from hsr_pin.diagnosis.search import mean_square
-from hsr_pin.diagnosis.words import HEADLINES, advice, number
+from hsr_pin.diagnosis.words import HEADLINES, advice, number, where_sentence
 
 #: Lines of a screen, without the one for the next prompt.
 LINES = 23
@@ -40,7 +40,7 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
     verdict = [Text.assemble((f"{name}: ", "bold"), (HEADLINES[status], _COLOURS[status]))]
     verdict += _wrapped(diagnosis.verdict.sentence, width)
     ladder = _ladder(diagnosis, width)
-    rest = [] if diagnosis.where is None else _wrapped(f"where: {diagnosis.where.sentence}", width)
+    rest = [] if diagnosis.where is None else _wrapped(f"where: {where_sentence(diagnosis.where)}", width)
     rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
     rest += _notes(diagnosis, width)
     rest += [Text(f"wrote {', '.join(written)}", style="green")] if written else []
@@ -86,8 +86,8 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
             continue
         value, low, high = each.rounded
         unit = "" if each.unit == "1" else each.unit
-        bound = " (on its bound)" if each.on_bound else ""
-        rows.append(f"  {each.name:<30}{value:>10}  {f'{low} to {high}':<22}{unit}{bound}")
+        bound = " at bound" if each.on_bound else ""
+        rows.append(f"  {each.name:<29}{value:>9}  {f'{low} to {high}':<20}{unit}{bound}")
     rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
     free = max(1, room - 1)
     if len(rows) > free:

@@ -72,18 +72,18 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
         axes = figure.add_subplot()
+        start = max(noise, min(values) / 4)  # noise far below all candidates would leave them no room
+        said_of_noise = "noise" if start == noise else f"noise: {number(noise)}"
         axes.axvline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
-        axes.annotate(
-            "noise", (noise, 1), (-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points", ha="right", va="top"
-        )
+        axes.annotate(said_of_noise, (start, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points")
         for y, (candidate, value) in enumerate(zip(shown, values, strict=True)):
             chosen = candidate.names in said
             colour = ROLES["model"] if chosen else ROLES["faint"]
-            axes.plot([noise, value], [y, y], color=colour, lw=2.2 if chosen else 1.0)
+            axes.plot([start, value], [y, y], color=colour, lw=2.2 if chosen else 1.0)
             axes.plot(value, y, "o", color=colour, ms=6 if chosen else 4.5)
             axes.annotate(number(value), (value, y), (7, 0), textcoords="offset points", va="center")
         axes.set_xscale("log")
-        axes.set_xlim(0.8 * min([noise, *values]), 1.25 * max([noise, *values]))
+        axes.set_xlim(0.8 * min([start, *values]), 1.25 * max([start, *values]))
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axes.xaxis.set_major_formatter(ScalarFormatter())
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -122,11 +122,12 @@ def _draw_map(axes: Axes, chart: Map) -> None:
     for x, part in zip(at, chart.bins, strict=True):
         axes.plot([x - 0.44, x + 0.44], [part.noise, part.noise], color=ROLES["noise"], lw=2)
     labels, unit = _short([part.label for part in chart.bins], chart)
-    crowded = sum(map(len, labels)) > 26
-    axes.set_xticks(
-        at, labels, rotation=35 if crowded else 0, ha="right" if crowded else "center", rotation_mode="anchor", fontsize=7.5
-    )
+    every = -(-len(at) // 12)
+    axes.set_xticks(at[::every], labels[::every], fontsize=7.5)
     axes.tick_params(axis="x", length=0)
+    if sum(map(len, labels[::every])) > 26:
+        for text in axes.get_xticklabels():
+            text.set(rotation=35, ha="right", rotation_mode="anchor")
     axes.grid(axis="y")
     axes.set_title(f"{chart.quantity}{unit}")
     axes.set_ylabel(f"{'torque' if chart.unit == 'N m' else 'distance'} [{chart.unit}]")
@@ -140,16 +141,16 @@ def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
     return [label.partition(" ")[0].replace("-", "\u2013") for label in labels], f" [{ends.pop()}]"
 
 
-def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
+def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
     """One run, by the declared model and by the best: path of the marker nearest to the tip, its motion, and the error."""
     from matplotlib.figure import Figure
 
-    run = diagnosis.experiment.runs[number]
+    run = diagnosis.experiment.runs[index]
     tip = farthest_seen(run, diagnosis)
-    models: list[tuple[str, str, Any, Array]] = [("declared model", "declared", (0, (5, 2)), diagnosis.nominal[number])]
+    models: list[tuple[str, str, Any, Array]] = [("declared model", "declared", (0, (5, 2)), diagnosis.nominal[index])]
     if diagnosis.search is not None:
         best = diagnosis.search.best
-        models.append((f"with {model_name(best)}", "model", "-", best.heldout[number]))
+        models.append((f"with {model_name(best)}", "model", "-", best.heldout[index]))
     paths = [_gapless(run, missed, tip) for *_, missed in models]
     seen = run.measured[:: -(-len(run.time) // _DOTS), tip]
     time = run.time[:: -(-len(run.time) // _DOTS)]
@@ -169,7 +170,9 @@ def motion_figure(diagnosis: Diagnosis, number: int) -> Figure:
         noise = 1e3 * 3**0.5 * float(diagnosis.experiment.noise[tip])
         error.set_yscale("log")
         error.yaxis.set_major_formatter("{x:g}")
-        error.set_ylim(bottom=0.2 * noise)
+        least = np.nanpercentile(np.linalg.norm(models[-1][-1][:, tip], axis=1), 5)
+        error.set_ylim(bottom=max(0.2 * noise, 500 * float(least)))
+        error.set_title(f"distance to the measurement (noise: {number(noise)} mm)")
         error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
         _label(figure, (plane, motion, error), "xyz"[axis])
     return figure
@@ -182,7 +185,7 @@ def _label(figure: Figure, panels: tuple[Axes, Axes, Axes], axis: str) -> None:
     motion.set(ylabel=f"{axis} [mm]", title=f"{axis} against time")
     motion.sharex(error)
     motion.tick_params(labelbottom=False)
-    error.set(xlabel="time [s]", ylabel="distance [mm]", title="distance to the measurement (dashed: noise)")
+    error.set(xlabel="time [s]", ylabel="distance [mm]")
     for axes in panels:
         axes.grid()
     handles, labels = plane.get_legend_handles_labels()

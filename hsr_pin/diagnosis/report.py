@@ -17,7 +17,18 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import Estimate, estimates, ranked
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.search import mean_square
-from hsr_pin.diagnosis.words import EXPERIMENTS, HEADLINES, advice, effect_options, model_name, number, readable, sentence
+from hsr_pin.diagnosis.words import (
+    EXPERIMENTS,
+    HEADLINES,
+    advice,
+    effect_options,
+    model_name,
+    number,
+    readable,
+    scales,
+    sentence,
+    where_sentence,
+)
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.experiment import Run
 from hsr_pin.identification.uncertainty import uncertainty
@@ -44,13 +55,14 @@ def report(diagnosis: Diagnosis) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"readable": readable, "mm": _mm, "percent": _percent, "number": number}
+    environment.filters |= {"readable": readable, "mm": _mm, "percent": _percent, "number": number, "in_words": where_sentence}
     template = environment.get_template("report.html.jinja")
     return template.render(
         diagnosis=diagnosis,
         verdict=diagnosis.verdict,
         dataset=diagnosis.experiment.dataset,
         sentence=sentence(diagnosis.verdict.sentence),
+        counted=_counted,
         headline=HEADLINES[diagnosis.verdict.status],
         advice=advice(diagnosis),
         rungs=_rungs(diagnosis),
@@ -72,6 +84,7 @@ class Model:
         name: of its effects, as text.
         rms: [m] on held-out trials.
         estimates: its parameters.
+        scales: of stiffness and damping, as text.
         options: of ``hsr-sim``, to simulate with its effects.
         doubts: what the data hardly tell, a sentence each.
     """
@@ -79,6 +92,7 @@ class Model:
     name: str
     rms: float
     estimates: tuple[Estimate, ...]
+    scales: str
     options: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -137,7 +151,7 @@ def _models(diagnosis: Diagnosis) -> list[Model]:
 def _model(candidate: Candidate) -> Model:
     fit = candidate.fit
     doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
-    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), effect_options(fit), doubts)
+    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), scales(fit), effect_options(fit), doubts)
 
 
 def _named(diagnosis: Diagnosis) -> list[str]:
@@ -186,3 +200,7 @@ def _percent(share: float) -> str:
 def _span(torque: Array) -> str:
     low, high = (round(float(bound), 2) + 0.0 for bound in (torque.min(), torque.max()))
     return f"{low:g} to {high:g}"
+
+
+def _counted(what: str, things: Sequence[object]) -> str:
+    return f"{len(things)} {what}{'s' * (len(things) != 1)}"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.fit import Fit
 
@@ -36,7 +38,9 @@ def readable(names: Sequence[str]) -> str:
 
 
 def number(value: float) -> str:
-    """Three digits, with the zeros that say so."""
+    """Three digits, with the zeros that say so; a question mark for what is not known."""
+    if math.isnan(value):
+        return "?"
     return "0" if value == 0 else f"{value:#.3g}".rstrip(".")
 
 
@@ -64,10 +68,18 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     if status in ("identified", "parameters") and search is not None:
         sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
     if status == "unexplained":
-        sentences.append("Look at the maps of where the gap lies for what is missing; none of the catalogue's laws fits it.")
+        sentences.append(
+            "What is missing is none of the catalogue's laws, alone or together: the maps of where and when the gap lies narrow "
+            "down what to look for. Do not trust the values of a model that does not explain the gap."
+        )
     if status == "no_gap":
         sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
     return tuple(sentences)
+
+
+def where_sentence(where: Where) -> str:
+    """Where the gap lies, and how often it swings."""
+    return where.sentence if where.frequency is None else f"{where.sentence} It is strongest at {where.frequency:g} Hz."
 
 
 def scales(fit: Fit) -> str:
