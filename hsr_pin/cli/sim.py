@@ -44,6 +44,12 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
     metavar="NAME:PARAM=VALUE",
     help="Add what the paper's model lacks, e.g. dry_friction:level=0.05; may be repeated.",
 )
+@click.option(
+    "--against",
+    metavar="DATASET",
+    help="Simulate the trials of a recording instead and print the error; the recording tells the arm, --links, --placement, "
+    "--effect the model.",
+)
 @click.option("--csv", "csv_folder", metavar="DIR", help="Write a dataset in the recording format.")
 @click.option("--plot", metavar="FILE.png", help="Draw the tip trajectories (.png, .pdf or .svg).")
 @click.option("--html", metavar="FILE.html", help="Write a self-contained animation.")
@@ -55,6 +61,9 @@ def command(**options: Any) -> None:
     Starts from rest, steps to one or several pressure pairs or torques, and prints where the tip settles, how fast, and how
     far its path is from a circle. Any stiffness other than 1.11 and 2.33 Nm/rad needs --pressures or --torque.
     """
+    if options["against"] is not None:
+        _compare(options)
+        return
     from hsr_pin.cli.sim_report import print_json, print_table
     from hsr_pin.cli.sim_runs import planned, simulated
 
@@ -70,6 +79,36 @@ def command(**options: Any) -> None:
         from hsr_pin.replay.live import show
 
         show([run.drawn for run in runs])
+
+
+#: What a recording does not tell.
+_WITH_AGAINST = ("against", "links", "placement", "effects", "as_json", "dynamics")
+
+
+def _compare(options: dict[str, Any]) -> None:
+    import json
+
+    from hsr_pin.cli.arm import arm_from
+    from hsr_pin.cli.comparison_report import comparison_facts, print_comparison
+    from hsr_pin.effects.catalogue import parse_effect
+    from hsr_pin.errors import InputError
+    from hsr_pin.identification.comparison import compare
+    from hsr_pin.recordings.read import read_dataset
+
+    more = [name for name, value in options.items() if value and name not in _WITH_AGAINST]
+    if more:
+        hint = "the recording tells arm and input; hsr-replay draws it"
+        raise InputError(
+            "--against", expected="only --links, --placement, --effect and --json with it", received=more[0], hint=hint
+        )
+    arm = arm_from({name: options[name] for name in ("links", "placement")})
+    effects = [parse_effect(text) for text in options["effects"]]
+    dataset = read_dataset(options["against"])
+    comparison = compare(dataset, links=arm.links, placement=arm.placement, effects=effects)
+    if options["as_json"]:
+        click.echo(json.dumps(comparison_facts(comparison), indent=2, allow_nan=False))
+    else:
+        print_comparison(comparison)
 
 
 def _check_outputs(options: dict[str, Any]) -> None:

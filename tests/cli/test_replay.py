@@ -8,6 +8,7 @@ import pytest
 
 from hsr_pin.cli.command import run
 from hsr_pin.cli.replay import command
+from hsr_pin.cli.sim import command as simulate_command
 from hsr_pin.identification.comparison import compare
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
@@ -60,6 +61,18 @@ def test_the_table_gives_mm_and_percent_of_the_length(replay, recording):
         rms, percent = (float(cell) for cell in row[row.index("tip") + 1 :][:2])
         assert rms == pytest.approx(3.0, abs=0.05)
         assert percent == pytest.approx(100 * rms / 240, abs=0.01)
+
+
+def test_hsr_sim_against_a_recording_prints_the_same_errors(replay, recording, capsys):
+    _, replayed, _ = replay(recording, "--links", "6", "--placement", "mid", "--json")
+    assert run(simulate_command, ["--against", str(recording), "--links", "6", "--placement", "mid", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["errors"] == json.loads(replayed)["errors"]
+
+
+@pytest.mark.parametrize("more", [["--torque", "1"], ["--keq", "1.11"], ["--plot", "x.png"]])
+def test_hsr_sim_against_a_recording_refuses_what_the_recording_tells(recording, capsys, more):
+    assert run(simulate_command, ["--against", str(recording), *more]) == 2
+    assert "only --links, --placement, --effect and --json" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("trial", ["2", "trial_02"])
