@@ -65,7 +65,7 @@ class Search:
     """What the search did.
 
     Attributes:
-        path: the models on the way, from the one without effects; each is worth having over the one before.
+        path: the models on the way from the one without effects to the best, each with the effects of the one before.
         tried: every model that was fitted.
     """
 
@@ -128,7 +128,7 @@ def search(
         good.sort(key=mean_square)
         path.append(good[0])
         beam = _distinct(good)[:BEAM]
-    return Search(tuple(path), tuple(tried.values()))
+    return Search(_nested(path[-1], start, list(tried.values())), tuple(tried.values()))
 
 
 def key(candidate: Candidate) -> Key:
@@ -152,6 +152,21 @@ def _extend(
     quick = sorted(workers.glance(list(chosen.values())), key=lambda fit: fit.rms)
     kept = [fit for place, fit in enumerate(quick) if place < FINISHED or fit.rms < CLOSE * quick[0].rms]
     return workers.finish(kept)
+
+
+def _nested(best: Candidate, start: Candidate, tried: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """From the model without effects to the best, through the best of the fitted models whose effects the best has too.
+
+    The search may pass through an effect that a better pair replaces; that one has no place on the way to the pair.
+    """
+    path = [best]
+    while len(path[0].names) > 1:
+        inside = [c for c in tried if c.names and set(c.names) < set(path[0].names)]
+        if not inside:
+            break
+        largest = max(len(c.names) for c in inside)
+        path.insert(0, min((c for c in inside if len(c.names) == largest), key=mean_square))
+    return tuple(path) if best is start else (start, *path)
 
 
 def _distinct(candidates: Sequence[Candidate]) -> list[Candidate]:

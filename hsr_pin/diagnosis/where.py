@@ -168,7 +168,7 @@ def _operating_range(
 
 
 def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None:
-    """The frequency [Hz] with the most residual power, zero left out; None if it stands out less than five times."""
+    """The frequency [Hz] with the most residual power; None if it hardly stands out, or lasts less than three periods."""
     spectra: dict[float, float] = {}
     for run, residual in zip(experiment.runs, heldout, strict=True):
         signal = np.nan_to_num(residual.reshape(len(residual), -1))
@@ -177,7 +177,9 @@ def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None
             spectra[round(float(frequency), 1)] = spectra.get(round(float(frequency), 1), 0.0) + float(value)
     powers = np.array(list(spectra.values()))
     peak = int(np.argmax(powers))
-    return list(spectra)[peak] if powers[peak] > 5 * np.median(powers) and list(spectra)[peak] > 0 else None
+    longest = max(len(residual) * run.step for run, residual in zip(experiment.runs, heldout, strict=True))
+    frequency = list(spectra)[peak]
+    return frequency if powers[peak] > 5 * np.median(powers) and frequency * longest > 3 else None
 
 
 def _defect(best: Candidate) -> tuple[float, float, float] | None:
