@@ -7,6 +7,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hsr_pin.diagnosis.diagnose import diagnose
+    from hsr_pin.identification.comparison import compare
     from hsr_pin.recordings.read import read_dataset
     from hsr_pin.recordings.write import write_dataset
     from hsr_pin.robot.pressure import PressureMap
@@ -23,6 +25,8 @@ _MODULES = {
     "PressureMap": "robot.pressure",
     "Scenario": "simulation.scenario",
     "Trajectory": "trajectory",
+    "compare": "identification.comparison",
+    "diagnose": "diagnosis.diagnose",
     "read_dataset": "recordings.read",
     "simulate": "simulation.simulate",
     "simulate_batch": "simulation.batch",
@@ -36,6 +40,8 @@ __all__ = [
     "PressureMap",
     "Scenario",
     "Trajectory",
+    "compare",
+    "diagnose",
     "read_dataset",
     "simulate",
     "simulate_batch",

@@ -1,11 +1,7 @@
-"""Print the catalogue of effects as a Markdown table. ``--check`` says instead whether README.md holds exactly that table."""
-
-import sys
-from pathlib import Path
+"""Print the catalogue of effects as a Markdown table."""
 
 from hsr_pin.effects import EFFECTS, Effect
 
-ROOT = Path(__file__).resolve().parent.parent
 HEADER = "| name | what the nominal model lacks | typical cause | parameters |\n|---|---|---|---|\n"
 
 
@@ -23,14 +19,5 @@ def table() -> str:
     return HEADER + "".join(row(effect) for effect in EFFECTS.values())
 
 
-def main() -> None:
-    """Print the table, or check README.md."""
-    if sys.argv[1:] == ["--check"]:
-        if table() not in (ROOT / "README.md").read_text(encoding="utf-8"):
-            sys.exit("README.md: the table of effects is not current; paste what scripts/effects_table.py prints")
-    else:
-        print(table(), end="")
-
-
 if __name__ == "__main__":
-    main()
+    print(table(), end="")

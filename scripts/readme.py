@@ -1,0 +1,78 @@
+"""Bring the outputs that README.md shows up to date, or check that they are.
+
+In the README, a block of output follows a line that says where it comes from::
+
+    <!-- output of: hsr-sim --links 4 --keq 1.11 -->
+
+A command that reads ``../shared`` needs that folder; it is left alone where the folder is absent.
+
+    python scripts/readme.py            rewrite every block
+    python scripts/readme.py --check    compare the blocks of quick commands; exit code 1 if one is not current
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+README = ROOT / "README.md"
+BLOCK = re.compile(r"(<!-- output of: (?P<command>.+?) -->\n)(?P<fence>```text\n.*?```\n|(?:\|.*\n)+)", re.DOTALL)
+SHARED = "../shared"
+
+
+def is_slow(command: str) -> bool:
+    """Recordings are diagnosed and fitted in minutes; everything else takes a second."""
+    return SHARED in command
+
+
+def output_of(command: str) -> str:
+    """What a command prints in a pipe 100 columns wide, run from the root of the repository."""
+    words = shlex.split(command)
+    if words[0] == "python":
+        words[0] = sys.executable
+    else:
+        words[0] = str(Path(sys.executable).with_name(words[0]))
+    environment = os.environ | {"COLUMNS": "100", "NO_COLOR": "1"}
+    done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+    return "\n".join(line.rstrip() for line in done.stdout.strip("\n").splitlines()) + "\n"
+
+
+def block_of(command: str) -> str:
+    """The block as it should stand in the README: a table as it is, anything else fenced."""
+    text = output_of(command)
+    return text if text.startswith("|") else f"```text\n{text}```\n"
+
+
+def main() -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="compare the quick blocks instead of rewriting all")
+    checking = parser.parse_args().check
+    text = README.read_text(encoding="utf-8")
+    stale = []
+
+    def current(match: re.Match[str]) -> str:
+        command = match["command"]
+        if is_slow(command) and (checking or not (ROOT / SHARED).is_dir()):
+            return match[0]
+        fresh = match[1] + block_of(command)
+        if fresh != match[0]:
+            stale.append(command)
+        return fresh
+
+    renewed = BLOCK.sub(current, text)
+    for command in stale:
+        print(f"not current: {command}" if checking else f"renewed: {command}")
+    if not checking:
+        README.write_text(renewed, encoding="utf-8")
+    return 1 if checking and stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
