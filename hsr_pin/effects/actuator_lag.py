@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Command, Effect
+from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -21,13 +23,10 @@ class ActuatorLag(Effect):
 
     time_constant: float = parameter(0.0, lower=0.0, upper=1.0, unit="s", scale=0.05, amplitude=True, description="of the lag")
 
-    def command(self, command: Command) -> Command:
+    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
+        if past is None:
+            return torque, torque
         lag = np.asarray(self.time_constant)
-        kept = np.exp(-command.step / np.maximum(lag, 1e-3 * command.step))  # 0 where there is no lag
-        mean = np.empty_like(command.torque)
-        y = command.initial
-        for n, u in enumerate(command.torque):
-            y_next = u + (y - u) * kept
-            mean[n] = u - lag / command.step * (y_next - y)
-            y = y_next
-        return replace(command, torque=mean)
+        kept = np.exp(-step / np.maximum(lag, 1e-3 * step))  # 0 where there is no lag
+        y = torque + (past - torque) * kept
+        return torque - lag / step * (y - past), y

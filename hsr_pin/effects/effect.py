@@ -41,23 +41,6 @@ class Bending(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Command:
-    """The torque that drives the arm.
-
-    Attributes:
-        torque: (S, B) [N m] mean over each step.
-        initial: (B,) [N m] the constant torque before the first step.
-        step: [s].
-        keq: (B,) [Nm/rad].
-    """
-
-    torque: Array
-    initial: Array
-    step: float
-    keq: Array
-
-
-@dataclass(frozen=True, eq=False)
 class View:
     """What the cameras see.
 
@@ -143,9 +126,19 @@ class Effect(ABC):
         """Torque that arrives at arc length s (..., 1) in [0, 1], relative to the command; None: all of it."""
         return None
 
-    def command(self, command: Command) -> Command:
-        """The torque that the muscles make of the command."""
-        return command
+    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
+        """What the muscles make of a command held over one step, and what they will remember of it.
+
+        Args:
+            torque: (B,) [N m] commanded.
+            past: what they remember of the steps before, as this method gave it; None: the command has always been this torque.
+            step: [s].
+            keq: (B,) [Nm/rad].
+
+        Returns:
+            (B,) [N m] the mean over the step, and the next ``past`` (None for a law without a memory).
+        """
+        return torque, None
 
     def moment(self, bending: Bending) -> Array | None:
         """(N, B) [N m] further moment with which the arm resists bending; None: nothing."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
-from hsr_pin.effects.effect import Command, Effect
+from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -19,5 +21,5 @@ class TorqueBias(Effect):
 
     bias: float = parameter(0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, description="torque added")
 
-    def command(self, command: Command) -> Command:
-        return replace(command, torque=command.torque + self.bias, initial=command.initial + self.bias)
+    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
+        return torque + self.bias, None

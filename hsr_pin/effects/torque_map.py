@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Command, Effect
+from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -30,8 +31,5 @@ class TorqueMap(Effect):
         description="relative gain of torque per commanded bending",
     )
 
-    def command(self, command: Command) -> Command:
-        def bent(torque: Array) -> Array:
-            return np.asarray(torque + self.quadratic * torque * np.abs(torque) / command.keq)
-
-        return replace(command, torque=bent(command.torque), initial=bent(command.initial))
+    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
+        return torque + self.quadratic * torque * np.abs(torque) / keq, None

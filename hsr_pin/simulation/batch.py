@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import View, columns_of
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import rigid_body
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns, Shape, arm_of, shape_of
-from hsr_pin.simulation.forward import forward_dynamics
 from hsr_pin.simulation.integrators import Integrator
 from hsr_pin.simulation.integrators import integrator as integrator_named
-from hsr_pin.simulation.result import Outcome, SimulationResult
-from hsr_pin.simulation.scenario import Pose, Scenario
-from hsr_pin.simulation.statics import equilibrium
+from hsr_pin.simulation.result import Outcome, SimulationResult, furthest_joint, reason_of
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.simulation.stepper import Stepper, starting_state
 from hsr_pin.trajectory import Array, Trajectory
-
-BoolArray = NDArray[np.bool_]
 
 #: Default largest step [s]: with the default integrator the tip is within 0.05 mm of the chain's exact motion for N = 4 to 32.
 STEP = 0.01
@@ -65,77 +60,28 @@ def simulate_batch(
     return [results[i] for i in range(len(scenarios))]
 
 
-class _Step:
-    """The equations of motion during one step: the drive and the laws' states are those at its beginning."""
-
-    def __init__(self, columns: Columns, lengths: tuple[float, ...], dynamics: str, threads: int) -> None:
-        self._columns = columns
-        self.stiffness, self.damping = columns.stiffness, columns.damping
-        armatures = [(d * self.damping + d * d * self.stiffness)[:, 0] for d in lengths]
-        self._forward = forward_dynamics(dynamics, [arm.model for arm in columns.arm_models], armatures, threads)
-        self._dampers = [columns.damper + d * self.stiffness for d in lengths]
-
-    def begin(self, drive: Array, states: tuple[Array, ...], start: Array) -> None:
-        self._drive, self._states, self._start = drive, states, start
-
-    def solve(self, slot: int, q: Array, v: Array, elapsed: float, push: Array | None = None) -> Array:
-        states = self._states
-        if states and elapsed > 0:
-            states = self._columns.update(states, self._start, q, elapsed)
-        force = self._columns.torque(q, v, states, self._dampers[slot])
-        force += self._drive
-        if push is not None:
-            force += push
-        return self._forward.solve(slot, q, v, force)
-
-
 def _run(columns: Columns, method: Integrator, dynamics: str, threads: int) -> list[SimulationResult]:
-    step, substeps = columns.step, columns.shape.substeps
-    chain = _Step(columns, method.lengths(step), dynamics, threads)
-    command = columns.command()
-    q, v, states, alive = _start(columns, command.initial)
-    failures = {int(b): (0, Outcome.NO_EQUILIBRIUM, _furthest(q[:, b])) for b in np.flatnonzero(~alive)}
+    substeps = columns.shape.substeps
+    stepper = Stepper(columns, method, columns.step, dynamics, threads)
+    commands, initial = columns.commands()
+    state, alive = starting_state(columns, initial)
+    failures = {int(b): (0, Outcome.NO_EQUILIBRIUM, furthest_joint(state.q[:, b])) for b in np.flatnonzero(~alive)}
     limit = np.array([arm.bending_limit for arm in columns.arms])
-    angles, rates = (np.empty((len(command.torque) // substeps + 1, *q.T.shape)) for _ in range(2))
-    angles[0], rates[0] = q.T, v.T
-    for n, torque in enumerate(command.torque, start=1):
-        chain.begin(np.asfortranarray(columns.drive * torque), states, q)
-        start = q
-        q, v = method.advance(chain, q, v, step)
-        states = columns.update(states, start, q, step)
+    angles, rates = (np.empty((len(commands) // substeps + 1, *state.q.T.shape)) for _ in range(2))
+    angles[0], rates[0] = state.q.T, state.v.T
+    for n, torque in enumerate(commands, start=1):
+        state = stepper.advance(state, torque)
+        q, v = state.q, state.v
         lost = alive & ~(np.abs(q.sum(axis=0)) <= limit)
         if lost.any():
-            failures |= {int(b): (n, _reason(q[:, b]), _furthest(q[:, b])) for b in np.flatnonzero(lost)}
+            failures |= {int(b): (n, reason_of(q[:, b]), furthest_joint(q[:, b])) for b in np.flatnonzero(lost)}
             alive &= ~lost
         if failures:
             q[:, ~alive], v[:, ~alive] = 0.0, 0.0
-            states = tuple(np.where(alive, state, 0.0) for state in states)
+            state = state._replace(laws=tuple(np.where(alive, law, 0.0) for law in state.laws))
         if n % substeps == 0:
             angles[n // substeps], rates[n // substeps] = q.T, v.T
     return _results(columns, angles, rates, failures)
-
-
-def _start(columns: Columns, torque: Array) -> tuple[Array, Array, tuple[Array, ...], BoolArray]:
-    """Angles, rates (N, B), internal states, and (B,) whether there is a start, under the torques (B,) [N m] before it."""
-    poses = {b: s.start for b, s in enumerate(columns.scenarios) if isinstance(s.start, Pose)}
-    settled = np.array([b not in poses for b in range(len(columns.scenarios))])
-    q, found = equilibrium(columns, torque, settled)
-    q = np.asfortranarray(q)
-    v = np.zeros_like(q)
-    for b, pose in poses.items():
-        q[:, b], v[:, b] = pose.angles, pose.rates
-    states = columns.update(columns.virgin_states(), np.zeros_like(q), q, math.inf)
-    return q, v, states, found | ~settled
-
-
-def _reason(q: Array) -> Outcome:
-    far = not np.abs(q).max() <= 4 * np.pi  # nan counts as far
-    return Outcome.DIVERGED if far else Outcome.BENDING_LIMIT
-
-
-def _furthest(q: Array) -> int:
-    """Number, from 1, of the joint that is bent most; of the first that is not a number, if there is one."""
-    return int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf))) + 1
 
 
 def _results(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Bending, Command, Effect, stack
+from hsr_pin.effects.effect import Bending, Effect, stack
 from hsr_pin.robot.model import build_model, rigid_body
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Scenario, Settled
@@ -117,6 +118,7 @@ class Columns:
         self._minus_spring = np.asfortranarray(-links * self.keq * self.profile)
         self.damper = np.asfortranarray(links * damping * along(self.effects, "damping", links))
         self.drive = along(self.effects, "actuation", links)
+        self.muscles = tuple(effect for effect in self.effects if effect.acts_through("command"))
         self.laws = tuple(effect for effect in self.effects if effect.acts_through("moment"))
         self.stiffness = np.array(shape.stiffness)[:, None]
         self.damping = np.array(shape.damping)[:, None]
@@ -126,8 +128,8 @@ class Columns:
         """The integrator's step [s]."""
         return self.shape.step / self.shape.substeps
 
-    def command(self) -> Command:
-        """What the muscles make of the commands."""
+    def commands(self) -> tuple[Array, Array]:
+        """(S, B) [N m] what the scenarios command at each step of the integrator, and (B,) what they did before the first."""
         samples = max(len(scenario.time) for scenario in self.scenarios)
         held = np.empty((samples - 1, len(self.scenarios)))
         for column, scenario in enumerate(self.scenarios):
@@ -135,10 +137,18 @@ class Columns:
             held[:count, column] = scenario.torque[:count]
             held[count:, column] = scenario.torque[-1]
         initial = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in self.scenarios])
-        command = Command(np.repeat(held, self.shape.substeps, axis=0), initial, self.step, self.keq)
-        for effect in self.effects:
-            command = effect.command(command)
-        return command
+        return np.repeat(held, self.shape.substeps, axis=0), initial
+
+    def deliver(self, torque: Array, pasts: tuple[Any, ...], step: float) -> tuple[Array, tuple[Any, ...]]:
+        """What the muscles make of commands (B,) [N m] held over ``step`` [s], and what each effect on them will remember.
+
+        ``pasts`` is what this method gave for the step before; empty: the commands have always been these.
+        """
+        remembered = []
+        for effect, past in zip(self.muscles, pasts or (None,) * len(self.muscles), strict=True):
+            torque, past = effect.command(torque, past, step, self.keq)
+            remembered.append(past)
+        return torque, tuple(remembered)
 
     def virgin_states(self) -> tuple[Array, ...]:
         """The laws' internal states in an arm that was never bent: (states, N, B) each."""

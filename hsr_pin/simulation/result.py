@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
 from hsr_pin.errors import SimulationFailure
 from hsr_pin.simulation.scenario import Scenario
-from hsr_pin.trajectory import Trajectory
+from hsr_pin.trajectory import Array, Trajectory
 
 
 class Outcome(Enum):
@@ -17,6 +19,17 @@ class Outcome(Enum):
     BENDING_LIMIT = "the arm bent beyond its limit; lower the torque or raise the stiffness or the bending limit"
     DIVERGED = "the motion diverged; try a smaller step, or parameters nearer to a real arm's"
     NO_EQUILIBRIUM = "no equilibrium was found to start from; lower the torque or raise the stiffness"
+
+
+def reason_of(q: Array) -> Outcome:
+    """Why a run cannot go on from the joint angles q (N,) [rad], which are beyond the bending limit."""
+    far = not np.abs(q).max() <= 4 * np.pi  # nan counts as far
+    return Outcome.DIVERGED if far else Outcome.BENDING_LIMIT
+
+
+def furthest_joint(q: Array) -> int:
+    """Number, from 1, of the joint that is bent most; of the first that is not a number, if there is one."""
+    return int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf))) + 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import simpson, trapezoid
 
 from hsr_pin.effects import EFFECTS, parse_effect
-from hsr_pin.effects.effect import Bending, Command, stack
+from hsr_pin.effects.effect import Bending, stack
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import along
 from hsr_pin.simulation.scenario import Marker, Settled, step_scenario
@@ -35,8 +35,14 @@ def walked(effect, path, step=0.01):
 
 
 def delivered(effect, torque, step=0.01, initial=0.0):
-    torque = np.asarray(torque, dtype=float)[:, None]
-    return effect.command(Command(torque, np.array([initial]), step, np.array([KEQ])))
+    """(S,) the mean over each step, of a command that was ``initial`` before."""
+    keq, steps = np.array([KEQ]), np.broadcast_to(step, len(torque))
+    _, past = effect.command(np.array([initial]), None, 0.01, keq)
+    means = []
+    for held, length in zip(torque, steps, strict=True):
+        mean, past = effect.command(np.array([held]), past, length, keq)
+        means.append(mean.item())
+    return np.array(means)
 
 
 @pytest.mark.parametrize("slope", [-1.8, -0.5, -2e-3, -1e-9, 0.0, 1.9e-3, 2.1e-3, 1.0, 1.8])
@@ -152,7 +158,7 @@ def test_a_damping_gradient_keeps_the_mean():
 
 def test_a_lag_gives_the_mean_of_the_exponential_over_each_step():
     lag, h = 0.03, 0.02
-    mean = delivered(EFFECTS["actuator_lag"](lag), [1.0] * 5, h).torque[:, 0]
+    mean = delivered(EFFECTS["actuator_lag"](lag), [1.0] * 5, h)
     edges = h * np.arange(6)
     integral = edges + lag * np.exp(-edges / lag)  # of 1 - exp(-t / T)
     np.testing.assert_allclose(mean, np.diff(integral) / h, atol=1e-14)
@@ -160,23 +166,42 @@ def test_a_lag_gives_the_mean_of_the_exponential_over_each_step():
 
 def test_a_lag_starts_settled_and_takes_each_column_its_own_time():
     laws = stack([EFFECTS["actuator_lag"](t) for t in (0.0, 1e-9, 0.1)])
-    command = Command(np.full((100, 3), 2.0), np.full(3, 0.5), 0.01, np.full(3, KEQ))
-    torque = laws.command(command).torque
+    _, past = laws.command(np.full(3, 0.5), None, 0.01, np.full(3, KEQ))
+    torque = np.empty((100, 3))
+    for n in range(100):
+        torque[n], past = laws.command(np.full(3, 2.0), past, 0.01, np.full(3, KEQ))
     assert np.all(torque[:, 0] == 2.0)
     np.testing.assert_allclose(torque[:, 1], 2.0, atol=1e-6)
     assert torque[0, 2] < 0.6 and torque[-1, 2] == pytest.approx(2.0, abs=1e-3)
-    assert np.all(delivered(EFFECTS["actuator_lag"](0.2), [0.7] * 9, initial=0.7).torque == 0.7)
+    assert np.all(delivered(EFFECTS["actuator_lag"](0.2), [0.7] * 9, initial=0.7) == 0.7)
 
 
 def test_a_dead_time_of_whole_steps_shifts_and_a_part_of_a_step_is_averaged():
     u = [1.0, 3.0, 2.0, 0.0]
-    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.02), u, initial=9.0).torque[:, 0], [9, 9, 1, 3], atol=1e-12)
-    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.0025), u, initial=5.0).torque[:, 0], [2, 2.5, 2.25, 0.5])
-    assert np.all(delivered(EFFECTS["dead_time"](0.5), u, initial=9.0).torque == 9.0)
+    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.02), u, initial=9.0), [9, 9, 1, 3], atol=1e-12)
+    np.testing.assert_allclose(delivered(EFFECTS["dead_time"](0.0025), u, initial=5.0), [2, 2.5, 2.25, 0.5])
+    assert np.all(delivered(EFFECTS["dead_time"](0.5), u, initial=9.0) == 9.0)
+
+
+@pytest.mark.parametrize("text", ["actuator_lag:time_constant=0.03", "dead_time:delay=0.023", "dead_time:delay=0.0305"])
+def test_steps_of_any_length_give_the_same_mean_of_a_held_command(text):
+    law = parse_effect(text)
+    held, long = np.array([1.0, 3.0, 2.0, 0.0, 0.0, 5.0]), np.array([0.02, 0.01, 0.005, 0.03, 0.01, 0.02])
+    counts = np.array([4, 1, 2, 7, 1, 5])
+    fine = delivered(law, np.repeat(held, counts), np.repeat(long / counts, counts), initial=2.0)
+    means = [part.mean() for part in np.split(fine, counts.cumsum()[:-1])]
+    np.testing.assert_allclose(delivered(law, held, long, initial=2.0), means, rtol=0, atol=1e-12)
+
+
+def test_a_dead_time_forgets_what_is_older_than_itself():
+    law, past = EFFECTS["dead_time"](0.05), None
+    for torque in np.arange(1000.0):
+        _, past = law.command(np.array([torque]), past, 0.01, np.array([KEQ]))
+    assert len(past[1]) == 5
 
 
 def test_the_torque_changes_evenly_with_a_dead_time_within_a_step():
-    late = [delivered(EFFECTS["dead_time"](d), [0.0, 1.0, 4.0, 4.0]).torque[:, 0] for d in (0.012, 0.013, 0.018)]
+    late = [delivered(EFFECTS["dead_time"](d), [0.0, 1.0, 4.0, 4.0]) for d in (0.012, 0.013, 0.018)]
     np.testing.assert_allclose((late[1] - late[0]) * 5, late[2] - late[1], atol=1e-12)
 
 
@@ -189,9 +214,9 @@ def test_a_bias_is_a_shift_of_the_command():
 
 
 def test_the_torque_map_bends_the_command_both_ways_alike():
-    command = delivered(EFFECTS["torque_map"](0.3), [1.0, -1.0, 2.0], initial=2.0)
-    np.testing.assert_allclose(command.torque[:, 0], [1.15, -1.15, 2.6])
-    assert command.initial.item() == pytest.approx(2.6)
+    law = EFFECTS["torque_map"](0.3)
+    np.testing.assert_allclose(delivered(law, [1.0, -1.0, 2.0]), [1.15, -1.15, 2.6])
+    assert law.command(np.array([2.0]), None, 0.01, np.array([KEQ]))[0].item() == pytest.approx(2.6)  # before the first step too
 
 
 def test_torque_decay_falls_from_base_to_tip():

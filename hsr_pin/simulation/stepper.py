@@ -1,0 +1,94 @@
+"""One step after the other: arms side by side, the state passed in and handed back."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.forward import forward_dynamics
+from hsr_pin.simulation.integrators import Integrator
+from hsr_pin.simulation.scenario import Pose
+from hsr_pin.simulation.statics import equilibrium
+from hsr_pin.trajectory import Array
+
+
+class ChainState(NamedTuple):
+    """All that B arms remember between two steps.
+
+    Attributes:
+        q: (N, B) [rad] joint angles.
+        v: (N, B) [rad/s] joint rates.
+        laws: internal states of the effects in the arm, (states, N, B) each.
+        muscles: what the effects on the command remember of it, in forms of their own.
+    """
+
+    q: Array
+    v: Array
+    laws: tuple[Array, ...]
+    muscles: tuple[Any, ...]
+
+
+class Stepper:
+    """Steps of one length for one set of columns.
+
+    Args:
+        columns: the arms.
+        method: the integrator.
+        step: [s].
+        dynamics: "aba" or "rnea".
+        threads: for the dynamics.
+    """
+
+    def __init__(self, columns: Columns, method: Integrator, step: float, dynamics: str = "aba", threads: int = 1) -> None:
+        self.columns, self.step = columns, step
+        self._method = method
+        self._chain = _Step(columns, method.lengths(step), dynamics, threads)
+
+    def advance(self, state: ChainState, torque: Array) -> ChainState:
+        """The state one step later, under commands (B,) [N m]."""
+        delivered, muscles = self.columns.deliver(torque, state.muscles, self.step)
+        self._chain.begin(np.asfortranarray(self.columns.drive * delivered), state.laws, state.q)
+        q, v = self._method.advance(self._chain, state.q, state.v, self.step)
+        return ChainState(q, v, self.columns.update(state.laws, state.q, q, self.step), muscles)
+
+
+class _Step:
+    """The equations of motion during one step: the drive and the laws' states are those at its beginning."""
+
+    def __init__(self, columns: Columns, lengths: tuple[float, ...], dynamics: str, threads: int) -> None:
+        self._columns = columns
+        self.stiffness, self.damping = columns.stiffness, columns.damping
+        armatures = [(d * self.damping + d * d * self.stiffness)[:, 0] for d in lengths]
+        self._forward = forward_dynamics(dynamics, [arm.model for arm in columns.arm_models], armatures, threads)
+        self._dampers = [columns.damper + d * self.stiffness for d in lengths]
+
+    def begin(self, drive: Array, states: tuple[Array, ...], start: Array) -> None:
+        self._drive, self._states, self._start = drive, states, start
+
+    def solve(self, slot: int, q: Array, v: Array, elapsed: float, push: Array | None = None) -> Array:
+        states = self._states
+        if states and elapsed > 0:
+            states = self._columns.update(states, self._start, q, elapsed)
+        force = self._columns.torque(q, v, states, self._dampers[slot])
+        force += self._drive
+        if push is not None:
+            force += push
+        return self._forward.solve(slot, q, v, force)
+
+
+def starting_state(columns: Columns, torque: Array) -> tuple[ChainState, NDArray[np.bool_]]:
+    """Where the scenarios start, the command having been ``torque`` (B,) [N m] before, and (B,) whether there is such a start."""
+    poses = {b: s.start for b, s in enumerate(columns.scenarios) if isinstance(s.start, Pose)}
+    settled = np.array([b not in poses for b in range(len(columns.scenarios))])
+    delivered, muscles = columns.deliver(torque, (), columns.step)
+    q, found = equilibrium(columns, delivered, settled)
+    q = np.asfortranarray(q)
+    v = np.zeros_like(q)
+    for b, pose in poses.items():
+        q[:, b], v[:, b] = pose.angles, pose.rates
+    laws = columns.update(columns.virgin_states(), np.zeros_like(q), q, math.inf)
+    return ChainState(q, v, laws, muscles), found | ~settled
