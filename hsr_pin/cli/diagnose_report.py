@@ -78,7 +78,7 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     best = diagnosis.search.best
     heading = f"best model: {' + '.join(best.names) or 'stiffness and damping'}"
     others = [candidate for candidate in ranked(diagnosis.search.tried) if candidate.names != best.names]
-    named = [f"{number(1e3 * mean_square(each) ** 0.5)} {' + '.join(each.names) or 'none'}" for each in others[:3]]
+    named = [f"{number(1e3 * mean_square(each) ** 0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
     rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
     own, rows = estimates(best.fit), []
     for each in own:

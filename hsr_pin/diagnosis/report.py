@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +35,8 @@ from hsr_pin.identification.experiment import Run
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.output import write_text
 from hsr_pin.trajectory import Array
+
+_COUNTED = re.compile(r"(\d+) of (\d+) samples")
 
 
 def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
@@ -180,8 +183,19 @@ def _recording(run: Run, diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _notes(diagnosis: Diagnosis) -> list[str]:
+    """What was left out, and what was done to the recordings: the same in several trials is said once, samples added up."""
     experiment = diagnosis.experiment
-    own = [f"{run.trial.name}: {note}" for run in experiment.runs for note in run.trial.trajectory.notes]
+    said: dict[str, list[tuple[str, int, int]]] = {}
+    for run in experiment.runs:
+        for note in run.trial.trajectory.notes:
+            counted = _COUNTED.search(note)
+            some, of = (int(counted[1]), int(counted[2])) if counted else (0, 0)
+            said.setdefault(_COUNTED.sub("{} of {} samples", note, count=1), []).append((run.trial.name, some, of))
+    own = []
+    for note, places in said.items():
+        some, of = sum(place[1] for place in places), sum(place[2] for place in places)
+        text = note.replace("{} of {} samples", f"{some} of {of} samples", 1)
+        own.append(f"{text} ({places[0][0] if len(places) == 1 else f'{len(places)} trials'})")
     return [*experiment.notes, *experiment.dataset.notes, *own]
 
 

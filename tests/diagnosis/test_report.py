@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.report import report, telling, write_report
+from hsr_pin.diagnosis.report import _notes, report, telling, write_report
 from hsr_pin.diagnosis.verdict import STATUSES
 from hsr_pin.diagnosis.words import HEADLINES
 
@@ -148,6 +148,15 @@ def test_gaps_in_the_measurement_and_a_marker_that_was_never_seen_can_be_drawn(d
     assert ": marker mid" in text
     assert "trial_09 is left out" in text
     assert "NaN" not in text and ">nan" not in text
+
+
+def test_what_was_mended_in_several_trials_is_said_once(diagnosis):
+    runs = list(diagnosis.experiment.runs)
+    for index, notes in enumerate([("tip: 3 of 50 samples removed", "clock mended"), ("tip: 2 of 51 samples removed",)]):
+        trial = runs[index].trial
+        runs[index] = replace(runs[index], trial=replace(trial, trajectory=replace(trial.trajectory, notes=notes)))
+    noted = replace(diagnosis, experiment=replace(diagnosis.experiment, runs=tuple(runs), notes=("trial_09 is left out",)))
+    assert _notes(noted) == ["trial_09 is left out", "tip: 5 of 101 samples removed (2 trials)", "clock mended (trial_01)"]
 
 
 def test_the_same_diagnosis_gives_the_same_file(diagnosis, html, tmp_path):
