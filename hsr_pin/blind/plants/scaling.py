@@ -39,21 +39,21 @@ class Yardstick:
     nuisance: Nuisance = field(default_factory=Nuisance)
     plant: Plant = field(default_factory=lambda: ChainPlant(elements=12, step=5e-4))
 
-    def gap(self, law: Law) -> float:
-        """With the law against without it, at the same K and C [mm]."""
-        return _rms(self._change(law))
+    def gap(self, *laws: Law) -> float:
+        """With the laws against without them, at the same K and C [mm]."""
+        return _rms(self._change(laws))
 
-    def refitted_gap(self, law: Law) -> float:
+    def refitted_gap(self, *laws: Law) -> float:
         """What is left of the gap after the best change of K and C [mm]: what a diagnosis has to go by.
 
         Estimated by linear least squares on differences of 2 % in K and in C.
         """
-        change = self._change(law)
+        change = self._change(laws)
         best = np.linalg.lstsq(self._slopes, change, rcond=None)[0]
         return _rms(change - self._slopes @ best)
 
-    def _change(self, law: Law) -> Array:
-        return self._watch((law,)) - self._nominal
+    def _change(self, laws: tuple[Law, ...]) -> Array:
+        return self._watch(laws) - self._nominal
 
     @cached_property
     def _nominal(self) -> Array:

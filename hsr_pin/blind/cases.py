@@ -1,0 +1,114 @@
+"""The plan of a blind check: which case holds which effects, how large, recorded how. All follows from a seed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TypeVar
+
+import numpy as np
+
+from hsr_pin.blind.plants.laws import CATALOGUE, OUTSIDE
+from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.errors import InputError
+
+T = TypeVar("T")
+#: Kind of case, its effects, their sizes.
+Content = tuple[str, tuple[str, ...], tuple[str, ...]]
+
+#: Kind of case -> its share. 57 of 100: each of the nineteen effects at its three sizes.
+SHARES: dict[str, float] = {"single": 0.57, "pair": 0.15, "none": 0.12, "outside": 0.16}
+#: Sizes of each effect of a pair: of two barely visible ones nobody could tell.
+PAIR_SIZES = ("medium", "large")
+#: Mixtures of what is done to the arm.
+PROGRAMS = (
+    "steps",
+    "steps+releases",
+    "steps+chirp",
+    "steps+payload",
+    "steps+staircase",
+    "staircase+releases",
+    "chirp+releases",
+    "steps+chirp+releases",
+)
+MOUNTS = ("hanging", "upright")
+INPUTS = ("pressures", "tau")
+#: Every so many cases one is recorded on the rod, which takes longer: only where its program is short and it knows the law.
+ROD_EVERY, ROD_PROGRAMS, ROD_LACKS = 8, ("steps", "steps+releases"), ("wall",)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case.
+
+    Attributes:
+        name: of its folder. kind: a key of `SHARES`.
+        effects: names of laws, sizes: names of `SIZES`, one for each effect.
+        plant: "chain" or "rod"; mount, program, given: what is recorded.
+        seed: of everything that is random in it.
+    """
+
+    name: str
+    kind: str
+    effects: tuple[str, ...]
+    sizes: tuple[str, ...]
+    plant: str
+    mount: str
+    program: str
+    given: str
+    seed: int
+
+
+def plan(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
+    """The cases of a check, in an order that tells nothing; balanced for any count."""
+    if count < 1:
+        raise InputError("cases", expected="one or more", received=count)
+    rng = np.random.default_rng(seed)
+    contents = _contents(rng, count)
+    recordings = zip(*(_balanced(rng, choices, count) for choices in (programs, MOUNTS, INPUTS)), strict=True)
+    rods = rng.integers(ROD_EVERY)
+    cases = []
+    for k, ((kind, effects, sizes), (program, mount, given)) in enumerate(zip(contents, recordings, strict=True)):
+        rod = k % ROD_EVERY == rods and not set(effects) & set(ROD_LACKS)
+        if rod and program not in ROD_PROGRAMS:
+            program = ROD_PROGRAMS[k // ROD_EVERY % 2] if set(ROD_PROGRAMS) <= set(programs) else programs[0]
+        own = int(rng.integers(1 << 31))
+        cases.append((kind, effects, sizes, "rod" if rod else "chain", mount, program, given, own))
+    order = rng.permutation(count)
+    return tuple(Case(f"case_{place:03d}", *cases[k]) for place, k in enumerate(order, start=1))
+
+
+def _contents(rng: np.random.Generator, count: int) -> list[Content]:
+    number = _quotas(count)
+    found: list[Content] = [("none", (), ())] * number["none"]
+    found += [("single", (effect,), (size,)) for effect, size in _crossed(rng, list(CATALOGUE), number["single"])]
+    found += [("outside", (law,), (size,)) for law, size in _crossed(rng, list(OUTSIDE), number["outside"])]
+    pairs = list(combinations(CATALOGUE, 2))
+    order = rng.permutation(len(pairs))
+    for k in range(number["pair"]):
+        first, second = (str(rng.choice(PAIR_SIZES)) for _ in range(2))
+        found.append(("pair", pairs[order[k % len(pairs)]], (first, second)))
+    return found
+
+
+def _quotas(count: int) -> dict[str, int]:
+    """How many cases of each kind: rounded down, the rest to those that lost most."""
+    exact = {kind: share * count for kind, share in SHARES.items()}
+    number = {kind: int(share + 1e-9) for kind, share in exact.items()}
+    losers = sorted(SHARES, key=lambda kind: number[kind] - exact[kind])
+    for kind in losers[: count - sum(number.values())]:
+        number[kind] += 1
+    return number
+
+
+def _crossed(rng: np.random.Generator, names: Sequence[str], count: int) -> list[tuple[str, str]]:
+    """Names with sizes: in each round every name once, and after three rounds at every size."""
+    order, sizes = rng.permutation(names), rng.permutation(list(SIZES))
+    size = len(names)
+    return [(str(order[k % size]), str(sizes[(k % size + k // size) % len(sizes)])) for k in range(count)]
+
+
+def _balanced(rng: np.random.Generator, choices: Sequence[T], count: int) -> list[T]:
+    """Each choice as often as the others, in random order."""
+    return [choices[k % len(choices)] for k in rng.permutation(count)]

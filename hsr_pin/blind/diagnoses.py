@@ -1,0 +1,63 @@
+"""Diagnose every recording of a check, from its folder alone."""
+
+from __future__ import annotations
+
+import json
+import traceback
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hsr_pin.blind.pool import for_each
+from hsr_pin.errors import InputError
+from hsr_pin.output import check_folder_writable, write_text
+
+
+def recordings(folder: Path) -> list[Path]:
+    """The folders of a check's cases, sorted.
+
+    Raises:
+        InputError: there are none.
+    """
+    found = sorted(path.parent for path in folder.glob("case_*/dataset.toml"))
+    if not found:
+        raise InputError("folder", expected="recordings that hsr-blind make wrote", received="none", file=folder)
+    return found
+
+
+def diagnose_all(
+    folder: Path, verdicts: Path, *, jobs: int = 1, seed: int = 0, advance: Callable[[], None] = lambda: None
+) -> None:
+    """Write a verdict for each case that has none yet; a case that failed before is tried again."""
+    check_folder_writable(verdicts)
+    verdicts.mkdir(parents=True, exist_ok=True)
+    cases = recordings(folder)
+    open_cases = [case for case in cases if not _is_done(verdicts / f"{case.name}.json")]
+    for _ in range(len(cases) - len(open_cases)):
+        advance()
+    for_each(partial(diagnose_case, verdicts=verdicts, seed=seed), open_cases, jobs, advance)
+
+
+def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
+    """Write what ``hsr-diagnose`` would, or the error that came of it."""
+    from hsr_pin.diagnosis.diagnose import diagnose
+    from hsr_pin.diagnosis.document import to_json
+    from hsr_pin.recordings.read import read_dataset
+
+    document: dict[str, Any]
+    try:
+        document = to_json(diagnose(read_dataset(recording), jobs=1, seed=seed))
+    except Exception as error:  # whatever it is: one case must not end a check of hundreds
+        trace = traceback.format_exc()
+        document = {"dataset": recording.name, "error": f"{type(error).__name__}: {error}", "traceback": trace}
+    write_text(verdicts / f"{recording.name}.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:
+    """Name of the case -> what was written for it."""
+    return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(verdicts.glob("case_*.json"))}
+
+
+def _is_done(file: Path) -> bool:
+    return file.exists() and "error" not in json.loads(file.read_text(encoding="utf-8"))

@@ -1,0 +1,67 @@
+"""How far the gap would shrink if one knew: the true law, its parameters fitted like any other's."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import permutations, product
+from math import sqrt
+from pathlib import Path
+
+from hsr_pin.blind.answers import Answer
+from hsr_pin.blind.pool import for_each
+from hsr_pin.output import write_text
+
+
+def consult(
+    folder: Path, cache: Path, answers: Sequence[Answer], *, jobs: int = 1, advance: Callable[[], None] = lambda: None
+) -> None:
+    """Write the held-out RMS distance of the true law for each case with effects of the catalogue that has none yet."""
+    cache.mkdir(parents=True, exist_ok=True)
+    asked = [(answer.name, answer.effects) for answer in answers if answer.kind in ("single", "pair")]
+    open_cases = [case for case in asked if not (cache / f"{case[0]}.json").exists()]
+    for _ in range(len(asked) - len(open_cases)):
+        advance()
+    for_each(partial(_consult, folder=folder, cache=cache), open_cases, jobs, advance)
+
+
+def read_oracle(cache: Path) -> dict[str, float]:
+    """Name of the case -> held-out RMS distance [mm] of the true law."""
+    found = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(cache.glob("case_*.json"))}
+    return {name: float(document["heldout_rms_mm"]) for name, document in found.items()}
+
+
+def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> None:
+    name, effects = case
+    rms = heldout_rms(folder / name, effects)
+    write_text(cache / f"{name}.json", json.dumps({"effects": effects, "heldout_rms_mm": 1e3 * rms}) + "\n")
+
+
+def heldout_rms(recording: Path, names: Sequence[str]) -> float:
+    """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
+    from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
+    from hsr_pin.diagnosis.search import mean_square
+    from hsr_pin.effects import effect_named
+    from hsr_pin.effects.effect import neutral
+    from hsr_pin.identification.experiment import prepare
+    from hsr_pin.identification.fit import fit
+    from hsr_pin.identification.heldout import leave_one_out
+    from hsr_pin.identification.hypothesis import Hypothesis
+    from hsr_pin.recordings.read import read_dataset
+
+    experiment = prepare(read_dataset(recording))
+    base = fit(experiment, Hypothesis())
+    found = [Candidate(base, tuple(leave_one_out(experiment, base)))]
+    for order in permutations(names):
+        kinds = [effect_named(name) for name in order]
+        for readings in product(*(kind.variants() for kind in kinds)):
+            last = base
+            for kind, reading in zip(kinds, readings, strict=True):
+                starts = guesses(experiment, last, [neutral(kind, **reading)])
+                if not starts:
+                    break
+                last = glance(experiment, last, starts[0])
+            else:
+                found.append(finish(experiment, last))
+    return sqrt(min(mean_square(candidate) for candidate in found[1:] or found))
