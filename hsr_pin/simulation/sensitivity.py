@@ -112,8 +112,12 @@ def _owner(scenario: Scenario, name: str) -> tuple[Effect | None, str]:
 
 
 def _offsets(value: float, fact: Parameter, fraction: float) -> tuple[float, float]:
-    """Two offsets within the bounds: h and -h, or h and 2 h away from the nearer bound."""
-    h = fraction * fact.scale
+    """Two offsets within the bounds: h and -h, or h and 2 h away from the nearer bound.
+
+    A number that every arm has (not an amplitude, which may be zero) is changed by a fraction of itself where that is less: an
+    arm a tenth as stiff as the paper's bears a tenth of the change.
+    """
+    h = fraction * (min(fact.scale, value) if fact.name in ("keq", "damping", "mass") and value > 0 else fact.scale)
     if value + h > fact.upper:
         return -h, -2 * h
     return (h, -h) if value - h >= fact.lower else (h, 2 * h)

@@ -116,3 +116,12 @@ def test_first_order_differences_take_half_the_runs_and_are_nearly_as_good():
     scenario = step_scenario(ARM, 1.0, duration=0.5)
     (_, (forward,)), (_, (central,)) = (sensitivities([scenario], ["keq"], central=c) for c in (False, True))
     assert 0 < np.abs(forward - central).max() < 2e-3 * np.abs(central).max()
+
+
+def test_an_arm_with_a_hundredth_of_the_papers_damping_has_its_derivative():
+    arm = ArmSpecification(length=0.1, mass=0.096, diameter=0.03, keq=0.178, damping=5e-4, mount="horizontal", placement="mid")
+    scenario = Scenario(arm, np.arange(31) * 0.01, np.zeros(31), Pose(np.zeros(4)))
+    (base,), (slopes,) = sensitivities([scenario], ["damping"], fraction=0.02, central=False)
+    assert base.completed
+    assert np.isfinite(slopes).all()
+    assert np.abs(slopes[-1]).max() > 0.1
