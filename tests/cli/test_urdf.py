@@ -3,7 +3,6 @@
 import re
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -80,16 +79,11 @@ def test_a_file_that_cannot_be_written_is_one_line_and_leaves_nothing(capsys, tm
     assert (tmp_path / "file").read_text() == "mine"
 
 
-def test_help_loads_nothing_heavy_and_takes_less_than_half_a_second():
+def test_help_loads_nothing_heavy():
     heavy = "print(sorted({'numpy', 'pinocchio', 'jinja2', 'scipy', 'rich'} & set(sys.modules)), file=sys.stderr)"
     program = f"import sys, atexit; atexit.register(lambda: {heavy}); {PROGRAM}"
-    times = []
-    for _ in range(3):
-        start = time.perf_counter()
-        done = subprocess.run([sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=True)
-        times.append(time.perf_counter() - start)
-        assert done.stderr == "[]\n"
-    assert min(times) < 0.5
+    done = subprocess.run([sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=True)
+    assert done.stderr == "[]\n"
 
 
 def test_the_program_ends_with_the_exit_code():
