@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hsr_pin.effects.effect import View, columns_of
-from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.effects.effect import columns_of
 from hsr_pin.robot.model import rigid_body
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns, Shape, arm_of, shape_of
 from hsr_pin.simulation.integrators import Integrator
 from hsr_pin.simulation.integrators import integrator as integrator_named
@@ -117,15 +117,9 @@ def _positions(columns: Columns, angles: Array) -> list[Array]:
         kinds[(rigid_body(arm), scenario.markers)].append(b)
     positions: list[Array] = [angles] * len(columns.scenarios)
     for members in kinds.values():
-        model, markers = columns.arm_models[members[0]], columns.scenarios[members[0]].markers
-        reach = np.array([marker.arc_length for marker in markers])
-        places = marker_map(model, reach)
-        q = angles[:, members]
-        seen = places.positions(q)
-        for effect in columns.effects:
-            if effect.acts_through("observe"):
-                own = columns_of(effect, members)
-                seen = own.observe(View(seen, places.normals(q), reach, model.joint_axis))
+        effects = tuple(columns_of(effect, members) for effect in columns.effects)
+        cameras = Cameras(columns.arm_models[members[0]], columns.scenarios[members[0]].markers, effects)
+        seen = cameras.positions(angles[:, members])
         for place, b in enumerate(members):
             positions[b] = seen[:, place]
     return positions
