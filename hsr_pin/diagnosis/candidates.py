@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
+T = TypeVar("T")
+
 #: Amplitude with which an effect is probed, over its parameter's scale; one with shape parameters with a small and a large one.
 _PROBE = 0.5
 _PROBES = (0.25, 2.0)
@@ -24,6 +27,8 @@ _PROBES = (0.25, 2.0)
 _STARTS = 2
 #: Values of each shape parameter that are probed.
 _GRID = 3
+#: Probes and quick fits look at this many runs at most, spread over the recordings.
+_ENOUGH = 10
 #: No first guess goes further than this from neutral, over the parameter's scale.
 _FARTHEST = 6.0
 
@@ -68,6 +73,7 @@ def guesses(experiment: Experiment, base: Fit, effects: list[Effect]) -> list[Gu
     is taken as linear in the amplitude; the amplitude that fits best, with the open parameters adjusted along their known
     derivatives, and the misfit that it should leave, follow from linear least squares.
     """
+    experiment, base = _thinned(experiment, base)
     nominal = predict(experiment, base.hypothesis, [(run, base.values) for run in experiment.runs])
     return [guess for effect in effects for guess in _guess(experiment, base, effect, nominal)]
 
@@ -94,15 +100,35 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
 
 
 def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
-    """A quick fit from each of a guess's starts; the best of them."""
+    """A quick fit from each of a guess's starts, to some of the runs; the best of them."""
+    experiment, base = _thinned(experiment, base)
     answers = [fit(experiment, guess.hypothesis, start=start, after=base, quick=True) for start in guess.starts]
     return min(answers, key=lambda fitted: fitted.rms)
 
 
-def finish(experiment: Experiment, quick: Fit) -> Candidate:
+def finish(experiment: Experiment, base: Fit, quick: Fit) -> Candidate:
     """The full fit after a quick one, and every run predicted from the others."""
-    answer = fit(experiment, quick.hypothesis, start=quick.values, after=quick)
+    answer = fit(experiment, quick.hypothesis, start=quick.values, after=base)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
+
+
+def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
+    """Some of the runs, and a fit as it stands on them."""
+    if len(experiment.runs) <= _ENOUGH:
+        return experiment, base
+    kept = np.linspace(0, len(experiment.runs) - 1, _ENOUGH).round().astype(int)
+
+    def some(items: tuple[T, ...]) -> tuple[T, ...]:
+        return tuple(items[k] for k in kept)
+
+    fewer = replace(
+        base,
+        residuals=some(base.residuals),
+        slopes=some(base.slopes),
+        weights=some(base.weights),
+        defects=some(base.defects),
+    )
+    return replace(experiment, runs=some(experiment.runs)), fewer
 
 
 def _probes(effect: Effect) -> list[Effect]:

@@ -56,8 +56,8 @@ class Workers(Protocol):
     def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
         """A quick fit for each guess about a base fit."""
 
-    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
-        """A candidate for each quick fit."""
+    def finish(self, tasks: Sequence[tuple[Fit, Fit]]) -> list[Candidate]:
+        """A candidate for each quick fit, with the fit it is based on before it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,9 +149,12 @@ def _extend(
             name = tuple(sorted((effect.name, effect.options) for effect in guess.hypothesis.effects))
             if name not in tried:
                 chosen.setdefault(name, (base.fit, guess))
-    quick = sorted(workers.glance(list(chosen.values())), key=lambda fit: fit.rms)
-    kept = [fit for place, fit in enumerate(quick) if place < FINISHED or fit.rms < CLOSE * quick[0].rms]
-    return workers.finish(kept)
+    tasks = list(chosen.values())
+    quick = zip((base for base, _ in tasks), workers.glance(tasks), strict=True)
+    ranked_fits = sorted(quick, key=lambda pair: pair[1].rms)
+    return workers.finish(
+        [pair for place, pair in enumerate(ranked_fits) if place < FINISHED or pair[1].rms < CLOSE * ranked_fits[0][1].rms]
+    )
 
 
 def _nested(best: Candidate, start: Candidate, tried: Sequence[Candidate]) -> tuple[Candidate, ...]:

@@ -48,9 +48,9 @@ class Serial(_Counting):
         """A quick fit for each guess about a base fit."""
         return self._counted(glance(self._experiment, base, guess) for base, guess in tasks)
 
-    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
-        """A candidate for each quick fit."""
-        return self._counted(finish(self._experiment, fit) for fit in quick)
+    def finish(self, tasks: Sequence[tuple[Fit, Fit]]) -> list[Candidate]:
+        """A candidate for each quick fit, with the fit it is based on before it."""
+        return self._counted(finish(self._experiment, base, quick) for base, quick in tasks)
 
 
 class Pool(_Counting):
@@ -72,9 +72,9 @@ class Pool(_Counting):
         """A quick fit for each guess about a base fit."""
         return self._counted(self._executor.map(_glance, *zip(*tasks, strict=True)) if tasks else ())
 
-    def finish(self, quick: Sequence[Fit]) -> list[Candidate]:
-        """A candidate for each quick fit."""
-        return self._counted(self._executor.map(_finish, quick))
+    def finish(self, tasks: Sequence[tuple[Fit, Fit]]) -> list[Candidate]:
+        """A candidate for each quick fit, with the fit it is based on before it."""
+        return self._counted(self._executor.map(_finish, *zip(*tasks, strict=True)) if tasks else ())
 
 
 @contextmanager
@@ -104,6 +104,6 @@ def _glance(base: Fit, guess: Guess) -> Fit:
     return glance(_experiment, base, guess)
 
 
-def _finish(quick: Fit) -> Candidate:
+def _finish(base: Fit, quick: Fit) -> Candidate:
     assert _experiment is not None
-    return finish(_experiment, quick)
+    return finish(_experiment, base, quick)
