@@ -1,0 +1,123 @@
+"""What counts as evidence: noise does not, a part that lasts does, and a gain only if it holds in most of the trials."""
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.evidence import draws, gain_interval, interval, squares, structure
+
+
+def noise(size, *, trials=4, samples=5000, seed=0):
+    generator = np.random.default_rng(seed)
+    return [size * generator.standard_normal((samples, 2, 3)) for _ in range(trials)]
+
+
+def trials_of(*sizes, samples=40):
+    """Residuals of one marker, constant in each trial, with these distances [m]."""
+    return [np.tile([size, 0.0, 0.0], (samples, 1, 1)) for size in sizes]
+
+
+@pytest.mark.parametrize("size", [1e-5, 3e-4, 0.02])
+def test_structure_does_not_see_white_noise_of_any_size(size):
+    assert structure(noise(size)) < 0.02 * 3 * size**2
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-4, 2e-3])
+def test_structure_finds_a_constant_under_any_noise(size):
+    constant = np.array([1e-3, 0.0, -2e-3])
+    found = structure([part + constant for part in noise(size)])
+    assert found == pytest.approx(5e-6, abs=0.02 * size**2 + 0.05 * 2e-3 * size + 1e-15)
+
+
+def test_structure_of_a_slow_swing_is_its_mean_square_times_the_cosine_of_a_sample():
+    turn = 2 * np.pi / 50
+    swing = np.zeros((50 * 40 + 1, 1, 3))
+    swing[:, 0, 0] = 1e-3 * np.sin(turn * np.arange(len(swing)))
+    assert structure([swing]) == pytest.approx(0.5e-6 * np.cos(turn), rel=1e-9)
+
+
+def test_structure_is_zero_where_samples_only_alternate_and_where_there_are_none():
+    flicker = 1e-3 * (-1.0) ** np.arange(30)[:, None, None] * np.ones((30, 2, 3))
+    assert structure([flicker]) == 0.0
+    assert structure([np.full((30, 2, 3), np.nan)]) == 0.0
+    assert structure([]) == 0.0
+
+
+def test_structure_counts_only_neighbours_that_were_both_seen():
+    residual = np.zeros((6, 1, 3))
+    residual[:, 0, 0] = [1e-3, 1e-3, np.nan, 5e-3, np.nan, 2e-3]
+    assert structure([residual]) == pytest.approx(1e-6)
+
+
+def test_a_single_spike_hardly_changes_the_structure():
+    lasting = trials_of(1e-3, samples=400)
+    spiked = [lasting[0].copy()]
+    spiked[0][200, 0, 1] = 0.03
+    assert structure(spiked) == pytest.approx(structure(lasting))
+    assert squares(spiked).mean > 3 * squares(lasting).mean
+
+
+@pytest.mark.parametrize(("trials", "blocks"), [(1, 8), (2, 8), (3, 9), (4, 8), (5, 5), (12, 12)])
+def test_a_block_is_a_trial_or_with_fewer_than_five_a_piece_of_one(trials, blocks):
+    parts = squares(trials_of(*[1e-3] * trials))
+    assert len(parts.sums) == len(parts.counts) == blocks
+
+
+def test_blocks_hold_every_marker_that_was_seen_and_nothing_else():
+    residuals = noise(1e-3, samples=41)
+    residuals[0][:20, 1] = np.nan
+    residuals[2][5, 0, 2] = np.nan  # a marker without one coordinate was not seen
+    distances = np.concatenate([(part**2).sum(axis=2).ravel() for part in residuals])
+    parts = squares(residuals)
+    assert parts.counts.sum() == np.isfinite(distances).sum() == 4 * 82 - 21
+    assert parts.mean == pytest.approx(np.nanmean(distances))
+
+
+def test_a_trial_without_a_seen_marker_is_no_block():
+    residuals = [*trials_of(1e-3, 1e-3, 1e-3, 1e-3), np.full((40, 1, 3), np.nan)]
+    assert len(squares(residuals).sums) == 4
+
+
+def test_every_resample_draws_as_many_blocks_as_there_are_and_the_same_ones_for_the_same_seed():
+    assert np.all(draws(7, seed=3).sum(axis=1) == 7)
+    assert np.array_equal(draws(7, seed=3), draws(7, seed=3))
+    assert not np.array_equal(draws(7, seed=3), draws(7, seed=4))
+
+
+def test_the_interval_contains_the_estimate_and_widens_with_the_spread_between_trials():
+    def width(*sizes):
+        parts = squares(trials_of(*sizes))
+        low, high = interval(parts, seed=0)
+        assert low <= parts.mean**0.5 * (1 + 1e-12) and parts.mean**0.5 <= high * (1 + 1e-12)
+        return high - low
+
+    assert width(*[1e-3] * 6) == pytest.approx(0.0, abs=1e-12)
+    assert 0 < width(*np.linspace(0.9e-3, 1.1e-3, 6)) < width(*np.linspace(0.2e-3, 1.8e-3, 6))
+
+
+def test_the_interval_holds_the_truth_about_as_often_as_it_says():
+    generator = np.random.default_rng(8)
+    held = 0
+    for seed in range(200):
+        sizes = np.abs(generator.normal(1e-3, 0.2e-3, 20))
+        low, high = interval(squares(trials_of(*sizes, samples=2)), seed)
+        held += low <= np.sqrt(1e-6 + 0.04e-6) <= high
+    assert 0.86 < held / 200 < 0.99
+
+
+def test_an_equal_gain_in_every_trial_is_certain_however_much_the_trials_differ():
+    before = np.array([1e-3, 5e-3, 2e-3, 9e-3, 3e-3])
+    after = np.sqrt(before**2 - 0.25e-6)
+    low, high = gain_interval(squares(trials_of(*before)), squares(trials_of(*after)), seed=0)
+    assert low == pytest.approx(0.25e-6) and high == pytest.approx(0.25e-6)
+
+
+def test_a_large_gain_in_one_trial_alone_is_not_certain():
+    before = squares(trials_of(9e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3))
+    after = squares(trials_of(1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3))
+    low, high = gain_interval(before, after, seed=0)
+    assert low < 0 < before.mean - after.mean < high
+
+
+def test_a_loss_is_a_gain_below_zero():
+    before, after = squares(trials_of(*[1e-3] * 5)), squares(trials_of(*[2e-3] * 5))
+    assert gain_interval(before, after, seed=0) == pytest.approx((-3e-6, -3e-6))

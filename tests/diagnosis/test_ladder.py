@@ -1,0 +1,71 @@
+"""The ladder shares out the squared gap: nothing twice, nothing lost."""
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.ladder import ladder
+
+NOISE = 0.5e-3
+
+
+def residuals(*sizes):
+    """Of one marker, for each trial a distance [m] from the measurement."""
+    return [np.tile([0.0, 0.0, size], (10, 1, 1)) for size in sizes]
+
+
+@pytest.fixture
+def rungs():
+    return ladder(
+        [
+            ("declared model", (), residuals(8e-3, 10e-3, 9e-3, 12e-3, 7e-3)),
+            ("finer discretisation", (), residuals(6e-3, 6e-3, 7e-3, 8e-3, 5e-3)),
+            ("stiffness and damping", (), residuals(6e-3, 7e-3, 7e-3, 8e-3, 5e-3)),
+            ("dry_friction", ("dry_friction",), residuals(1e-3, 2e-3, 1e-3, 1e-3, 1e-3)),
+        ],
+        NOISE,
+        seed=0,
+    )
+
+
+def test_shares_add_up_to_one_and_the_last_line_is_the_rest(rungs):
+    assert sum(rung.share for rung in rungs) == pytest.approx(1.0)
+    last, rest = rungs[-2], rungs[-1]
+    whole = rungs[0].rms ** 2 - NOISE**2
+    assert rest.share == pytest.approx((last.rms**2 - NOISE**2) / whole)
+    assert (rest.rms, rest.interval, rest.effects) == (NOISE, (NOISE, NOISE), ())
+    assert "rest" in rest.name
+
+
+def test_each_share_is_what_the_rung_takes_away_and_a_step_backwards_counts_against(rungs):
+    whole = rungs[0].rms ** 2 - NOISE**2
+    assert rungs[0].share == 0.0
+    for before, after in zip(rungs[:-2], rungs[1:-1], strict=True):
+        assert after.share == pytest.approx((before.rms**2 - after.rms**2) / whole)
+    assert rungs[2].share < 0 < rungs[3].share < rungs[1].share
+
+
+def test_every_interval_contains_its_estimate(rungs):
+    for rung in rungs:
+        assert rung.interval[0] <= rung.rms <= rung.interval[1]
+    assert all(rung.interval[0] < rung.interval[1] for rung in rungs[:-1])
+
+
+def test_names_effects_and_errors_are_those_of_the_models(rungs):
+    assert [rung.name for rung in rungs[:-1]] == [
+        "declared model",
+        "finer discretisation",
+        "stiffness and damping",
+        "dry_friction",
+    ]
+    assert rungs[3].effects == ("dry_friction",)
+    assert rungs[0].rms == pytest.approx(np.sqrt(np.mean(np.array([8, 10, 9, 12, 7]) ** 2)) * 1e-3)
+
+
+def test_the_same_seed_gives_the_same_ladder():
+    models = [("declared model", (), residuals(8e-3, 10e-3, 9e-3)), ("finer", (), residuals(6e-3, 6.5e-3, 7e-3))]
+    assert ladder(models, NOISE, seed=4) == ladder(models, NOISE, seed=4)
+
+
+def test_a_declared_model_within_the_noise_has_no_gap_to_share():
+    rungs = ladder([("declared model", (), residuals(0.4e-3)), ("finer", (), residuals(0.3e-3))], NOISE, seed=0)
+    assert [rung.share for rung in rungs] == [0.0, 0.0, 0.0]
