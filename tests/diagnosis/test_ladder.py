@@ -1,5 +1,7 @@
 """The ladder shares out the squared gap: nothing twice, nothing lost."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -39,7 +41,7 @@ def test_shares_add_up_to_one_and_the_last_line_is_the_rest(rungs):
 def test_each_share_is_what_the_rung_takes_away_and_a_step_backwards_counts_against(rungs):
     whole = rungs[0].rms ** 2 - NOISE**2
     assert rungs[0].share == 0.0
-    for before, after in zip(rungs[:-2], rungs[1:-1], strict=True):
+    for before, after in itertools.pairwise(rungs[:-1]):
         assert after.share == pytest.approx((before.rms**2 - after.rms**2) / whole)
     assert rungs[2].share < 0 < rungs[3].share < rungs[1].share
 
