@@ -74,7 +74,7 @@ def score_command(folder: Path, answers: Path | None, verdicts: Path | None, job
     from hsr_pin.blind.diagnoses import read_verdicts
     from hsr_pin.blind.make import default_answers
     from hsr_pin.blind.oracle import consult, read_oracle
-    from hsr_pin.blind.scoring import outcomes, score
+    from hsr_pin.blind.scoring import score
     from hsr_pin.cli.blind_report import report
     from hsr_pin.output import check_writable, write_text
 
@@ -85,7 +85,7 @@ def score_command(folder: Path, answers: Path | None, verdicts: Path | None, job
     if options["oracle"]:
         with counted("oracle", sum(answer.kind in ("single", "pair") for answer in truth)) as advance:
             consult(folder, folder / "oracle", truth, jobs=jobs, advance=advance)
-    found = score(outcomes(truth, read_verdicts(verdicts or folder / "verdicts"), read_oracle(folder / "oracle")))
+    found = score(truth, read_verdicts(verdicts or folder / "verdicts"), read_oracle(folder / "oracle"))
     click.echo(report(found))
     if options["json_file"]:
         write_text(options["json_file"], json.dumps(found.document(), indent=1, allow_nan=False) + "\n")

@@ -1,0 +1,123 @@
+"""`hsr-blind` makes, runs and scores a sealed check, and refuses in one line what it cannot use."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import pytest
+
+import hsr_pin.blind.diagnoses as diagnoses
+import hsr_pin.diagnosis.diagnose as diagnosis
+from hsr_pin.blind.make import Workshop, make
+from hsr_pin.blind.plants.chain import ChainPlant
+from hsr_pin.cli.blind import command
+from hsr_pin.cli.command import run
+from hsr_pin.recordings.write import write_dataset
+
+pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")
+
+COARSE = ChainPlant(elements=12, step=5e-4)
+QUICK = Workshop({"chain": COARSE, "rod": COARSE}, COARSE, ("steps",))
+#: Candidates in the quick run; the long one has the whole catalogue.
+FEW = ("tip_mass", "torque_map")
+
+
+def check(folder, seed, count, monkeypatch):
+    """Make, run and score in this process: exit codes and the score."""
+    codes = [run(command, ["make", "--seed", str(seed), "--cases", str(count), "-o", str(folder)])]
+    codes.append(run(command, ["run", str(folder)]))
+    codes.append(run(command, ["score", str(folder), "--json", str(folder / "score.json"), "--plot", str(folder / "score.png")]))
+    return codes, json.loads((folder / "score.json").read_text())
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr("hsr_pin.blind.make.Workshop", lambda: QUICK)
+
+
+def test_a_small_sealed_run_is_made_diagnosed_and_scored(tmp_path, monkeypatch, quick, capsys):
+    monkeypatch.setattr(diagnosis, "diagnose", partial(diagnosis.diagnose, effects=FEW, max_effects=1))
+    codes, score = check(tmp_path / "check", 5, 2, monkeypatch)
+    assert codes == [0, 0, 0]
+    assert score["cases"] == 2 and score["missing"] == []
+    assert not any(outcome["status"] == "error" for outcome in score["outcomes"])
+    assert (tmp_path / "check" / "score.png").stat().st_size > 10_000
+    printed = capsys.readouterr().out
+    assert "2 cases diagnosed" in printed and "wrong names, all cases" in printed
+
+
+@pytest.mark.long
+def test_a_small_sealed_run_with_the_whole_catalogue_names_nothing_wrong(tmp_path, monkeypatch, quick):
+    codes, score = check(tmp_path / "check", 2, 4, monkeypatch)
+    assert codes == [0, 0, 0]
+    assert score["cases"] == 4
+    assert score["rates"]["wrong names, all cases"]["hits"] == 0
+
+
+@pytest.fixture
+def recorded(tmp_path, heavy_tip):
+    """Three recordings."""
+    folder = tmp_path / "check"
+    folder.mkdir()
+    for number in (1, 2, 3):
+        write_dataset(heavy_tip, folder / f"case_{number:03d}")
+    return folder
+
+
+def test_a_case_that_raises_is_an_error_of_that_case_and_is_tried_again(recorded, monkeypatch):
+    tried = []
+
+    def diagnose(dataset, jobs, seed):
+        tried.append((dataset.path.name, jobs, seed))
+        if dataset.path.name == "case_002":
+            raise ZeroDivisionError("by zero")
+        return dataset.path.name
+
+    monkeypatch.setattr(diagnosis, "diagnose", diagnose)
+    monkeypatch.setattr("hsr_pin.diagnosis.document.to_json", lambda name: {"dataset": name})
+    assert run(command, ["run", str(recorded), "--seed", "4"]) == 0
+    assert tried == [("case_001", 1, 4), ("case_002", 1, 4), ("case_003", 1, 4)]
+    said = diagnoses.read_verdicts(recorded / "verdicts")
+    assert [list(document) for document in said.values()] == [["dataset"], ["dataset", "error", "traceback"], ["dataset"]]
+    assert said["case_002"]["error"] == "ZeroDivisionError: by zero"
+    assert run(command, ["run", str(recorded)]) == 0
+    assert [name for name, *_ in tried[3:]] == ["case_002"]
+
+
+def test_cases_are_diagnosed_side_by_side_too(recorded):
+    (recorded / "case_003" / "trial_01.csv").write_text("t\n")  # which cannot be read: quick
+    (recorded / "case_002" / "trial_01.csv").write_text("t\n")
+    (recorded / "case_001" / "trial_01.csv").write_text("t\n")
+    assert run(command, ["run", str(recorded), "--jobs", "2", "-o", str(recorded / "said")]) == 0
+    said = diagnoses.read_verdicts(recorded / "said")
+    assert sorted(said) == ["case_001", "case_002", "case_003"]
+    assert all("RecordingError" in document["error"] for document in said.values())
+
+
+def test_tampered_answers_are_refused_in_one_line(tmp_path, capsys):
+    folder = tmp_path / "check"
+    answers = make(folder, 5, 1, workshop=QUICK)
+    answers.write_text(answers.read_text().replace('"seed": 5', '"seed": 6'))
+    assert run(command, ["score", str(folder)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("hsr-blind: error: ") and "hash" in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "nowhere"], "nowhere"),
+        (["score", "nowhere"], "SEALED.txt"),
+        (["make", "-o", "check"], "--seed"),
+        (["make", "--seed", "1", "--cases", "0", "-o", "check"], "--cases"),
+        (["make", "--seed", "1", "-o", "check", "--answers", "check/in.json"], "outside"),
+        (["guess"], "guess"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_two(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(command, arguments) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
