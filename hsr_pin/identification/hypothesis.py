@@ -78,6 +78,10 @@ class Hypothesis:
         """The same model, discretised more finely in space and time."""
         return replace(self, links=max(links, self.links), step=min(step, self.step))
 
+    def with_chain(self, links: int, step: float) -> Hypothesis:
+        """The same model with another number of links and step [s]."""
+        return replace(self, links=links, step=step)
+
     def effects_at(self, values: Array) -> tuple[Effect, ...]:
         """The effects with the open parameters at ``values`` (P,)."""
         named = dict(zip(self.free, values, strict=True))
@@ -91,7 +95,7 @@ class Hypothesis:
         scales = {
             name.partition("@")[0]: float(value)
             for name, value in zip(self.free, values, strict=True)
-            if "." not in name and self.counterpart(name, experiment, run) is not None
+            if name.partition("@")[0] in ARM and self.counterpart(name, experiment, run) is not None
         }
         arm = _declared(experiment, run, self)
         arm = replace(

@@ -1,0 +1,218 @@
+"""``hsr-fit``: identify the arm from its recordings."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.cli.command import run
+
+if TYPE_CHECKING:
+    from hsr_pin.effects.effect import Effect
+    from hsr_pin.identification.identify import Identification
+    from hsr_pin.identification.links_study import LinksStudy
+    from hsr_pin.identification.paper_procedure import PaperProcedure
+    from hsr_pin.identification.profile import Profile
+
+_EPILOG = "Example: hsr-fit recordings/sample-steps --free keq,damping --by-level --urdf fitted.urdf"
+#: Stages of the fit itself.
+_STAGES = 4
+
+
+@click.command(name="hsr-fit", epilog=_EPILOG, context_settings={"max_content_width": 100})
+@click.argument("dataset", metavar="DATASET")
+@click.option(
+    "--free",
+    default="keq,damping",
+    show_default=True,
+    metavar="A,B,...",
+    help="What to fit: keq, damping, mass (factors on what is declared), an effect, or effect.parameter.",
+)
+@click.option("--by-level", is_flag=True, help="A stiffness and a damping for each declared Keq instead of one factor for all.")
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME[:PARAM=VALUE]",
+    help="Add an effect and fit all its parameters, from these values on; may be repeated.",
+)
+@click.option("--links", type=click.IntRange(1, 100), default=6, show_default=True, help="Links of the chain that is fitted.")
+@click.option("--placement", type=click.Choice(["mid", "base"]), default="mid", show_default=True, help="Of its joints.")
+@click.option("--train", default="", metavar="A,B,...", help="Trials to fit: names or patterns, e.g. 'trial_0[12]'.")
+@click.option("--test", default="", metavar="A,B,...", help="Trials to predict instead.  [default: those not fitted]")
+@click.option(
+    "--delay",
+    type=click.FloatRange(0),
+    default=0.0,
+    show_default=True,
+    metavar="S",
+    help="Follow a release only from so long after its declared start [s]: while a hand still touches the arm.",
+)
+@click.option("--profile", is_flag=True, help="Intervals by profile likelihood beside the usual ones.")
+@click.option("--paper", is_flag=True, help="Carry out the paper's own procedure (its chain, C by brute force) beside the fit.")
+@click.option("--links-study", "study", is_flag=True, help="Compare numbers of links, and recommend one.")
+@click.option("--json", "json_file", metavar="FILE", help="Write the result for programs; - for standard output.")
+@click.option("--plot", "plot_file", metavar="FILE.png", help="Draw measured, declared and fitted motion (.png, .pdf or .svg).")
+@click.option("--urdf", "urdf_file", metavar="FILE.urdf", help="Write the fitted arm; one file for each stiffness level.")
+def command(dataset: str, **options: Any) -> None:
+    """Fit the parameters of a hybrid soft robot to its recordings, with honest uncertainty.
+
+    Prints every value with its 95 % interval, the error before and after, and the error on trials that were not fitted: those
+    set aside, or else each trial predicted by a fit to the others.
+    """
+    _check_outputs(options)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: its threads cost more than they bring here
+    with _progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as tell:
+        found = _identified(dataset, options, tell)
+        profiles, paper, study = _more(found, options, tell)
+    written = _write(found, profiles, paper, study, options)
+    if options["json_file"] != "-":
+        from hsr_pin.cli.fit_report import print_fit
+
+        print_fit(found, profiles, paper, study, written)
+
+
+def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], None]) -> Identification:
+    from hsr_pin.identification.choice import choose
+    from hsr_pin.identification.identify import identify
+    from hsr_pin.recordings.read import read_dataset
+
+    free, effects = _listed(options["free"]), [_effect(text) for text in options["effects"]]
+    choose(
+        [name.partition("@")[0] for name in free], effects, ()
+    )  # refuses unknown names before the recordings, which take longer
+    return identify(
+        read_dataset(dataset),
+        free=free,
+        effects=effects,
+        **{name: options[name] for name in ("links", "placement", "by_level", "delay")},
+        train=_listed(options["train"]),
+        test=_listed(options["test"]),
+        tell=tell,
+    )
+
+
+def _more(
+    found: Identification, options: dict[str, Any], tell: Callable[[str], None]
+) -> tuple[list[Profile], PaperProcedure | None, LinksStudy | None]:
+    """What was asked for beside the fit."""
+    profiles, paper, study = [], None, None
+    if options["profile"]:
+        from hsr_pin.identification.profile import profile_likelihood
+
+        tell("profiling")
+        profiles = [profile_likelihood(found.experiment, found.fit, name) for name in found.fit.hypothesis.free]
+    if options["paper"]:
+        from hsr_pin.identification.paper_procedure import paper_procedure
+
+        tell("the paper's procedure")
+        paper = paper_procedure(found.experiment)
+    if options["study"]:
+        from hsr_pin.identification.links_study import links_study
+
+        tell("comparing numbers of links")
+        study = links_study(found.experiment, found.fit.hypothesis, found.fit.values)
+    return profiles, paper, study
+
+
+def _listed(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def _effect(text: str) -> Effect:
+    from hsr_pin.effects.catalogue import effect_named, parse_effect
+    from hsr_pin.effects.effect import neutral
+
+    return parse_effect(text) if ":" in text else neutral(effect_named(text.strip()))
+
+
+@contextmanager
+def _progress(stages: int) -> Iterator[Callable[[str], None]]:
+    """What to call at each stage: a bar on a terminal, nothing anywhere else."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("starting", total=stages)
+        begun = 0
+
+        def tell(stage: str) -> None:
+            nonlocal begun
+            bar.update(task, description=stage, completed=begun)
+            begun += 1
+
+        yield tell
+
+
+def _check_outputs(options: dict[str, Any]) -> None:
+    """Refuse what could not be written, before anything is computed."""
+    from hsr_pin.errors import OutputError
+    from hsr_pin.output import check_writable
+
+    files = [options[name] for name in ("json_file", "plot_file", "urdf_file") if options[name] not in (None, "-")]
+    if len({os.path.realpath(name) for name in files}) < len(files):
+        raise OutputError("--json, --plot and --urdf", expected="different files", received=", ".join(files))
+    if options["plot_file"] is not None:
+        from hsr_pin.replay.plots import picture_format
+
+        picture_format(options["plot_file"])
+    for name in files:
+        check_writable(name)
+
+
+def _write(
+    found: Identification,
+    profiles: list[Profile],
+    paper: PaperProcedure | None,
+    study: LinksStudy | None,
+    options: dict[str, Any],
+) -> list[str]:
+    written = []
+    if options["json_file"] is not None:
+        import json
+
+        from hsr_pin.identification.document import to_json
+        from hsr_pin.output import write_text
+
+        document = to_json(found, profiles=profiles, paper=paper, study=study)
+        text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+        if options["json_file"] == "-":
+            click.echo(text)
+        else:
+            write_text(options["json_file"], text + "\n")
+            written.append(options["json_file"])
+    if options["plot_file"] is not None:
+        from hsr_pin.identification.figure import fit_figure
+        from hsr_pin.replay.plots import save
+
+        save(fit_figure(found), options["plot_file"])
+        written.append(options["plot_file"])
+    if options["urdf_file"] is not None:
+        written += _write_arms(found, options["urdf_file"])
+    return written
+
+
+def _write_arms(found: Identification, path: str) -> list[str]:
+    from hsr_pin.identification.fitted_arms import fitted_arms
+    from hsr_pin.robot.urdf import save_urdf
+
+    arms = fitted_arms(found.experiment, found.fit)
+    stem, ending = os.path.splitext(path)
+    written = []
+    for keq, arm in arms.items():
+        name = path if len(arms) == 1 else f"{stem}_keq{keq:g}{ending}"
+        save_urdf(arm, name)
+        written.append(name)
+    return written
+
+
+def main() -> None:
+    """Entry point of ``hsr-fit``."""
+    sys.exit(run(command))

@@ -1,0 +1,109 @@
+"""From the names of what is to be fitted to a hypothesis with exactly that open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+
+import numpy as np
+
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import Effect, neutral, with_values
+from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.experiment import Run
+from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.robot.specification import Placement
+
+#: Short for the factors on what was declared.
+SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale"}
+#: Those that differ between stiffness levels.
+_BY_LEVEL = ("keq_scale", "damping_scale")
+#: Amplitude from which the fit of an effect starts, over its parameter's scale: on the neutral value its other parameters tell
+#: nothing.
+_KICK = 0.5
+
+
+def choose(
+    free: Sequence[str],
+    effects: Sequence[Effect],
+    runs: Sequence[Run],
+    *,
+    links: int = 6,
+    placement: Placement = "mid",
+    by_level: bool = False,
+) -> Hypothesis:
+    """A hypothesis with the named parameters open.
+
+    Args:
+        free: "keq", "damping", "mass" (or "keq_scale", ...), any of them with "@1.11" behind it for the trials declared with that
+            Keq; "effect" for all parameters of an effect, "effect.parameter" for one.
+        effects: act beside the nominal model, all their parameters open; their values are where the fit starts.
+        runs: that are to be fitted.
+        links: of the chain.
+        placement: of its joints.
+        by_level: open a stiffness and a damping for each declared Keq.
+
+    Raises:
+        IdentificationError: a name that there is not, nothing to fit, or a level that no trial has.
+    """
+    present = {effect.name: effect for effect in effects}
+    names = [f"{e.name}.{fact.name}" for e in effects for fact in e.parameters()]
+    for name in free:
+        base, at, level = name.strip().partition("@")
+        base = SHORT.get(base, base)
+        if base in ARM:
+            split = by_level and not at and base in _BY_LEVEL
+            names += [f"{base}@{keq:g}" for keq in sorted({run.trial.keq for run in runs})] if split else [base + at + level]
+            continue
+        kind, _, field = base.partition(".")
+        facts = EFFECTS[kind].parameters() if kind in EFFECTS else ()
+        chosen = [fact.name for fact in facts if field in ("", fact.name)]
+        if not chosen or at:
+            raise _unknown(name)
+        present.setdefault(kind, neutral(EFFECTS[kind]))
+        names += [f"{kind}.{fact}" for fact in chosen]
+    if not names:
+        raise IdentificationError("parameters to fit", expected="at least one", received="none", hint="e.g. keq,damping")
+    names = list(dict.fromkeys(names))
+    hypothesis = Hypothesis(tuple(_kicked(e, names) for e in present.values()), tuple(names), links, placement)
+    _check(hypothesis, runs)
+    return hypothesis
+
+
+def _kicked(effect: Effect, free: Iterable[str]) -> Effect:
+    """The effect with its open amplitudes away from neutral, if all of them are on it."""
+    amplitudes = [fact for fact in effect.parameters() if fact.amplitude and f"{effect.name}.{fact.name}" in free]
+    if any(getattr(effect, fact.name) != fact.neutral for fact in amplitudes):
+        return effect
+    away = {fact.name: min(fact.neutral + _KICK * fact.scale, fact.upper) for fact in amplitudes}
+    return with_values(effect, **away)
+
+
+def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
+    """Refuse bounds, links and levels that cannot be, before anything runs."""
+    levels = sorted({run.trial.keq for run in runs})
+    for fact in hypothesis.parameters:
+        base, at, level = fact.name.partition("@")
+        if at and not np.isclose(float(level), levels).any():
+            raise IdentificationError(
+                fact.name, expected=f"a declared Keq of the trials, {', '.join(f'{keq:g}' for keq in levels)}", received=level
+            )
+        if at and base in hypothesis.free:
+            raise IdentificationError(fact.name, expected=f"either this or {base} for all levels", received="both")
+
+
+def _unknown(name: str) -> IdentificationError:
+    every = [*SHORT, *ARM, *EFFECTS, *(f"{e.name}.{fact.name}" for e in EFFECTS.values() for fact in e.parameters())]
+    close = get_close_matches(name, every, n=1)
+    return IdentificationError(
+        "parameter to fit",
+        expected=f"{', '.join(SHORT)}, an effect ({', '.join(EFFECTS)}) or effect.parameter",
+        received=repr(name),
+        hint=f"did you mean {close[0]}?" if close else "",
+    )
+
+
+def without_effects(hypothesis: Hypothesis) -> Hypothesis:
+    """The arm as declared on the same chain, nothing open."""
+    return replace(hypothesis, effects=(), free=())

@@ -1,0 +1,23 @@
+"""The arm that a fit found, one for each stiffness level, as specifications that can be written or simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.fit import Fit
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import arm_of
+
+
+def fitted_arms(experiment: Experiment, fit: Fit) -> dict[float, ArmSpecification]:
+    """Declared Keq [Nm/rad] -> the fitted arm, with what its effects change of its bodies and mount.
+
+    The payload is that of the level's first trial. Laws that no specification can hold (friction, say) are not in it.
+    """
+    arms: dict[float, ArmSpecification] = {}
+    for run in experiment.runs:
+        if run.trial.keq not in arms:
+            arm = arm_of(fit.hypothesis.scenario(experiment, run, fit.values))
+            arms[run.trial.keq] = replace(arm, bending_limit=ArmSpecification.bending_limit)
+    return arms

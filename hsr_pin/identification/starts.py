@@ -1,0 +1,55 @@
+"""Where to start a search: the misfit of a swinging arm has several basins, one for each swing that it may be out of step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import qmc
+
+from hsr_pin.identification.evaluation import predict, residuals, rms
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.parameters import Parameter
+from hsr_pin.trajectory import Array
+
+#: Points looked at (a power of two), and how many of them are worth a search of their own.
+LOOKS, BEST = 16, 2
+#: How far around a factor on a declared value is looked: the damping is the least known.
+_AROUND = {"keq_scale": 2.0, "damping_scale": 4.0, "mass_scale": 2.0}
+#: How far around the neutral value of an amplitude, over its scale.
+_AMPLITUDE = 4.0
+#: Chain and step of a look.
+_LINKS, _STEP = 4, 0.02
+
+
+def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
+    """Values (P,) to start a search from: the hypothesis' own, and those among sixteen others that fit better, the best two.
+
+    The others are a Sobol sequence (I. M. Sobol, USSR Comput. Math. Math. Phys. 7, 1967) over what is plausible, simulated
+    roughly and in one batch. A point at which a simulation fails counts as off by the length of the arm.
+    """
+    own, facts = hypothesis.start, hypothesis.parameters
+    unit = qmc.Sobol(len(own), scramble=False).random(LOOKS)
+    points = [own, *(np.array([_plausible(*each) for each in zip(facts, own, row, strict=True)]) for row in unit)]
+    rough = replace(hypothesis, links=min(_LINKS, hypothesis.links), step=max(_STEP, hypothesis.step))
+    predictions = predict(experiment, rough, [(run, point) for point in points for run in experiment.runs])
+    count = len(experiment.runs)
+    missed = [rms(residuals(experiment, predictions[k * count : (k + 1) * count])) for k in range(len(points))]
+    better = [k for k in np.argsort(missed) if missed[k] < missed[0]]
+    return [own, *(points[k] for k in better[:BEST])]
+
+
+def _plausible(fact: Parameter, start: float, u: float) -> float:
+    """From ``u`` in [0, 1] to a value of a parameter, evenly by ratio where it is a factor or spans more than one of five."""
+    base = fact.name.partition("@")[0]
+    by_ratio = base in ARM
+    if base in ARM:
+        low, high = start / _AROUND[base], start * _AROUND[base]
+    elif fact.amplitude:
+        low, high = fact.neutral - _AMPLITUDE * fact.scale, fact.neutral + _AMPLITUDE * fact.scale
+    else:
+        low, high = fact.lower, fact.upper
+        by_ratio = low > 0 and high / low > 5
+    low, high = max(low, fact.lower), min(high, fact.upper)
+    return float(low * (high / low) ** u if by_ratio else low + (high - low) * u)
