@@ -1,1 +1,1 @@
-"""."""
+"""The arm in the hands of a controller."""

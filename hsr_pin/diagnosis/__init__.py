@@ -1,1 +1,19 @@
-"""."""
+"""Where the gap lies, which effect causes it, how far it shrinks.
+
+- ``candidates``: where the fit of each effect starts, and what it is worth
+- ``diagnose``: diagnose: dataset -> Diagnosis
+- ``document``: a diagnosis as JSON
+- ``estimates``: values and intervals as they are shown
+- ``evidence``: resampling of trials; what lasts beyond noise
+- ``figures``: the pictures of the report
+- ``inline_svg``: pictures inside a page
+- ``ladder``: how far, rung by rung
+- ``next_experiment``: what to record next
+- ``report``: a diagnosis as one HTML page
+- ``residual_torque``: the torque along the arm that the model lacks
+- ``search``: effects added one at a time, several sets side by side
+- ``verdict``: what may be said
+- ``where``: maps along the arm, time, operating range and trials
+- ``words``: names and numbers as a person would say them
+- ``workers``: fits in one process or several
+"""

@@ -1,1 +1,12 @@
-"""."""
+"""The arm: numbers -> URDF text -> Pinocchio model; what its pressures do.
+
+- ``appearance``: how the arm is drawn
+- ``combinations``: Table II of the paper
+- ``kinematics``: where the points of the backbone are, for many poses at once
+- ``model``: build_model: specification -> pin.Model
+- ``pressure``: PressureMap: pressures, stiffness, bending and torque, Eqs. (1), (4), (5)
+- ``scatter``: how far the 16 measured rows are from the planes through them
+- ``specification``: ArmSpecification: Table I and what the paper leaves open
+- ``urdf``: arm_to_urdf, load_urdf, save_urdf
+- ``xml_tree``: XML with line and column of every element
+"""
