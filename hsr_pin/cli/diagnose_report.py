@@ -87,7 +87,7 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
         value, low, high = each.rounded
         unit = "" if each.unit == "1" else each.unit
         bound = " at bound" if each.on_bound else ""
-        rows.append(f"  {each.name:<29}{value:>9}  {f'{low} to {high}':<20}{unit}{bound}")
+        rows.append(f"  {each.name:<29}{value:>9}  {f'{low} to {high}':<20} {unit}{bound}")
     rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
     free = max(1, room - 1)
     if len(rows) > free:
