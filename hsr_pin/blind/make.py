@@ -71,8 +71,8 @@ def make(
     check_folder_writable(folder)
     check_writable(file)
     drafts = file.with_name(f"{file.name}.draft")
-    _begin(folder, drafts, seed, count)
     cases = plan(seed, count, workshop.programs)
+    _begin(folder, drafts, cases)
     open_cases = [case for case in cases if not (folder / case.name).exists()]
     for _ in range(count - len(open_cases)):
         advance()
@@ -82,18 +82,18 @@ def make(
     return file
 
 
-def _begin(folder: Path, drafts: Path, seed: int, count: int) -> None:
+def _begin(folder: Path, drafts: Path, cases: Sequence[Case]) -> None:
     """Folders for the recordings and for drafts, which remember what they are drafts of."""
-    note, wanted = drafts / "check.json", {"seed": seed, "cases": count}
+    note, wanted = drafts / "plan.json", json.dumps([asdict(case) for case in cases], indent=1)
     if note.exists():
-        found = json.loads(note.read_text(encoding="utf-8"))
-        if found != wanted:
-            raise InputError("folder", expected=f"the check begun in it, {found}", received=wanted, file=folder)
+        if note.read_text(encoding="utf-8") != wanted:
+            hint = "give the seed and number of cases it was begun with, and the same version"
+            raise InputError("folder", expected="the check begun in it", hint=hint, file=folder)
     elif folder.exists() and any(folder.iterdir()):
         raise InputError("folder", expected="a new or empty folder", received=folder)
     folder.mkdir(parents=True, exist_ok=True)
     drafts.mkdir(parents=True, exist_ok=True)
-    write_text(note, json.dumps(wanted))
+    write_text(note, wanted)
 
 
 def make_case(case: Case, folder: Path, drafts: Path, workshop: Workshop) -> None:

@@ -23,7 +23,7 @@ QUICK = Workshop({"chain": COARSE, "rod": COARSE}, COARSE, ("steps",))
 FEW = ("tip_mass", "torque_map")
 
 
-def check(folder, seed, count, monkeypatch):
+def check(folder, seed, count):
     """Make, run and score in this process: exit codes and the score."""
     codes = [run(command, ["make", "--seed", str(seed), "--cases", str(count), "-o", str(folder)])]
     codes.append(run(command, ["run", str(folder)]))
@@ -38,7 +38,7 @@ def quick(monkeypatch):
 
 def test_a_small_sealed_run_is_made_diagnosed_and_scored(tmp_path, monkeypatch, quick, capsys):
     monkeypatch.setattr(diagnosis, "diagnose", partial(diagnosis.diagnose, effects=FEW, max_effects=1))
-    codes, score = check(tmp_path / "check", 5, 2, monkeypatch)
+    codes, score = check(tmp_path / "check", 5, 2)
     assert codes == [0, 0, 0]
     assert score["cases"] == 2 and score["missing"] == []
     assert not any(outcome["status"] == "error" for outcome in score["outcomes"])
@@ -48,8 +48,8 @@ def test_a_small_sealed_run_is_made_diagnosed_and_scored(tmp_path, monkeypatch, 
 
 
 @pytest.mark.long
-def test_a_small_sealed_run_with_the_whole_catalogue_names_nothing_wrong(tmp_path, monkeypatch, quick):
-    codes, score = check(tmp_path / "check", 2, 4, monkeypatch)
+def test_a_small_sealed_run_with_the_whole_catalogue_names_nothing_wrong(tmp_path, quick):
+    codes, score = check(tmp_path / "check", 2, 4)
     assert codes == [0, 0, 0]
     assert score["cases"] == 4
     assert score["rates"]["wrong names, all cases"]["hits"] == 0
