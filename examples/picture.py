@@ -1,0 +1,68 @@
+"""What the examples share: their options, the table of errors and the picture."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from hsr_pin.control.reference import Reference
+from hsr_pin.replay.plots import COLOURS, save
+from hsr_pin.trajectory import Array
+
+
+@dataclass
+class Run:
+    """What an example notes of one run: the tip (3,) [m] at every sample, and the torque [N m] of every step."""
+
+    tip: list[Array] = field(default_factory=list)
+    torque: list[float] = field(default_factory=list)
+
+    def errors(self, reference: Reference) -> Array:
+        """(T,) [mm] distance of the tip from the reference."""
+        return 1e3 * np.linalg.norm(np.array(self.tip) - reference.tip, axis=1)
+
+
+def options(arguments: Sequence[str] | None, text: str | None) -> argparse.Namespace:
+    """``--plot FILE`` and ``--quick``."""
+    parser = argparse.ArgumentParser(description=(text or "").partition("\n")[0])
+    parser.add_argument("--plot", metavar="FILE", help="write a picture, as .png, .svg or .pdf")
+    parser.add_argument("--quick", action="store_true", help="follow a short reference")
+    return parser.parse_args(arguments)
+
+
+def report(title: str, reference: Reference, runs: dict[str, Run], plot: str | None) -> dict[str, float]:
+    """Print the tip's RMS distance [mm] from the reference in each run, draw the runs, and give the distances back."""
+    rms = {name: float(np.sqrt(np.mean(run.errors(reference) ** 2))) for name, run in runs.items()}
+    print(title)
+    for name, value in rms.items():
+        print(f"  {name:<12} tip error {value:6.2f} mm RMS, {runs[name].errors(reference).max():6.2f} mm at most")
+    if plot:
+        save(_figure(title, reference, runs), plot)
+        print(f"  picture in {plot}")
+    return rms
+
+
+def _figure(title: str, reference: Reference, runs: dict[str, Run]) -> Figure:
+    figure = Figure(figsize=(7.2, 6.4), layout="constrained")
+    figure.suptitle(title, fontsize=11)
+    tip, error, torque = figure.subplots(3, 1, sharex=True, height_ratios=(1.3, 1, 1))
+    tip.plot(reference.time, 1e3 * reference.tip[:, 0], color="black", linestyle="--", linewidth=1.2, label="reference", zorder=3)
+    for colour, (name, run) in zip(COLOURS[1::-1], runs.items(), strict=True):
+        tip.plot(reference.time, 1e3 * np.array(run.tip)[:, 0], color=colour, label=name)
+        error.plot(reference.time, run.errors(reference), color=colour, label=name)
+        torque.step(reference.time[:-1], run.torque, where="post", color=colour, linewidth=1.0, label=name)
+    tip.set_ylabel("tip x [mm]")
+    error.set_ylabel("tip error [mm]")
+    error.set_ylim(bottom=0)
+    torque.set_ylabel("torque [N m]")
+    torque.set_xlabel("time [s]")
+    figure.legend(*tip.get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
+    for axes in (tip, error, torque):
+        axes.grid(color="#DDDDDD", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.align_ylabels()
+    return figure

@@ -1,0 +1,162 @@
+"""What a controller asks of the model, by the paper's symbols: M(q) a + C(q, v) v + G(q) = b u - K q - D v.
+
+q (N,) [rad], v (N,) [rad/s], a (N,) [rad/s^2] are the joints' angles, rates and accelerations; u [N m] is the one input, the
+torque of the muscles, which acts on every joint (b = 1, unless an effect says otherwise). Rigid bodies are Pinocchio's:
+R. Featherstone, Rigid Body Dynamics Algorithms, Springer (2008); derivatives: J. Carpentier, N. Mansard, Analytical derivatives
+of rigid body dynamics algorithms, RSS (2018).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+from scipy.linalg import expm
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.trajectory import Array
+
+#: Where a known effect may act for the model to stay linear in springs, dampers and drive.
+_KNOWABLE = ("arm", "stiffness", "damping", "actuation")
+_HOOKS = (*_KNOWABLE, "command", "moment", "update", "observe")
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """d/dt (x - x0) = A (x - x0) + B (u - u0) + rate, x = (q, v).
+
+    Attributes:
+        A: (2N, 2N).
+        B: (2N, 1).
+        joints: (2N, N) likewise for torques [N m] at each joint alone; B = joints b.
+        rate: (2N,) dx/dt at the pose itself; zero in an equilibrium.
+    """
+
+    A: Array
+    B: Array
+    joints: Array
+    rate: Array
+
+    def discrete(self, dt: float) -> Linearisation:
+        """The same over a step of ``dt`` [s] with the torques held, x+ - x0 = A (x - x0) + B (u - u0) + rate: one exponential.
+
+        C. F. Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23 (1978).
+        """
+        n, inputs = len(self.A), np.column_stack([self.B, self.joints, self.rate])
+        block = expm(dt * np.vstack([np.hstack([self.A, inputs]), np.zeros((inputs.shape[1], n + inputs.shape[1]))]))
+        return Linearisation(block[:n, :n], block[:n, n : n + 1], block[:n, n + 1 : -1], block[:n, -1])
+
+
+class ArmDynamics:
+    """The equations of motion of one arm.
+
+    Args:
+        arm: the nominal arm.
+        effects: known ones, which change its bodies, or its stiffness, damping or actuation along the arm.
+
+    Attributes:
+        nominal: the arm without the effects.
+        arm: the arm with what they make of its bodies.
+        K: (N,) [Nm/rad] springs.
+        D: (N,) [Nm s/rad] dampers.
+        b: (N,) share of the torque that arrives at each joint.
+
+    Raises:
+        InputError: an effect acts elsewhere (has a memory, is not linear, or is on the command or the markers).
+    """
+
+    def __init__(self, arm: ArmSpecification, effects: Sequence[Effect] = ()) -> None:
+        strange = [e.name for e in effects if any(e.acts_through(hook) for hook in _HOOKS if hook not in _KNOWABLE)]
+        if strange:
+            expected = f"known ones that act through {', '.join(_KNOWABLE)} only"
+            raise InputError("effects", expected=expected, received=", ".join(strange))
+        scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
+        columns = Columns([scenario], shape_of(scenario, 1.0))
+        self.nominal, self.effects = arm, tuple(effects)
+        self.arm = columns.arms[0]
+        still = np.zeros((arm.links, 1))
+        self.K = -columns.torque(still + 1, still, ())[:, 0]
+        self.D = -columns.torque(still, still + 1, ())[:, 0]
+        self.b = np.ones(arm.links) * columns.drive[:, 0]
+        self._arm_model = columns.arm_models[0]
+        self._model = self._arm_model.model.copy()
+        self._data = self._model.createData()
+        self._tip = marker_map(self._arm_model, np.array([self.arm.length]))
+
+    @property
+    def links(self) -> int:
+        """N."""
+        return self.arm.links
+
+    def M(self, q: ArrayLike) -> Array:
+        """(N, N) [kg m^2] mass matrix, by the composite-rigid-body algorithm."""
+        upper = np.triu(pin.crba(self._model, self._data, self._vector("q", q)))
+        return np.asarray(upper + np.triu(upper, 1).T)
+
+    def C(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """(N, N) [kg m^2/s] Coriolis and centrifugal terms as the matrix for which dM/dt - 2 C is skew."""
+        return np.array(pin.computeCoriolisMatrix(self._model, self._data, self._vector("q", q), self._vector("v", v)))
+
+    def G(self, q: ArrayLike) -> Array:
+        """(N,) [N m] gravity."""
+        return np.array(pin.computeGeneralizedGravity(self._model, self._data, self._vector("q", q)))
+
+    def inverse(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """(N,) [N m] what the muscles must deliver at each joint for the acceleration ``a``: RNEA plus springs and dampers."""
+        q, v = self._vector("q", q), self._vector("v", v)
+        return np.asarray(pin.rnea(self._model, self._data, q, v, self._vector("a", a)) + self.K * q + self.D * v)
+
+    def uniform(self, torques: ArrayLike) -> float:
+        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]."""
+        return float(self.b @ np.asarray(torques) / (self.b @ self.b))
+
+    def forward(self, q: ArrayLike, v: ArrayLike, u: float) -> Array:
+        """(N,) [rad/s^2] the accelerations under the torque u [N m], by ABA."""
+        q, v = self._vector("q", q), self._vector("v", v)
+        return np.array(pin.aba(self._model, self._data, q, v, self.b * u - self.K * q - self.D * v))
+
+    def linearise(self, q: ArrayLike, u: float, v: ArrayLike | None = None) -> Linearisation:
+        """The motion near a pose q under u [N m]: Pinocchio's analytic derivatives of ABA, springs and dampers added.
+
+        Args:
+            q: (N,) [rad].
+            u: [N m].
+            v: (N,) [rad/s]; default: at rest.
+        """
+        q, v = self._vector("q", q), self._vector("v", np.zeros(self.links) if v is None else v)
+        derivatives = pin.computeABADerivatives(self._model, self._data, q, v, self.b * u - self.K * q - self.D * v)
+        a_q, a_v, a_tau = (np.array(part) for part in derivatives)
+        a_tau = np.triu(a_tau) + np.triu(a_tau, 1).T
+        n = self.links
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [a_q - a_tau * self.K, a_v - a_tau * self.D]])
+        joints = np.vstack([np.zeros((n, n)), a_tau])
+        return Linearisation(A, joints @ self.b[:, None], joints, np.concatenate([v, np.array(self._data.ddq)]))
+
+    def tip(self, q: ArrayLike) -> Array:
+        """(..., 3) [m] where the tip is in the world frame, for q (..., N)."""
+        return np.asarray(self._tip.positions(np.asarray(q, dtype=float))[..., 0, :])
+
+    def tip_jacobian(self, q: ArrayLike) -> Array:
+        """(3, N) [m/rad] d tip / dq."""
+        return np.asarray(self.marker_jacobian(q, np.array([self.arm.length]))[0])
+
+    def marker_jacobian(self, q: ArrayLike, arc_lengths: ArrayLike) -> Array:
+        """(M, 3, N) [m/rad] derivatives of the points at ``arc_lengths`` (M,) [m] from the base to q."""
+        places = marker_map(self._arm_model, np.asarray(arc_lengths, dtype=float))
+        theta = np.cumsum(self._vector("q", q))[:, None]
+        slopes = np.cos(theta) * places.sine - np.sin(theta) * places.cosine  # (N, 3M), to the link angles theta
+        return np.asarray(slopes[::-1].cumsum(axis=0)[::-1].T.reshape(-1, 3, self.links))
+
+    def _vector(self, name: str, values: ArrayLike) -> Array:
+        array = np.asarray(values, dtype=float)
+        if array.shape != (self.links,) or not np.isfinite(array).all():
+            raise InputError(name, expected=f"{self.links} finite numbers", received=array)
+        return array

@@ -1,0 +1,125 @@
+"""The arm's state from what cameras see of a few markers: an extended Kalman filter with a disturbance torque.
+
+R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960); the disturbance, a torque that
+wanders slowly, stands for what the model lacks: G. Pannocchia, J. B. Rawlings, Disturbance models for offset-free
+model-predictive control, AIChE J. 49 (2003).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hsr_pin.control.dynamics import ArmDynamics
+from hsr_pin.control.reach import static_pose
+from hsr_pin.errors import InputError
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.model import build_model
+from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.integrators import integrator
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.simulation.stepper import ChainState, Stepper
+from hsr_pin.trajectory import Array, Marker, read_only
+
+#: Substeps of the prediction are at most this long [s].
+_LONGEST = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """What the observer believes.
+
+    Attributes:
+        q: (N,) [rad].
+        v: (N,) [rad/s].
+        disturbance: d [N m], torque that acts beside the command.
+        covariance: (2N + 1, 2N + 1) of (q, v, d).
+    """
+
+    q: Array
+    v: Array
+    disturbance: float
+    covariance: Array
+
+    def __post_init__(self) -> None:
+        for name in ("q", "v", "covariance"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+class Observer:
+    """Estimates q, v and a disturbance torque from marker positions. Keeps nothing: each estimate is passed in and handed back.
+
+    Args:
+        dynamics: the model.
+        markers: (M,) what is seen.
+        dt: [s] between pictures.
+        noise: standard deviation of each coordinate of a marker [m].
+        joint_torque: that of unknown torques at each joint, anew in each step [N m].
+        drift: of the disturbance torque within a second [N m].
+    """
+
+    def __init__(
+        self,
+        dynamics: ArmDynamics,
+        markers: Sequence[Marker],
+        dt: float,
+        *,
+        noise: float = 5e-4,
+        joint_torque: float = 0.02,
+        drift: float = 0.5,
+    ) -> None:
+        if not min(dt, noise, joint_torque, drift) > 0 or not markers:
+            raise InputError("observer", expected="markers; dt, noise, joint_torque and drift above zero", received=len(markers))
+        self.dynamics, self.markers, self.dt = dynamics, tuple(markers), dt
+        self._noise, self._joint_torque, self._drift = noise, joint_torque, drift
+        self._reach = np.array([marker.arc_length for marker in markers])
+        self._places = marker_map(build_model(dynamics.arm), self._reach)
+        scenario = Scenario(dynamics.nominal, np.array([0.0, dt]), np.zeros(2), effects=dynamics.effects)
+        columns = Columns([scenario], shape_of(scenario, _LONGEST))
+        self._stepper, self._substeps = Stepper(columns, integrator("ros2"), columns.step), columns.shape.substeps
+
+    def begin(self, torque: float = 0.0, angle: float = 0.1, rate: float = 0.1, disturbance: float = 0.3) -> Estimate:
+        """Settled under a torque [N m], give or take ``angle`` [rad], ``rate`` [rad/s] and ``disturbance`` [N m]."""
+        n = self.dynamics.links
+        spread = np.concatenate([np.full(n, angle), np.full(n, rate), [disturbance]])
+        return Estimate(static_pose(self.dynamics, torque), np.zeros(n), 0.0, np.diag(spread**2))
+
+    def predict(self, estimate: Estimate, torque: float) -> Estimate:
+        """One step ahead under a command [N m]: the state by the model, its covariance by the linearised model."""
+        n, u = self.dynamics.links, torque + estimate.disturbance
+        linear = self.dynamics.linearise(estimate.q, u, estimate.v).discrete(self.dt)
+        F = np.eye(2 * n + 1)
+        F[:-1, :-1], F[:-1, -1] = linear.A, linear.B[:, 0]
+        Q = np.zeros_like(F)
+        Q[:-1, :-1] = self._joint_torque**2 * linear.joints @ linear.joints.T
+        Q[-1, -1] = self._drift**2 * self.dt
+        chain = ChainState(np.asfortranarray(estimate.q[:, None]), np.asfortranarray(estimate.v[:, None]), (), ())
+        for _ in range(self._substeps):
+            chain = self._stepper.advance(chain, np.array([u]))
+        return Estimate(chain.q[:, 0], chain.v[:, 0], estimate.disturbance, F @ estimate.covariance @ F.T + Q)
+
+    def correct(self, estimate: Estimate, positions: ArrayLike) -> Estimate:
+        """With the markers' positions (M, 3) [m] in the world frame; NaN where one was not seen.
+
+        Raises:
+            InputError: positions of another shape.
+        """
+        seen = np.asarray(positions, dtype=float)
+        if seen.shape != (len(self.markers), 3):
+            raise InputError("positions", expected=f"shape ({len(self.markers)}, 3)", received=f"shape {seen.shape}")
+        innovation = (seen - self._places.positions(estimate.q))[:, [0, 2]].ravel()
+        visible = np.isfinite(innovation)
+        H = np.zeros((len(innovation), len(estimate.covariance)))
+        H[:, : self.dynamics.links] = self.dynamics.marker_jacobian(estimate.q, self._reach)[:, [0, 2]].reshape(
+            len(innovation), -1
+        )
+        H, R = H[visible], self._noise**2 * np.eye(int(visible.sum()))
+        P = estimate.covariance
+        L = np.linalg.solve(H @ P @ H.T + R, H @ P).T
+        keep = np.eye(len(P)) - L @ H
+        n, change = self.dynamics.links, L @ innovation[visible]
+        covariance = keep @ P @ keep.T + L @ R @ L.T  # Joseph's form stays symmetric and positive
+        return Estimate(estimate.q + change[:n], estimate.v + change[n:-1], estimate.disturbance + float(change[-1]), covariance)

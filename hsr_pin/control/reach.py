@@ -1,0 +1,106 @@
+"""Where the tip can be: the arm has one input, so the tip rests on one curve; which torque brings it nearest to a point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from hsr_pin.control.dynamics import ArmDynamics
+from hsr_pin.errors import InputError
+from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.simulation.statics import equilibrium
+from hsr_pin.trajectory import Array
+
+#: Torques at which the curve is looked at before the nearest stretch of it is searched.
+_LOOKS = 33
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The arm at rest.
+
+    Attributes:
+        torque: u [N m] that holds it.
+        q: (N,) [rad].
+        tip: (3,) [m] in the world frame.
+        distance: [m] of the tip from what was asked for; 0 where no point was.
+    """
+
+    torque: float
+    q: Array
+    tip: Array
+    distance: float = 0.0
+
+
+def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
+    """(..., N) [rad] where the arm rests under constant torques (...) [N m].
+
+    Raises:
+        InputError: a torque that is none, or under which there is no equilibrium.
+    """
+    torques = np.asarray(torque, dtype=float)
+    if not np.isfinite(torques).all():
+        raise InputError("torque", expected="finite [N m]", received=torque)
+    flat = torques.ravel()
+    scenario = Scenario(dynamics.nominal, np.array([0.0, 1.0]), np.zeros(2), effects=dynamics.effects)
+    columns = Columns([scenario] * len(flat), shape_of(scenario, 1.0))
+    q, found = equilibrium(columns, flat, np.ones(len(flat), dtype=bool))
+    if not found.all():
+        raise InputError("torque", expected="one that the arm can rest under", received=f"{flat[~found][0]:g} N m")
+    return np.asarray(q.T.reshape(*torques.shape, dynamics.links))
+
+
+def rest_under(dynamics: ArmDynamics, torque: float) -> Rest:
+    """The arm at rest under a torque [N m].
+
+    Raises:
+        InputError: as :func:`static_pose`.
+    """
+    q = static_pose(dynamics, torque)
+    return Rest(torque, q, dynamics.tip(q))
+
+
+def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[float, float]) -> Rest:
+    """The arm at rest with its tip as near to a position as any torque in the range brings it.
+
+    Args:
+        dynamics: the arm.
+        position: (3,) or (2,) [m], x and z, in the world frame; a y is left out.
+        torque_range: lowest and highest torque [N m].
+
+    Raises:
+        InputError: a position that is none, an empty range, or torques in it that the arm cannot rest under.
+    """
+    point = np.asarray(position, dtype=float)
+    if point.shape not in ((2,), (3,)) or not np.isfinite(point).all():
+        raise InputError("tip position", expected="x and z, or x, y and z [m]", received=position)
+    wanted = point[[0, -1]]
+    low, high = torque_range
+    if not low < high:
+        raise InputError("torque range", expected="a lowest and a higher torque [N m]", received=torque_range)
+    torques = np.linspace(low, high, _LOOKS)
+    distances = np.linalg.norm(dynamics.tip(static_pose(dynamics, torques))[:, [0, 2]] - wanted, axis=1)
+    nearest = int(np.argmin(distances))
+    left, right = torques[max(nearest - 1, 0)], torques[min(nearest + 1, _LOOKS - 1)]
+
+    def slope(torque: float) -> float:
+        """Half the derivative of the squared distance to the torque, [m^2/(N m)]."""
+        q = static_pose(dynamics, torque)
+        return float((dynamics.tip(q)[[0, 2]] - wanted) @ (dynamics.tip_jacobian(q)[[0, 2]] @ compliance(dynamics, q, torque)))
+
+    best = float(torques[nearest])
+    if slope(left) < 0 < slope(right):
+        best = float(brentq(slope, left, right, xtol=1e-12))
+    found = rest_under(dynamics, best)
+    return Rest(best, found.q, found.tip, float(np.linalg.norm(found.tip[[0, 2]] - wanted)))
+
+
+def compliance(dynamics: ArmDynamics, q: Array, torque: float) -> Array:
+    """(N,) [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
+    linear = dynamics.linearise(q, torque)
+    n = dynamics.links
+    return np.asarray(-np.linalg.solve(linear.A[n:, :n], linear.B[n:, 0]))
