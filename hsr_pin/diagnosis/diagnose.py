@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,7 @@ from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import structure
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
-from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search
+from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
 from hsr_pin.diagnosis.verdict import Verdict, judge
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.diagnosis.workers import workers
@@ -90,7 +91,7 @@ def diagnose(
     paper = replace(hypothesis, links=declared_links, placement="base", step=FINE_STEP)
     nominal = _simulated(experiment, paper)
     mended = _simulated(experiment, hypothesis.finer(FINE_LINKS, FINE_STEP))
-    first: list[tuple[str, tuple[str, ...], list[Array]]] = [
+    first: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [
         ("declared model", (), nominal),
         ("finer discretisation", (), mended),
     ]
@@ -104,29 +105,59 @@ def diagnose(
     tell("stiffness and damping")
     base_fit = fit(experiment, hypothesis)
     base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
+    by_level = _by_level(experiment, base)
     with workers(experiment, jobs, advance) as crew:
-        found = search(base, candidates, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
-    steps = [*first, ("stiffness and damping", (), list(base.heldout))]
-    for before, after in zip(found.path, found.path[1:], strict=False):
-        new = sorted(set(after.names) - set(before.names))
-        steps.append((" + ".join(new), after.names, list(after.heldout)))
-    verdict = judge(structure(mended), found, thresholds, seed)
+
+        def searched(start: Candidate) -> Search:
+            return search(start, candidates, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
+
+        found = searched(base)
+        verdict = judge(structure(mended), found, thresholds, seed, by_level)
+        if by_level and worth_having(base, by_level, thresholds, seed):
+            if verdict.status == "parameters":
+                found = Search((by_level,), found.tried)
+            elif verdict.status == "unexplained":
+                tell("stiffness and damping of each level")
+                found = searched(by_level)
+                verdict = judge(structure(mended), found, thresholds, seed)
     tell("where the gap lies")
     return Diagnosis(
         experiment,
         verdict,
-        ladder(steps, thresholds.noise, seed),
+        ladder([*first, *_rungs(base, found)], thresholds.noise, seed),
         found,
         thresholds,
         tuple(nominal),
         locate(experiment, base, found.best, seed),
-        propose(experiment, _fitted(found, verdict.alternatives)) if verdict.status == "ambiguous" else (),
+        propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
     )
 
 
-def _fitted(found: Search, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
-    """The best fit with each set of effects."""
-    best = [min((c for c in found.tried if c.names == names), key=mean_square) for names in sets]
+def _rungs(base: Candidate, found: Search) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
+    """Name, effects and held-out residuals of the fitted models on the way down."""
+    rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), base.heldout)]
+    if found.path[0] is not base:
+        rungs.append(("stiffness and damping of each level", (), found.path[0].heldout))
+    for before, after in itertools.pairwise(found.path):
+        rungs.append((" + ".join(sorted(set(after.names) - set(before.names))), after.names, after.heldout))
+    return rungs
+
+
+def _by_level(experiment: Experiment, base: Candidate) -> Candidate | None:
+    """Without effects, a stiffness and a damping for each declared Keq; None where there is only one."""
+    levels = sorted({run.trial.keq for run in experiment.runs})
+    if len(levels) < 2:
+        return None
+    free = tuple(f"{name}@{level:g}" for level in levels for name in base.fit.hypothesis.free)
+    start = np.tile(base.fit.values, len(levels))
+    answer = fit(experiment, replace(base.fit.hypothesis, free=free), start=start, after=base.fit)
+    return Candidate(answer, tuple(leave_one_out(experiment, answer)))
+
+
+def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
+    """The best fit with each set of effects; without effects, that with other parameters at each level."""
+    tried = [*found.tried, *([by_level] if by_level else [])]
+    best = [min((c for c in tried if c.names == names), key=mean_square) for names in sets]
     return [(candidate.fit.hypothesis, candidate.fit.values) for candidate in best]
 
 

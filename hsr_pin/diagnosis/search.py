@@ -8,7 +8,7 @@ from math import sqrt
 from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.evidence import Squares, gain_interval, squares, structure
+from hsr_pin.diagnosis.evidence import gain_interval, squares, structure
 from hsr_pin.effects.effect import Effect
 from hsr_pin.identification.fit import Fit
 
@@ -88,10 +88,10 @@ def left(candidate: Candidate) -> float:
     return structure(candidate.heldout)
 
 
-def worth_having(worse: Squares, better: Squares, thresholds: Thresholds, seed: int) -> bool:
+def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, seed: int) -> bool:
     """Whether a gain is both certain (its interval excludes zero) and worth having."""
-    gain = worse.mean - better.mean
-    return gain >= thresholds.worth**2 and gain_interval(worse, better, seed)[0] > 0
+    before, after = squares(worse.heldout), squares(better.heldout)
+    return before.mean - after.mean >= thresholds.worth**2 and gain_interval(before, after, seed)[0] > 0
 
 
 def search(
@@ -121,8 +121,7 @@ def search(
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
         new = _extend(beam, effects, workers, tried)
         tried |= {key(candidate): candidate for candidate in new}
-        last = squares(path[-1].heldout)
-        good = [c for c in new if worth_having(last, squares(c.heldout), thresholds, seed)]
+        good = [c for c in new if worth_having(path[-1], c, thresholds, seed)]
         if not good:
             break
         good.sort(key=mean_square)

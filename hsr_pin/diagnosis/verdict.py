@@ -40,7 +40,7 @@ class Verdict:
     sentence: str
 
 
-def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int) -> Verdict:
+def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int, by_level: Candidate | None = None) -> Verdict:
     """The verdict.
 
     Args:
@@ -48,6 +48,7 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
         found: by the search.
         thresholds: what counts.
         seed: of the resampling.
+        by_level: without effects, but a stiffness and a damping for each declared Keq; None if one is declared.
     """
     base, best = found.path[0], found.best
     gap, rest = sqrt(left(base)), sqrt(left(best))
@@ -58,6 +59,9 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
         )
     if gap <= closed or (best is base and gap <= STRUCTURE * closed):
         return Verdict("parameters", (), (), _parameters(base, sqrt(nominal_left), gap))
+    levels = by_level if by_level is not None and sqrt(left(by_level)) <= closed else None
+    if levels is not None and (not _explains(best, base, thresholds) or clearly_worse(best, levels, thresholds, seed)):
+        return Verdict("parameters", (), (), _parameters(levels, sqrt(nominal_left), sqrt(left(levels))))
     if best is base:
         return Verdict(
             "unexplained", (), (), f"A gap of {_mm(gap)} beyond noise is left, and no effect of the catalogue is worth having."
@@ -72,10 +76,12 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int)
             "something else is at work.",
         )
     sets = [best.names, *rivals(best, base, found.tried, thresholds, seed)]
+    if levels is not None and not clearly_worse(levels, best, thresholds, seed):
+        sets.append(())
     if len(sets) > 1:
         common = sorted(set.intersection(*map(set, sets)))
         sure = f"{' and '.join(common)} is certain; " if common else ""
-        listed = ", or ".join(" with ".join(names) for names in sets)
+        listed = ", or ".join(" with ".join(names) or "another stiffness and damping at each level" for names in sets)
         return Verdict("ambiguous", tuple(common), tuple(sets), f"{sure}these recordings cannot tell apart: {listed}.")
     share = 100 * (1 - left(best) / left(base))
     are, them = ("is", "it") if len(best.names) == 1 else ("are", "them")
@@ -90,7 +96,6 @@ def rivals(
     best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
 ) -> list[tuple[str, ...]]:
     """Other sets of effects, no larger than the best, that explain the recordings as well; the best of them first."""
-    own = squares(best.heldout)
     answers: list[tuple[str, ...]] = []
     for rival in sorted(tried, key=mean_square):
         names = rival.names
@@ -98,12 +103,16 @@ def rivals(
             continue
         if not _explains(rival, base, thresholds):
             continue
-        other = squares(rival.heldout)
-        certain = gain_interval(other, own, seed)[0] > 0
-        much = other.mean - own.mean > FACTOR * left(best) + (MARGIN * thresholds.noise) ** 2
-        if not (certain and much):
+        if not clearly_worse(rival, best, thresholds, seed):
             answers.append(names)
     return answers
+
+
+def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds, seed: int) -> bool:
+    """Whether a model's mean square is larger, certainly and by an amount that counts."""
+    more, less = squares(candidate.heldout), squares(than.heldout)
+    much = more.mean - less.mean > FACTOR * left(than) + (MARGIN * thresholds.noise) ** 2
+    return much and gain_interval(more, less, seed)[0] > 0
 
 
 def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
