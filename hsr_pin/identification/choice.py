@@ -95,7 +95,7 @@ def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
 
 def _unknown(name: str) -> IdentificationError:
     every = [*SHORT, *ARM, *EFFECTS, *(f"{e.name}.{fact.name}" for e in EFFECTS.values() for fact in e.parameters())]
-    close = get_close_matches(name, every, n=1)
+    close = get_close_matches(name, every, n=1, cutoff=0.5)
     return IdentificationError(
         "parameter to fit",
         expected=f"{', '.join(SHORT)}, an effect ({', '.join(EFFECTS)}) or effect.parameter",

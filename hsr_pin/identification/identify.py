@@ -133,9 +133,8 @@ def split(experiment: Experiment, train: Sequence[str], test: Sequence[str]) -> 
     if not fitted:
         raise IdentificationError("trials to fit", expected="at least one", received="all of them set aside")
     if fitted & aside:
-        raise IdentificationError(
-            "trials", expected="each fitted or set aside", received=f"{', '.join(sorted(fitted & aside))} both"
-        )
+        both = ", ".join(sorted(fitted & aside))
+        raise IdentificationError("trials", expected="each fitted or set aside", received=f"{both} in both")
     parts = [replace(experiment, runs=tuple(r for r in experiment.runs if r.trial.name in part)) for part in (fitted, aside)]
     return parts[0], parts[1] if aside else None
 

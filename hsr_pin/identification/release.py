@@ -20,6 +20,10 @@ _AROUND = 3
 _SLOWEST = 0.05
 #: A release is looked for within this time after the declared start [s].
 _LATEST = 0.3
+#: Markers are never trusted to better than this [m] when a pose is sought.
+_SURE = 1e-4
+#: Each mode of curvature is expected to be smaller than the one before by this factor, the first to be about 1 rad.
+_SMOOTH = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,16 +131,19 @@ def state_from_markers(
         return np.zeros(links), np.zeros(links)
     s = 2 * arm.specification.element_arc_lengths - 1
     shapes = np.polynomial.legendre.legvander(s, modes - 1) / links
-    places = marker_map(arm, arc_lengths[seen])
-    stiffness = 1e-3 * 4.0 ** np.arange(modes)
+    sure, places = max(noise, _SURE), marker_map(arm, arc_lengths[seen])
 
     def residual(curvature: Array) -> Array:
-        miss = (places.positions(shapes @ curvature) - positions[seen]) / max(noise, 1e-4)
-        return np.concatenate([miss.ravel(), stiffness * curvature])
+        count = len(curvature)
+        miss = (places.positions(shapes[:, :count] @ curvature) - positions[seen]) / sure
+        return np.concatenate([miss.ravel(), _SMOOTH ** np.arange(count) * curvature])
 
-    nearest = least_squares(residual, np.zeros(modes), method="lm")
-    pull = np.concatenate([velocities[seen].ravel() / max(noise, 1e-4), np.zeros(modes)])
-    return np.asarray(shapes @ nearest.x), np.asarray(shapes @ np.linalg.lstsq(nearest.jac, pull, rcond=None)[0])
+    curvature = np.zeros(0)
+    for _ in range(modes):  # one mode more at a time: from the straight arm, all at once may end in a wrong bend
+        nearest = least_squares(residual, np.append(curvature, 0.0), method="lm")
+        curvature = nearest.x
+    pull = np.concatenate([velocities[seen].ravel() / sure, np.zeros(modes)])
+    return np.asarray(shapes @ curvature), np.asarray(shapes @ np.linalg.lstsq(nearest.jac, pull, rcond=None)[0])
 
 
 def _median(window: Array) -> Array:

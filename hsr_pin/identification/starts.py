@@ -9,6 +9,7 @@ from scipy.stats import qmc
 
 from hsr_pin.identification.evaluation import predict, residuals, rms
 from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import ARM, Hypothesis
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
@@ -24,7 +25,10 @@ _LINKS, _STEP = 4, 0.02
 
 
 def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
-    """Values (P,) to start a search from: the hypothesis' own, and those among sixteen others that fit better, the best two.
+    """Values (P,) to start a search from.
+
+    They are the hypothesis' own; where effects are open, its own with the arm as it is fitted without them; and the best two of
+    sixteen others, if they fit better than its own.
 
     The others are a Sobol sequence (I. M. Sobol, USSR Comput. Math. Math. Phys. 7, 1967) over what is plausible, simulated
     roughly and in one batch. A point at which a simulation fails counts as off by the length of the arm.
@@ -37,7 +41,16 @@ def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     count = len(experiment.runs)
     missed = [rms(residuals(experiment, predictions[k * count : (k + 1) * count])) for k in range(len(points))]
     better = [k for k in np.argsort(missed) if missed[k] < missed[0]]
-    return [own, *(points[k] for k in better[:BEST])]
+    return [own, *_nested(experiment, hypothesis), *(points[k] for k in better[:BEST])]
+
+
+def _nested(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
+    """From a fit of the arm alone a fit with effects cannot well end up worse than it."""
+    arm = tuple(name for name in hypothesis.free if name.partition("@")[0] in ARM)
+    if not arm or not hypothesis.effects:
+        return []
+    alone = fit(experiment, replace(hypothesis, effects=(), free=arm), quick=True).named
+    return [np.array([alone.get(name, value) for name, value in zip(hypothesis.free, hypothesis.start, strict=True)])]
 
 
 def _plausible(fact: Parameter, start: float, u: float) -> float:
