@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
     reference = reference_through_tips(model, TIPS[:2] if chosen.quick else TIPS, REGULATORS.torque_range)
     runs = {
         "open loop": follow(reference, OpenLoop(reference)),
-        "closed loop": follow(reference, FeedforwardPD(model, reference, kp=4.0, kd=0.1)),
+        "closed loop": follow(reference, FeedforwardPD(model, reference, kp=5.0, kd=0.05)),
     }
     return report("Feedforward and PD, with an unknown hysteresis", reference, runs, chosen.plot)
 

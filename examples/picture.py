@@ -16,10 +16,11 @@ from hsr_pin.trajectory import Array
 
 @dataclass
 class Run:
-    """What an example notes of one run: the tip (3,) [m] at every sample, and the torque [N m] of every step."""
+    """What an example notes of one run: the tip (3,) [m] at every sample, the torque [N m] of every step, perhaps an estimate."""
 
     tip: list[Array] = field(default_factory=list)
     torque: list[float] = field(default_factory=list)
+    unknown_torque: list[float] = field(default_factory=list)
 
     def errors(self, reference: Reference) -> Array:
         """(T,) [mm] distance of the tip from the reference."""
@@ -47,21 +48,25 @@ def report(title: str, reference: Reference, runs: dict[str, Run], plot: str | N
 
 
 def _figure(title: str, reference: Reference, runs: dict[str, Run]) -> Figure:
-    figure = Figure(figsize=(7.2, 6.4), layout="constrained")
+    estimated = any(run.unknown_torque for run in runs.values())
+    figure = Figure(figsize=(7.2, 8.0 if estimated else 6.4), layout="constrained")
     figure.suptitle(title, fontsize=11)
-    tip, error, torque = figure.subplots(3, 1, sharex=True, height_ratios=(1.3, 1, 1))
+    tip, error, torque, *more = figure.subplots(3 + estimated, 1, sharex=True, height_ratios=(1.3, 1, 1, 1)[: 3 + estimated])
     tip.plot(reference.time, 1e3 * reference.tip[:, 0], color="black", linestyle="--", linewidth=1.2, label="reference", zorder=3)
     for colour, (name, run) in zip(COLOURS[1::-1], runs.items(), strict=True):
         tip.plot(reference.time, 1e3 * np.array(run.tip)[:, 0], color=colour, label=name)
         error.plot(reference.time, run.errors(reference), color=colour, label=name)
+        if run.unknown_torque:
+            more[0].plot(reference.time[:-1], run.unknown_torque, color=colour)
+            more[0].set_ylabel("unknown torque,\nestimated [N m]")
         torque.step(reference.time[:-1], run.torque, where="post", color=colour, linewidth=1.0, label=name)
     tip.set_ylabel("tip x [mm]")
     error.set_ylabel("tip error [mm]")
     error.set_ylim(bottom=0)
     torque.set_ylabel("torque [N m]")
-    torque.set_xlabel("time [s]")
+    (more or [torque])[-1].set_xlabel("time [s]")
     figure.legend(*tip.get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False)
-    for axes in (tip, error, torque):
+    for axes in (tip, error, torque, *more):
         axes.grid(color="#DDDDDD", linewidth=0.6)
         axes.spines[["top", "right"]].set_visible(False)
     figure.align_ylabels()

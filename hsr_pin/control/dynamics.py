@@ -18,7 +18,7 @@ from scipy.linalg import expm
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
-from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns, shape_of
 from hsr_pin.simulation.scenario import Scenario
@@ -89,7 +89,7 @@ class ArmDynamics:
         self._arm_model = columns.arm_models[0]
         self._model = self._arm_model.model.copy()
         self._data = self._model.createData()
-        self._tip = marker_map(self._arm_model, np.array([self.arm.length]))
+        self._tip = self.markers([self.arm.length])
 
     @property
     def links(self) -> int:
@@ -146,14 +146,11 @@ class ArmDynamics:
 
     def tip_jacobian(self, q: ArrayLike) -> Array:
         """(3, N) [m/rad] d tip / dq."""
-        return np.asarray(self.marker_jacobian(q, np.array([self.arm.length]))[0])
+        return np.asarray(self._tip.jacobian(self._vector("q", q))[0])
 
-    def marker_jacobian(self, q: ArrayLike, arc_lengths: ArrayLike) -> Array:
-        """(M, 3, N) [m/rad] derivatives of the points at ``arc_lengths`` (M,) [m] from the base to q."""
-        places = marker_map(self._arm_model, np.asarray(arc_lengths, dtype=float))
-        theta = np.cumsum(self._vector("q", q))[:, None]
-        slopes = np.cos(theta) * places.sine - np.sin(theta) * places.cosine  # (N, 3M), to the link angles theta
-        return np.asarray(slopes[::-1].cumsum(axis=0)[::-1].T.reshape(-1, 3, self.links))
+    def markers(self, arc_lengths: ArrayLike) -> MarkerMap:
+        """Positions and Jacobians of the points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
+        return marker_map(self._arm_model, np.asarray(arc_lengths, dtype=float))
 
     def _vector(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=float)

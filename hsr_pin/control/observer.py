@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.control.reach import static_pose
 from hsr_pin.errors import InputError
-from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.model import build_model
 from hsr_pin.simulation.columns import Columns, shape_of
 from hsr_pin.simulation.integrators import integrator
 from hsr_pin.simulation.scenario import Scenario
@@ -69,14 +67,13 @@ class Observer:
         *,
         noise: float = 5e-4,
         joint_torque: float = 0.02,
-        drift: float = 0.5,
+        drift: float = 0.1,
     ) -> None:
         if not min(dt, noise, joint_torque, drift) > 0 or not markers:
             raise InputError("observer", expected="markers; dt, noise, joint_torque and drift above zero", received=len(markers))
         self.dynamics, self.markers, self.dt = dynamics, tuple(markers), dt
         self._noise, self._joint_torque, self._drift = noise, joint_torque, drift
-        self._reach = np.array([marker.arc_length for marker in markers])
-        self._places = marker_map(build_model(dynamics.arm), self._reach)
+        self._places = dynamics.markers([marker.arc_length for marker in markers])
         scenario = Scenario(dynamics.nominal, np.array([0.0, dt]), np.zeros(2), effects=dynamics.effects)
         columns = Columns([scenario], shape_of(scenario, _LONGEST))
         self._stepper, self._substeps = Stepper(columns, integrator("ros2"), columns.step), columns.shape.substeps
@@ -113,9 +110,7 @@ class Observer:
         innovation = (seen - self._places.positions(estimate.q))[:, [0, 2]].ravel()
         visible = np.isfinite(innovation)
         H = np.zeros((len(innovation), len(estimate.covariance)))
-        H[:, : self.dynamics.links] = self.dynamics.marker_jacobian(estimate.q, self._reach)[:, [0, 2]].reshape(
-            len(innovation), -1
-        )
+        H[:, : self.dynamics.links] = self._places.jacobian(estimate.q)[:, [0, 2]].reshape(len(innovation), -1)
         H, R = H[visible], self._noise**2 * np.eye(int(visible.sum()))
         P = estimate.covariance
         L = np.linalg.solve(H @ P @ H.T + R, H @ P).T

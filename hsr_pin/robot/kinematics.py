@@ -38,6 +38,12 @@ class MarkerMap:
         points = np.cos(theta) @ self.cosine + np.sin(theta) @ self.sine + self.constant
         return np.asarray(points.reshape(*joint_angles.shape[:-1], len(self.link), 3))
 
+    def jacobian(self, joint_angles: Array) -> Array:
+        """(M, 3, N) [m/rad] derivatives of the positions to the joint angles (N,) [rad]."""
+        theta = np.cumsum(joint_angles)[:, None]
+        to_links = np.cos(theta) * self.sine - np.sin(theta) * self.cosine  # (N, 3M): joint i turns link i and all further ones
+        return np.asarray(to_links[::-1].cumsum(axis=0)[::-1].T.reshape(len(self.link), 3, -1))
+
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards positive bending."""
         theta = np.cumsum(joint_angles, axis=-1)

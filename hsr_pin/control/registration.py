@@ -1,0 +1,26 @@
+"""The ids of the environments, for Gymnasium."""
+
+from __future__ import annotations
+
+from hsr_pin.errors import MissingDependencyError
+
+#: Id -> where the environment is.
+ENVIRONMENTS = {
+    "hsr_pin/FollowTip-v0": "hsr_pin.control.environment:FollowTip",
+    "hsr_pin/ReachTip-v0": "hsr_pin.control.environment:ReachTip",
+}
+
+
+def register() -> None:
+    """Make ``gymnasium.make`` know the ids. A second call changes nothing.
+
+    Raises:
+        MissingDependencyError: Gymnasium is not installed.
+    """
+    try:
+        import gymnasium
+    except ImportError as error:
+        raise MissingDependencyError("gymnasium", "gym") from error
+    for name, place in ENVIRONMENTS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(name, entry_point=place)
