@@ -1,0 +1,93 @@
+"""Print, as Markdown, how well fitted arms predict real recordings that they were not fitted to.
+
+Usage: scripts/real_data.py [folder of recordings]. Default: ../shared/recordings beside the repository. Takes about a minute.
+"""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.identification.identify import Identification, identify
+from hsr_pin.recordings.read import read_dataset
+
+ROOT = Path(__file__).resolve().parent.parent
+HEADER = "| dataset | fitted to | predicted | parameters | tip RMS fitted | tip RMS predicted | as declared |\n|---|---|---|---|---|---|---|\n"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One prediction.
+
+    Attributes:
+        dataset: its folder's name.
+        train: patterns of the trials that are fitted; all others are predicted.
+        fitted, predicted: what these are, in words.
+        free: parameters.
+        delay: [s] after the declared start.
+    """
+
+    dataset: str
+    train: tuple[str, ...]
+    fitted: str
+    predicted: str
+    free: tuple[str, ...] = ("keq", "damping")
+    delay: float = 0.0
+
+
+_BEAM = ("real-beam", ("trial_0[12]",), "unloaded releases (2)", "releases with 52 g (2)")
+_TRUNK = ("real-trunk", ("trial_0?", "trial_1[012]"), "releases with 200 g (12)", "releases with 300 g (20)")
+CASES = (
+    Case(*_BEAM),
+    Case(*_TRUNK),
+    Case(*_TRUNK, delay=0.1),
+    Case(*_TRUNK, free=("keq", "damping", "gravity_tilt", "dry_friction"), delay=0.1),
+    Case(*_TRUNK, free=("keq", "damping", "gravity_tilt", "hysteresis"), delay=0.1),
+)
+
+
+def found_in(folder: Path, case: Case) -> Identification:
+    """Carry out one case."""
+    return identify(read_dataset(folder / case.dataset), free=case.free, train=case.train, delay=case.delay)
+
+
+def row(case: Case, found: Identification) -> str:
+    """One line of the table."""
+    length = found.experiment.dataset.length
+    values = ", ".join(f"{name} {value:.3g}" for name, value in found.fit.named.items())
+    start = f", from {case.delay:g} s on" if case.delay else ""
+    cells = [
+        f"{1e3 * found.tip_rms(missed):.1f} mm ({100 * found.tip_rms(missed) / length:.1f} % of L)"
+        for missed in (found.after, found.heldout, found.heldout_before)
+    ]
+    return f"| {case.dataset} | {case.fitted}{start} | {case.predicted} | {values} | {' | '.join(cells)} |\n"
+
+
+def limits(found: Identification) -> str:
+    """What no planar model with one rest pose can predict: motion out of the plane, and a rest pose that differs each time."""
+    runs = [run.measured[:, found.tip] for run in found.heldout_experiment.runs]
+    out = 1e3 * np.sqrt(np.nanmean(np.concatenate([tip[:, 1] ** 2 for tip in runs])))
+    rest = 1e3 * np.array([np.nanmean(tip[-30:], axis=0) for tip in runs])
+    return (
+        f"{found.experiment.dataset.name}, predicted trials: out of plane {out:.1f} mm RMS; the tip comes to rest at "
+        f"x = {rest[:, 0].mean():.1f} ± {rest[:, 0].std():.1f} mm, y = {rest[:, 1].mean():.1f} ± {rest[:, 1].std():.1f} mm "
+        "(mean ± standard deviation over trials).\n"
+    )
+
+
+def main() -> None:
+    """Print the table and the limits."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT.parent / "shared" / "recordings"
+    print(HEADER, end="")
+    last = {}
+    for case in CASES:
+        found = found_in(folder, case)
+        print(row(case, found), end="", flush=True)
+        last[case.dataset] = found
+    for found in last.values():
+        print("\n" + limits(found), end="")
+
+
+if __name__ == "__main__":
+    main()
