@@ -1,8 +1,9 @@
 """Bring the outputs that README.md shows up to date, or check that they are.
 
-In the README, a block of output follows a line that says where it comes from::
+In the README, a block of output stands between two lines::
 
     <!-- output of: hsr-sim --links 4 --keq 1.11 -->
+    <!-- end of output -->
 
 A command that reads ``../shared`` needs that folder; it is left alone where the folder is absent.
 
@@ -22,7 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
-BLOCK = re.compile(r"(<!-- output of: (?P<command>.+?) -->\n)(?P<fence>```text\n.*?```\n|(?:\|.*\n)+)", re.DOTALL)
+BLOCK = re.compile(r"(<!-- output of: (?P<command>.+?) -->\n).*?(<!-- end of output -->\n)", re.DOTALL)
 SHARED = "../shared"
 
 
@@ -61,7 +62,7 @@ def main() -> int:
         command = match["command"]
         if is_slow(command) and (checking or not (ROOT / SHARED).is_dir()):
             return match[0]
-        fresh = match[1] + block_of(command)
+        fresh = match[1] + block_of(command) + match[3]
         if fresh != match[0]:
             stale.append(command)
         return fresh

@@ -20,7 +20,9 @@ def test_a_stale_output_is_found(tmp_path):
     copy = tmp_path / "scripts" / "readme.py"
     copy.parent.mkdir()
     copy.write_text(SCRIPT.read_text(encoding="utf-8"), encoding="utf-8")
-    (tmp_path / "README.md").write_text("<!-- output of: python -c 'print(2)' -->\n```text\n1\n```\n", encoding="utf-8")
+    (tmp_path / "README.md").write_text(
+        "<!-- output of: python -c 'print(2)' -->\n```text\n1\n```\n<!-- end of output -->\n", encoding="utf-8"
+    )
     done = subprocess.run([sys.executable, copy, "--check"], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "not current: python -c 'print(2)'" in done.stdout
