@@ -13,7 +13,9 @@ from hsr_pin.identification.identify import Identification, identify
 from hsr_pin.recordings.read import read_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
-HEADER = "| dataset | fitted to | predicted | parameters | tip RMS fitted | tip RMS predicted | as declared |\n|---|---|---|---|---|---|---|\n"
+HEADER = (
+    "| dataset | fitted to | predicted | parameters | tip RMS fitted | tip RMS predicted | as declared |\n" + "|---" * 7 + "|\n"
+)
 
 
 @dataclass(frozen=True)

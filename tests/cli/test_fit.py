@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,10 +29,8 @@ def folder(tmp_path_factory):
     trials = []
     for number, (keq, result) in enumerate(zip(TRUE, results, strict=True), 1):
         motion = result.trajectory
-        seen = motion.positions + 3e-4 * noise.normal(size=motion.positions.shape)
-        trials.append(
-            Trial(f"trial_{number:02d}", replace(motion, positions=seen, joint_angles=None, joint_rates=None), keq, 0.05)
-        )
+        seen = replace(motion, positions=motion.positions + 3e-4 * noise.normal(size=motion.positions.shape))
+        trials.append(Trial(f"trial_{number:02d}", seen, keq, 0.05))
     path = tmp_path_factory.mktemp("recordings") / "known"
     write_dataset(Dataset("known", 0.24, 0.15, 0.04, "hanging", tuple(trials)), path)
     return path
@@ -137,7 +134,11 @@ def test_a_dataset_that_is_not_there_or_empty_is_one_line_and_exit_code_two(tmp_
 
 
 def test_help_does_not_wait_for_numpy():
-    program = "import sys; from hsr_pin.cli.fit import main; sys.argv[1:] = ['--help']\ntry: main()\nfinally: print('numpy' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parents[2])
+    program = (
+        "import sys; from hsr_pin.cli.fit import main; sys.argv[1:] = ['--help']\n"
+        "try: main()\n"
+        "finally: print('numpy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert "--free" in done.stdout
     assert done.stdout.strip().endswith("False")

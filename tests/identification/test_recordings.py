@@ -43,4 +43,4 @@ def test_a_beam_fitted_without_load_is_predicted_with_load_to_3_percent_of_its_l
 def test_a_trunk_fitted_with_200_g_is_predicted_with_300_g_to_4_percent_of_its_length(shared):
     dataset = read_dataset(shared / "recordings" / "real-trunk")
     found = identify(dataset, train=("trial_0?", "trial_1[012]"), delay=0.1)
-    assert found.tip_rms(found.heldout) < 0.04 * dataset.length < 0.2 * found.tip_rms(found.heldout_before) * 2
+    assert found.tip_rms(found.heldout) < 0.04 * dataset.length
