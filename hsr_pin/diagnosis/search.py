@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Protocol
 
@@ -127,12 +127,17 @@ def search(
         good.sort(key=mean_square)
         path.append(good[0])
         beam = _distinct(good)[:BEAM]
-    return Search(_nested(path[-1], start, list(tried.values())), tuple(tried.values()))
+    best = _pruned(path[-1], start, tried, thresholds, workers, seed)
+    return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 
 def key(candidate: Candidate) -> Key:
     """The effects of a candidate and the options they were tried with."""
-    return tuple(sorted((effect.name, effect.options) for effect in candidate.fit.hypothesis.effects))
+    return _key(candidate.fit)
+
+
+def _key(fit: Fit) -> Key:
+    return tuple(sorted((effect.name, effect.options) for effect in fit.hypothesis.effects))
 
 
 def _extend(
@@ -154,6 +159,30 @@ def _extend(
     return workers.finish(
         [pair for place, pair in enumerate(ranked_fits) if place < FINISHED or pair[1].rms < CLOSE * ranked_fits[0][1].rms]
     )
+
+
+def _pruned(
+    best: Candidate, start: Candidate, tried: dict[Key, Candidate], thresholds: Thresholds, workers: Workers, seed: int
+) -> Candidate:
+    """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them."""
+    while len(best.names) > 1:
+        smaller = [_without(best.fit, effect) for effect in best.fit.hypothesis.effects]
+        new = workers.finish([(start.fit, fit) for fit in smaller if _key(fit) not in tried])
+        tried |= {key(candidate): candidate for candidate in new}
+        spare = [tried[_key(fit)] for fit in smaller if not worth_having(tried[_key(fit)], best, thresholds, seed)]
+        if not spare:
+            break
+        best = min(spare, key=mean_square)
+    return best
+
+
+def _without(fit: Fit, effect: Effect) -> Fit:
+    """A place to start from for the model without one of its effects."""
+    model = fit.hypothesis
+    kept = [k for k, name in enumerate(model.free) if not name.startswith(f"{effect.name}.")]
+    effects = tuple(other for other in model.effects if other.name != effect.name)
+    fewer = replace(model, effects=effects, free=tuple(model.free[k] for k in kept))
+    return replace(fit, hypothesis=fewer, values=fit.values[kept])
 
 
 def _nested(best: Candidate, start: Candidate, tried: Sequence[Candidate]) -> tuple[Candidate, ...]:

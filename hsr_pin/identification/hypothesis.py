@@ -25,6 +25,8 @@ ARM = {
 }
 #: Their counterparts in a scenario.
 _SCENARIO_NAME = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
+#: Samples at most over which the pose at rest is averaged.
+_REST = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,7 @@ class Hypothesis:
         if run.lead > 0:  # one sample more, so that the measured ones lie between simulated ones
             time = run.time[0] + run.step * (np.arange(len(run.time) + 1) - run.lead)
             torque = np.append(run.torque[:1], run.torque)
-        start: Settled | Pose = Settled(float(run.torque[0]))
+        start: Settled | Pose = Settled(float(run.torque[0]), _resting_angles(experiment, run, self.links, self.placement))
         if run.start_pose is not None:
             start = Pose(*_start_state(experiment, run, self.links, self.placement))
         return Scenario(arm, time, torque, start, self.effects_at(values), experiment.markers)
@@ -134,6 +136,19 @@ def _declared(experiment: Experiment, run: Run, hypothesis: Hypothesis) -> ArmSp
     return ArmSpecification.from_trial(
         experiment.dataset, run.trial, links=hypothesis.links, placement=hypothesis.placement, bending_limit=2 * np.pi
     )
+
+
+@lru_cache(maxsize=256)
+def _resting_angles(experiment: Experiment, run: Run, links: int, placement: Placement) -> Array | None:
+    """(N,) [rad] about where a run rests before its first change of command, as the markers show; None where they do not."""
+    changes = np.flatnonzero(np.diff(run.torque))
+    window = run.measured[: min(int(changes[0]) + 1 if len(changes) else _REST, _REST)]
+    if not np.isfinite(window).any(axis=0).all():
+        return None
+    arm = build_model(ArmSpecification.from_trial(experiment.dataset, run.trial, links=links, placement=placement))
+    reach = np.array([marker.arc_length for marker in experiment.markers])
+    pose = np.nanmedian(window, axis=0)
+    return state_from_markers(arm, reach, pose, np.zeros_like(pose), float(experiment.noise.max()))[0]
 
 
 @lru_cache(maxsize=256)

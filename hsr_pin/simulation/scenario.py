@@ -13,15 +13,20 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Marker, read_only
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Settled:
-    """Start at rest, in equilibrium under a constant torque [N m]."""
+    """Start at rest, in equilibrium under a constant torque [N m].
+
+    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad] (default: straight).
+    """
 
     torque: float = 0.0
+    near: Array | None = None
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.torque):
-            raise InputError("start", expected="a finite torque [N m]", received=self.torque)
+        object.__setattr__(self, "near", read_only(self.near))
+        if not np.isfinite(self.torque) or (self.near is not None and not np.all(np.isfinite(self.near))):
+            raise InputError("start", expected="a finite torque [N m] and finite angles [rad]", received=self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +86,9 @@ class Scenario:
         kinds = [type(effect) for effect in self.effects]
         if len(set(kinds)) < len(kinds):
             raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
-        if isinstance(self.start, Pose) and self.start.angles.shape != (self.arm.links,):
-            raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {self.start.angles.shape}")
+        angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
+        if angles is not None and angles.shape != (self.arm.links,):
+            raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {angles.shape}")
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "torque", torque)
         if not self.markers:

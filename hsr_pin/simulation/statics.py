@@ -60,13 +60,16 @@ class Gravity:
         return np.asarray(self._cosine * np.cos(theta) + self._sine * np.sin(theta))
 
 
-def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
+def equilibrium(
+    columns: Columns, torque: Array, wanted: NDArray[np.bool_], near: Array | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
     """The poses at which the arms rest under constant torques (B,) [N m], loaded from the straight, never bent arm.
 
     Args:
         columns: the arms.
         torque: (B,) [N m].
         wanted: (B,) columns to solve for; the others stay straight.
+        near: (N, B) [rad] where the search begins; default: straight.
 
     Returns:
         Joint angles (N, B) [rad], 0 where no equilibrium was found, and (B,) whether one was.
@@ -89,7 +92,8 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
     def far(rest: Array, bound: Array | float) -> NDArray[np.bool_]:
         return np.asarray(~(np.abs(rest).max(axis=0) < bound * np.maximum(1.0, np.abs(torque))))  # NaN is far too
 
-    q, rest = straight, residual(straight)
+    begin = straight if near is None else np.where(wanted, near, straight)
+    q, rest = begin, residual(begin)
     for _ in range(_ITERATIONS):
         moving = wanted & far(rest, TOLERANCE)
         if not moving.any():
@@ -97,7 +101,7 @@ def equilibrium(columns: Columns, torque: Array, wanted: NDArray[np.bool_]) -> t
         q, rest = _line_search(residual, q, rest, direction(q, rest, moving, np.zeros(len(wanted))), moving)
     lost = wanted & far(rest, ACCEPTED)
     if lost.any():
-        q = np.where(lost, straight, q)
+        q = np.where(lost, begin, q)
         q, rest = _creep(residual, direction, q, lambda rest: lost & far(rest, TOLERANCE), columns.shape.links * columns.keq)
     found = wanted & ~far(rest, ACCEPTED)
     return np.where(found, q, 0.0), found

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.forward import forward_dynamics
 from hsr_pin.simulation.integrators import Integrator
-from hsr_pin.simulation.scenario import Pose
+from hsr_pin.simulation.scenario import Pose, Settled
 from hsr_pin.simulation.statics import equilibrium
 from hsr_pin.trajectory import Array
 
@@ -85,7 +85,11 @@ def starting_state(columns: Columns, torque: Array) -> tuple[ChainState, NDArray
     poses = {b: s.start for b, s in enumerate(columns.scenarios) if isinstance(s.start, Pose)}
     settled = np.array([b not in poses for b in range(len(columns.scenarios))])
     delivered, muscles = columns.deliver(torque, (), columns.step)
-    q, found = equilibrium(columns, delivered, settled)
+    near = np.zeros((columns.shape.links, len(settled)), order="F")
+    for b, scenario in enumerate(columns.scenarios):
+        if isinstance(scenario.start, Settled) and scenario.start.near is not None:
+            near[:, b] = scenario.start.near
+    q, found = equilibrium(columns, delivered, settled, near)
     q = np.asfortranarray(q)
     v = np.zeros_like(q)
     for b, pose in poses.items():
