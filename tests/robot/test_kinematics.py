@@ -69,3 +69,22 @@ def test_base_middle_and_tip_are_the_frames_of_the_urdf(arm):
 def test_leading_dimensions_are_kept():
     places = marker_map(build_model(ArmSpecification(links=3)), np.array([0.1, 0.2]))
     assert places.positions(np.zeros((7, 5, 3))).shape == places.normals(np.zeros((7, 5, 3))).shape == (7, 5, 2, 3)
+
+
+@arms
+def test_the_jacobian_is_that_of_pinocchio(arm):
+    reach = places(arm)
+    q = np.random.default_rng(2).normal(0, 1, arm.links)
+    model = build_model(arm).model
+    data = model.createData()
+    pin.computeJointJacobians(model, data, q)
+    found = marker_map(build_model(arm), reach).jacobian(q)
+    for jacobian, s, frame in zip(found, reach, frames(arm, q, reach), strict=True):
+        number = int(np.sum(arm.joint_arc_lengths * arm.length < s))
+        if number == 0:
+            assert not jacobian.any()
+            continue
+        at_joint = pin.getJointJacobian(model, data, number, pin.LOCAL_WORLD_ALIGNED).reshape(6, arm.links)
+        arm_of_force = frame.translation - data.oMi[number].translation
+        expected = at_joint[:3] + np.cross(at_joint[3:].T, arm_of_force).T
+        np.testing.assert_allclose(jacobian, expected, rtol=0, atol=1e-14)

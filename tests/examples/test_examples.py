@@ -1,0 +1,24 @@
+"""Every example runs, follows its reference closer in closed loop than in open loop, and draws its picture."""
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+#: By how much less, at least, the tip errs in closed loop.
+FACTORS = {"computed_torque": 2.5, "feedforward_pd": 2.5, "lqr": 2.5, "observer": 5.0}
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_the_loop_pays(name, monkeypatch, tmp_path, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    plot = tmp_path / "plot.svg"
+    errors = importlib.import_module(name).main(["--quick", "--plot", str(plot)])
+    assert errors["closed loop"] < errors["open loop"] / FACTORS[name]
+    assert "closed loop  tip error" in capsys.readouterr().out
+    assert plot.read_text(encoding="utf-8").count("<path") > 20
+
+
+def test_every_example_is_tested():
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "picture"}
