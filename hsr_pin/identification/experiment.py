@@ -15,7 +15,7 @@ from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
 #: Markers nearer to the base than this share of the length do not tell anything about bending.
 BASE = 0.02
 #: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
-_STILL = (6.0, 0.002)
+_STILL = (10.0, 0.002)
 #: No recording is less noisy than this [m].
 _QUIETEST = 1e-6
 
@@ -89,7 +89,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
     noise = _noise(dataset, moving)
-    runs, notes = [], []
+    runs, notes = [], [f"releases are followed from {delay:g} s after their declared start"] if delay else []
     for trial in dataset.trials:
         run = _run(trial, moving, noise, delay)
         if isinstance(run, str):
