@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hsr_pin.control.stepping import ArmSimulator
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.identification.comparison import compare
     from hsr_pin.recordings.read import read_dataset
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 #: Public name -> the module that holds it. A new name stands here, above (for type checkers) and in `__all__`.
 _MODULES = {
+    "ArmSimulator": "control.stepping",
     "ArmSpecification": "robot.specification",
     "Dataset": "trajectory",
     "PressureMap": "robot.pressure",
@@ -35,6 +37,7 @@ _MODULES = {
 }
 
 __all__ = [
+    "ArmSimulator",
     "ArmSpecification",
     "Dataset",
     "PressureMap",

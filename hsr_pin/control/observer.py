@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,6 +79,11 @@ class Observer:
         scenario = Scenario(dynamics.nominal, np.array([0.0, dt]), np.zeros(2), effects=dynamics.effects)
         columns = Columns([scenario], shape_of(scenario, _LONGEST))
         self._stepper, self._substeps = Stepper(columns, integrator("ros2"), columns.step), columns.shape.substeps
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are built anew, with workspaces of their own."""
+        tuning = {"noise": self._noise, "joint_torque": self._joint_torque, "drift": self._drift}
+        return partial(Observer, **tuning), (self.dynamics, self.markers, self.dt)
 
     def begin(self, torque: float = 0.0, angle: float = 0.1, rate: float = 0.1, disturbance: float = 0.3) -> Estimate:
         """Settled under a torque [N m], give or take ``angle`` [rad], ``rate`` [rad/s] and ``disturbance`` [N m]."""

@@ -1,6 +1,7 @@
 """The environments keep Gymnasium's promises and their own units."""
 
 import builtins
+import copy
 import sys
 
 import numpy as np
@@ -50,6 +51,16 @@ def test_observations_are_in_the_units_that_are_documented(kind):
     assert facts["distance"] == pytest.approx(np.linalg.norm(seen[6:8] - tip))
     assert reward == pytest.approx(-facts["distance"] / 0.24)
     assert facts["time"] == pytest.approx(0.06)
+
+
+def test_a_copied_environment_goes_its_own_way():
+    environment = ReachTip()
+    environment.reset(seed=0)
+    environment.step(np.ones(1))
+    twin = copy.deepcopy(environment)
+    there, back = environment.step(np.ones(1))[0], twin.step(-np.ones(1))[0]
+    assert there[0] > back[0]
+    assert np.array_equal(there[6:], back[6:])
 
 
 def test_a_target_can_be_reached_and_held():

@@ -1,5 +1,7 @@
 """The observer finds the state of the arm, and the torque that the model lacks, from markers."""
 
+import copy
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -90,6 +92,15 @@ def test_an_estimate_is_passed_in_and_handed_back():
     np.testing.assert_allclose(first.q, start.q, atol=1e-8)
     with pytest.raises(ValueError, match="read-only"):
         start.q[0] = 1.0
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda o: pickle.loads(pickle.dumps(o))])
+def test_a_copy_observes_alike(duplicate):
+    observer = Observer(MODEL, ArmSimulator(ARM).markers, DT, noise=2e-3, joint_torque=0.1, drift=0.3)
+    start, seen = observer.begin(0.5), ArmSimulator(ARM).observe()
+    one, other = (o.predict(o.correct(start, seen), 0.6) for o in (observer, duplicate(observer)))
+    assert np.array_equal(one.q, other.q)
+    assert np.array_equal(one.covariance, other.covariance)
 
 
 def test_bad_input_is_refused():
