@@ -82,8 +82,8 @@ class Observer:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are built anew, with workspaces of their own."""
-        tuning = {"noise": self._noise, "joint_torque": self._joint_torque, "drift": self._drift}
-        return partial(Observer, **tuning), (self.dynamics, self.markers, self.dt)
+        made = partial(Observer, noise=self._noise, joint_torque=self._joint_torque, drift=self._drift)
+        return made, (self.dynamics, self.markers, self.dt)
 
     def begin(self, torque: float = 0.0, angle: float = 0.1, rate: float = 0.1, disturbance: float = 0.3) -> Estimate:
         """Settled under a torque [N m], give or take ``angle`` [rad], ``rate`` [rad/s] and ``disturbance`` [N m]."""
