@@ -7,7 +7,7 @@ In the README, a block of output stands between two lines::
 
 A command that reads ``../shared`` needs that folder; it is left alone where the folder is absent.
 
-    python scripts/readme.py            rewrite every block
+    python scripts/readme.py            rewrite every block (about a quarter of an hour)
     python scripts/readme.py --check    compare the blocks of quick commands; exit code 1 if one is not current
 """
 
@@ -28,8 +28,8 @@ SHARED = "../shared"
 
 
 def is_slow(command: str) -> bool:
-    """Recordings are diagnosed and fitted in minutes; everything else takes a second."""
-    return SHARED in command
+    """Recordings take minutes, examples are run by tests of their own; everything else takes a second."""
+    return SHARED in command or "examples/" in command
 
 
 def output_of(command: str) -> str:
@@ -54,13 +54,15 @@ def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="compare the quick blocks instead of rewriting all")
-    checking = parser.parse_args().check
+    parser.add_argument("--only", default="", metavar="TEXT", help="only the commands with this text in them")
+    chosen = parser.parse_args()
+    checking, wanted = chosen.check, chosen.only
     text = README.read_text(encoding="utf-8")
     stale = []
 
     def current(match: re.Match[str]) -> str:
         command = match["command"]
-        if is_slow(command) and (checking or not (ROOT / SHARED).is_dir()):
+        if (is_slow(command) and checking) or (SHARED in command and not (ROOT / SHARED).is_dir()) or wanted not in command:
             return match[0]
         fresh = match[1] + block_of(command) + match[3]
         if fresh != match[0]:
