@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, with_values
-from hsr_pin.identification.evaluation import Prediction, predict
+from hsr_pin.identification.evaluation import Prediction, predict, residuals, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit, fit, stacked
 from hsr_pin.identification.heldout import leave_one_out
@@ -29,6 +29,13 @@ _STARTS = 2
 _GRID = 3
 #: Probes and quick fits look at this many runs at most, spread over the recordings.
 _ENOUGH = 10
+#: Factors on the damping and the amplitude of a first guess at which it is tried too: without the effect, the damping stood in
+#: for it, and a fit may stay in that valley.
+_VALLEYS = ((1.0, 1.0), (0.5, 2.0))
+#: A start whose misfit is more than this many times that of the best is dropped.
+_WORSE = 2.0
+#: Links for the full fit of a local defect: a coarser chain hardly tells where within an element it is, and its fit gets stuck.
+_LOCAL_LINKS = 12
 #: No first guess goes further than this from neutral, over the parameter's scale.
 _FARTHEST = 6.0
 
@@ -96,7 +103,34 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
         shape = tuple(getattr(probes[k], fact.name) for fact in effect.parameters() if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = sorted(answers.values(), key=lambda answer: -answer[0])[:_STARTS]
-    return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
+    if not best:
+        return []
+    return [Guess(hypothesis, _starts(experiment, base, hypothesis, [start for _, start in best]), best[0][0])]
+
+
+def _starts(experiment: Experiment, base: Fit, hypothesis: Hypothesis, guessed: list[Array]) -> tuple[Array, ...]:
+    """Of the guessed values, and those in the next valley, the few that simulate best; the best first."""
+    points = [_moved(hypothesis, start, *factors) for start in guessed for factors in _VALLEYS]
+    predictions = predict(experiment, hypothesis, [(run, point) for point in points for run in experiment.runs])
+    count = len(experiment.runs)
+    sizes = []
+    for k in range(len(points)):
+        missed = residuals(experiment, predictions[k * count : (k + 1) * count])
+        sizes.append(rms([miss + defect for miss, defect in zip(missed, base.defects, strict=True)]))
+    order = np.argsort(sizes, kind="stable")
+    return tuple(points[k] for k in order[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
+
+
+def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: float) -> Array:
+    """Values (P,) with the damping times one factor, and how far amplitudes of the last effect are from neutral times another."""
+    moved, last = values.copy(), hypothesis.effects[-1].name
+    for index, fact in enumerate(hypothesis.parameters):
+        if fact.name == "damping_scale":
+            moved[index] *= damping
+        elif fact.amplitude and fact.name.startswith(f"{last}."):
+            moved[index] = fact.neutral + amplitude * (moved[index] - fact.neutral)
+        moved[index] = np.clip(moved[index], fact.lower, fact.upper)
+    return moved
 
 
 def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
@@ -108,7 +142,10 @@ def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
 
 def finish(experiment: Experiment, base: Fit, quick: Fit) -> Candidate:
     """The full fit after a quick one, and every run predicted from the others."""
-    answer = fit(experiment, quick.hypothesis, start=quick.values, after=base)
+    hypothesis = quick.hypothesis
+    if "soft_spot" in {effect.name for effect in hypothesis.effects}:
+        hypothesis = replace(hypothesis, links=max(_LOCAL_LINKS, hypothesis.links))
+    answer = fit(experiment, hypothesis, start=quick.values, after=base)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
 
 

@@ -87,7 +87,7 @@ def fit(
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
-        after: the fit of a like model, whose defect is a first guess of this one's.
+        after: the fit of a like model, whose defect is a first guess of this one's if it has the same chain.
         quick: stop early, and leave the defect at that guess: enough to see which of many models are worth a full fit.
         corrected: False fits the coarse chain as it is: the values then belong to that chain.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
@@ -95,7 +95,7 @@ def fit(
         max_evaluations: of each of the two rounds.
         tell: called with a line now and then.
     """
-    misfit = Misfit(experiment, hypothesis, after.defects if after else None)
+    misfit = Misfit(experiment, hypothesis, after.defects if after and _same_chain(after.hypothesis, hypothesis) else None)
     lower, upper = misfit.lower, misfit.upper
     x = np.clip((hypothesis.start if start is None else np.asarray(start)) / misfit.scale, lower, upper)
     if spread is None:
@@ -120,6 +120,10 @@ def fit(
         if tell:
             tell(f"cost {answer.cost:.6g}")
     return _at(misfit, x, spread, converged, central=not quick)
+
+
+def _same_chain(one: Hypothesis, other: Hypothesis) -> bool:
+    return all(getattr(one, name) == getattr(other, name) for name in ("links", "placement", "integrator", "step"))
 
 
 def _at(misfit: Misfit, x: Array, spread: float, converged: bool, central: bool) -> Fit:
