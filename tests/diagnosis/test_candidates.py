@@ -1,0 +1,182 @@
+"""Each effect, tried: the first guess points at it, the fit ends on it, and what cannot be simulated is passed over."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.candidates import finish, glance, guesses
+from hsr_pin.effects import EFFECTS, parse_effect
+from hsr_pin.effects.effect import Bending, Effect, neutral
+from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.fit import fit
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.parameters import parameter
+
+from .made import CATALOGUE, TRIALS, made
+
+#: A small problem: three short trials, little noise, a short chain.
+SMALL = {"trials": (TRIALS[1], TRIALS[2], TRIALS[4]), "duration": 1.0, "links": 8, "noise": 1e-4}
+QUICK = ("stiffness_gradient", "dry_friction", "actuator_lag", "viscoelastic", "torque_bias", "tip_mass")
+
+each_effect = pytest.mark.parametrize(
+    "text", [pytest.param(text, marks=() if text.split(":")[0] in QUICK else pytest.mark.long) for text in CATALOGUE]
+)
+
+
+@lru_cache
+def fitted(text):
+    """The experiment with an effect in it, and stiffness and damping fitted without."""
+    experiment = prepare(made(text, **SMALL) if text else made(**SMALL))
+    return experiment, fit(experiment, Hypothesis(links=4), corrected=False)
+
+
+@lru_cache
+def guessed(text):
+    """First guesses for the whole catalogue, the most promising first, each kind once."""
+    experiment, base = fitted(text)
+    templates = [neutral(kind, **options) for kind in EFFECTS.values() for options in kind.variants()]
+    first = {}
+    for guess in sorted(guesses(experiment, base, templates), key=lambda guess: -guess.gain):
+        first.setdefault(guess.hypothesis.effects[-1].name, guess)
+    return first
+
+
+def own_guess(text):
+    experiment, base = fitted(text)
+    (guess,) = guesses(experiment, base, [neutral(EFFECTS[text.split(":")[0]])])
+    return experiment, base, guess
+
+
+@each_effect
+def test_an_effect_is_among_the_six_that_its_own_data_point_at(text):
+    assert text.split(":")[0] in list(guessed(text))[:6]
+
+
+def test_data_without_an_effect_point_at_none():
+    assert max(guess.gain for guess in guessed("").values()) < 0.5
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "tip_mass:mass=0.05",
+        "torque_bias:bias=0.1",
+        "gravity_tilt:angle=-0.12",
+        "stiffness_gradient:slope=0.9",
+        "dry_friction:level=0.06",
+        "marker_offset:offset=0.006",
+    ],
+)
+def test_the_first_start_is_near_the_true_amplitude(text):
+    effect = parse_effect(text)
+    (fact,) = effect.parameters()
+    _, base, guess = own_guess(text)
+    place = guess.hypothesis.free.index(f"{effect.name}.{fact.name}")
+    assert guess.starts[0][place] == pytest.approx(getattr(effect, fact.name), rel=0.3)
+    assert len(guess.starts[0]) == len(base.values) + 1
+    assert guess.gain > 0.5
+
+
+def test_starts_are_within_bounds_and_never_neutral():
+    for text in ("dry_friction:level=0.06", ""):
+        for guess in guessed(text).values():
+            facts = guess.hypothesis.parameters
+            for start in guess.starts:
+                assert all(fact.lower <= value <= fact.upper for fact, value in zip(facts, start, strict=True))
+                away = [
+                    abs(value - fact.neutral) / fact.scale for fact, value in zip(facts, start, strict=True) if fact.amplitude
+                ]
+                assert min(away) > 0.05
+            assert 0 <= guess.gain <= 1
+
+
+def test_guesses_come_in_the_order_of_the_effects_that_were_asked_for():
+    experiment, base = fitted(CATALOGUE[0])
+    names = ["tip_mass", "dry_friction", "actuator_lag"]
+    found = guesses(experiment, base, [neutral(EFFECTS[name]) for name in names])
+    assert [guess.hypothesis.effects[-1].name for guess in found] == names
+
+
+@pytest.mark.parametrize("text", ["tip_mass:mass=0.05", "actuator_lag:time_constant=0.08", "dry_friction:level=0.06"])
+def test_a_quick_and_a_full_fit_agree_and_end_on_the_truth(text):
+    effect = parse_effect(text)
+    (fact,) = effect.parameters()
+    experiment, base, guess = own_guess(text)
+    quick = glance(experiment, base, guess)
+    full = finish(experiment, base, quick)
+    scale = np.array([each.scale for each in full.fit.hypothesis.parameters])
+    assert np.all(np.abs(quick.values - full.fit.values) < scale)
+    assert full.fit.rms < 1.02 * quick.rms
+    assert full.fit.values[-1] == pytest.approx(getattr(effect, fact.name), rel=0.08)
+    assert full.names == (effect.name,)
+
+
+def test_a_lag_that_damping_stood_in_for_is_found_behind_it():
+    text = "actuator_lag:time_constant=0.08"
+    experiment = prepare(made(text))
+    base = fit(experiment, Hypothesis(), corrected=False)
+    assert base.named["damping_scale"] > 2.0  # 0.8 is true
+    (guess,) = guesses(experiment, base, [neutral(EFFECTS["actuator_lag"])])
+    found = glance(experiment, base, guess).named
+    assert found["damping_scale"] == pytest.approx(0.8, abs=0.1)
+    assert found["actuator_lag.time_constant"] == pytest.approx(0.08, rel=0.05)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("depth", "centre", "width"), [(0.7, 0.35, 0.08), (0.8, 0.62, 0.05)])
+def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth, centre, width):
+    experiment = prepare(made(f"soft_spot:depth={depth},centre={centre},width={width}"))
+    base = fit(experiment, Hypothesis())
+    (guess,) = guesses(experiment, base, [neutral(EFFECTS["soft_spot"])])
+    answer = finish(experiment, base, glance(experiment, base, guess)).fit
+    assert answer.rms < 1.03 * np.sqrt(3) * 3e-4
+    assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.01)
+
+
+def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():
+    experiment, base, guess = own_guess("tip_mass:mass=0.05")
+    candidate = finish(experiment, base, glance(experiment, base, guess))
+    assert [part.shape for part in candidate.heldout] == [run.measured.shape for run in experiment.runs]
+    for own, kept in zip(candidate.fit.residuals, candidate.heldout, strict=True):
+        assert not np.array_equal(own, kept)
+        assert np.sqrt(np.nanmean((kept**2).sum(axis=2))) < 1.2 * np.sqrt(3) * 1e-4
+
+
+@dataclass(frozen=True)
+class Fragile(Effect):
+    """A stiffer arm, where ``mood`` is small; where it is not, no simulation ends well."""
+
+    name = "fragile"
+    gain: float = parameter(0.0, lower=0.0, upper=5.0, unit="1", scale=0.1, amplitude=True, description="of stiffness")
+    mood: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="good or bad")
+
+    def moment(self, bending: Bending):
+        pull = np.where(np.asarray(self.mood) < 0.6, self.gain, np.nan)
+        return pull * bending.keq * bending.angle**3
+
+
+@dataclass(frozen=True)
+class Broken(Effect):
+    """Nothing ends well."""
+
+    name = "broken"
+    gain: float = parameter(0.0, lower=0.0, upper=5.0, unit="1", scale=0.1, amplitude=True, description="of stiffness")
+
+    def moment(self, bending: Bending):
+        return np.nan * self.gain * bending.angle
+
+
+def test_a_probe_whose_simulation_fails_is_passed_over():
+    experiment, base = fitted("stiffening:cubic=0.4")
+    (guess,) = guesses(experiment, base, [neutral(Fragile)])
+    place = guess.hypothesis.free.index("fragile.mood")
+    assert all(start[place] < 0.6 for start in guess.starts)
+    assert guess.gain > 0.5
+
+
+def test_an_effect_of_which_no_probe_can_be_simulated_is_no_candidate():
+    experiment, base = fitted("stiffening:cubic=0.4")
+    found = guesses(experiment, base, [neutral(Broken), neutral(EFFECTS["stiffening"])])
+    assert [guess.hypothesis.effects[-1].name for guess in found] == ["stiffening"]
