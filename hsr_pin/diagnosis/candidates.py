@@ -125,7 +125,7 @@ def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: flo
     """Values (P,) with the damping times one factor, and how far amplitudes of the last effect are from neutral times another."""
     moved, last = values.copy(), hypothesis.effects[-1].name
     for index, fact in enumerate(hypothesis.parameters):
-        if fact.name == "damping_scale":
+        if fact.name.partition("@")[0] == "damping_scale":
             moved[index] *= damping
         elif fact.amplitude and fact.name.startswith(f"{last}."):
             moved[index] = fact.neutral + amplitude * (moved[index] - fact.neutral)
