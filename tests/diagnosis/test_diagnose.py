@@ -1,0 +1,98 @@
+"""From recordings to a verdict: what was put into them is named, and what no candidate knows is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.diagnose import diagnose
+from hsr_pin.errors import EffectError, IdentificationError
+from hsr_pin.recordings.read import read_dataset
+
+from . import outside
+from .made import CATALOGUE, TRIALS, made
+
+FEW = ["actuator_lag", "dead_time", "tip_mass", "torque_bias"]
+
+
+def named(dataset, effects=FEW, **options):
+    return diagnose(dataset, effects=effects, jobs=1, **options)
+
+
+@pytest.mark.parametrize("effect", ["actuator_lag:time_constant=0.08", "tip_mass:mass=0.05"])
+def test_the_effect_in_the_recordings_is_named(effect):
+    found = named(made(effect))
+    assert (found.verdict.status, found.verdict.effects) == ("identified", (effect.split(":")[0],))
+    assert found.ladder[-2].rms == pytest.approx(found.thresholds.noise, rel=0.1)
+    assert sum(rung.share for rung in found.ladder) == pytest.approx(1.0)
+
+
+def test_other_stiffness_and_damping_are_parameters_and_no_effect():
+    verdict = named(made()).verdict
+    assert (verdict.status, verdict.effects) == ("parameters", ())
+
+
+def test_other_parameters_at_each_level_are_parameters_and_no_effect():
+    soft, stiff = made(keq=1.12), made(keq=0.9)
+    mixed = replace(soft, trials=(*soft.trials[:3], *stiff.trials[3:]))
+    found = named(mixed)
+    assert (found.verdict.status, found.verdict.effects) == ("parameters", ())
+    assert [rung.name for rung in found.ladder][-2] == "stiffness and damping of each level"
+
+
+def test_a_law_outside_the_catalogue_gets_no_name():
+    verdict = named(made(outside.PulsingStiffness(depth=0.4))).verdict
+    assert (verdict.status, verdict.effects) == ("unexplained", ())
+
+
+def test_one_trial_is_too_little_and_says_what_to_record():
+    whole = made("tip_mass:mass=0.05")
+    found = named(replace(whole, trials=whole.trials[:1]))
+    assert found.verdict.status == "insufficient"
+    assert len(found.next_experiment) > 1
+
+
+def test_an_arm_that_never_moves_is_too_little():
+    still = made(trials=tuple((keq, damping, (0.0, 0.0)) for keq, damping, _ in TRIALS))
+    assert named(still).verdict.status == "insufficient"
+
+
+def test_the_same_seed_gives_the_same_answer():
+    dataset = made("torque_bias:bias=0.1")
+    first, second = named(dataset, seed=3), named(dataset, seed=3)
+    assert first.verdict == second.verdict
+    assert first.ladder == second.ladder
+
+
+def test_an_unknown_effect_and_a_negative_limit_are_refused():
+    with pytest.raises(EffectError, match="actuator_lag"):
+        named(made(), effects=["actuator_leg"])
+    with pytest.raises(IdentificationError, match="zero or more"):
+        named(made(), max_effects=-1)
+
+
+def test_spikes_do_not_decide():
+    clean = made("actuator_lag:time_constant=0.08")
+    generator = np.random.default_rng(5)
+    trials = []
+    for trial in clean.trials:
+        positions = trial.trajectory.positions.copy()
+        hit = generator.random(positions.shape[:2]) < 0.02
+        positions[hit] += 0.03 * generator.standard_normal((int(hit.sum()), 3))
+        trials.append(replace(trial, trajectory=replace(trial.trajectory, positions=positions)))
+    verdict = named(replace(clean, trials=tuple(trials))).verdict
+    assert (verdict.status, verdict.effects) == ("identified", ("actuator_lag",))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("effect", CATALOGUE)
+def test_every_effect_is_named_with_the_whole_catalogue_to_choose_from(effect):
+    verdict, truth = diagnose(made(effect), jobs=1).verdict, (effect.split(":")[0],)
+    assert verdict.effects == truth if verdict.status == "identified" else truth in verdict.alternatives
+
+
+@pytest.mark.long
+def test_sample_steps_has_two_effects(shared):
+    found = diagnose(read_dataset(shared / "recordings" / "sample-steps"), jobs=1)
+    assert found.verdict.status == "identified"
+    assert len(found.verdict.effects) == 2
