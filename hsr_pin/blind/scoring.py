@@ -190,7 +190,7 @@ def _outcome(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None) -
     said = verdict["verdict"]
     sets = {"identified": [said["effects"]], "ambiguous": said["alternatives"]}.get(said["status"], [])
     rungs = {rung["rung"]: rung["heldout_rms_mm"] for rung in verdict["ladder"]}
-    before, after = rungs.get("stiffness and damping"), verdict["ladder"][-1]["heldout_rms_mm"]
+    before, (*_, after, _floor) = rungs.get("stiffness and damping"), rungs.values()  # at the ladder's foot stands the noise
     return Outcome(
         answer,
         said["status"],

@@ -22,7 +22,7 @@ ANSWERS = [*SINGLES, PAIR, NONE, OUT]
 
 def verdict(status, *sets, left=1.0):
     """As ``hsr-diagnose`` writes it: identified (one set), ambiguous (several), or no set."""
-    ladder = [("declared model", 10.0), ("stiffness and damping", 5.0), ("effect", left)]
+    ladder = [("declared model", 10.0), ("stiffness and damping", 5.0), ("effect", left), ("noise floor", 0.4)]
     return {
         "verdict": {
             "status": status,

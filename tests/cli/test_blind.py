@@ -42,6 +42,10 @@ def test_a_small_sealed_run_is_made_diagnosed_and_scored(tmp_path, monkeypatch, 
     assert codes == [0, 0, 0]
     assert score["cases"] == 2 and score["missing"] == []
     assert not any(outcome["status"] == "error" for outcome in score["outcomes"])
+    for outcome in score["outcomes"]:
+        ladder = json.loads((tmp_path / "check" / "verdicts" / f"{outcome['case']}.json").read_text())["ladder"]
+        rms = {rung["rung"]: rung["heldout_rms_mm"] for rung in ladder if not rung["rung"].startswith("noise floor")}
+        assert outcome["shrinkage"] == pytest.approx(1 - list(rms.values())[-1] / rms["stiffness and damping"])
     assert (tmp_path / "check" / "score.png").stat().st_size > 10_000
     printed = capsys.readouterr().out
     assert "2 cases diagnosed" in printed and "wrong names, all cases" in printed
