@@ -53,9 +53,8 @@ class MarkerMap:
 
 def marker_map(arm: ArmModel, arc_lengths: Array) -> MarkerMap:
     """The map for points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
-    specification, axis, direction = arm.specification, arm.joint_axis, arm.direction
+    specification, direction, normal = arm.specification, arm.direction, arm.normal
     joints = specification.joint_arc_lengths * specification.length
-    normal = np.cross(axis, direction)
     reach = np.asarray(arc_lengths, dtype=float)
     ends = np.append(joints[1:], np.inf)
     # (N, M): how far each marker reaches along each link

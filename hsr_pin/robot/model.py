@@ -36,6 +36,11 @@ class ArmModel:
         return self._base_rotation[:, 2]
 
     @property
+    def normal(self) -> Array:
+        """(3,) unit vector across the straight arm, towards positive bending, in the world frame."""
+        return self._base_rotation[:, 0]
+
+    @property
     def _base_rotation(self) -> Array:
         return np.array(self.model.jointPlacements[1].rotation)
 

@@ -72,8 +72,9 @@ def _run(columns: Columns, method: Integrator, dynamics: str, threads: int) -> l
     for n, torque in enumerate(commands, start=1):
         state = stepper.advance(state, torque)
         q, v = state.q, state.v
-        lost = alive & ~(np.abs(q.sum(axis=0)) <= limit)
-        if lost.any():
+        within = np.abs(q.sum(axis=0)) <= limit  # nan is not
+        if not within.all():
+            lost = alive & ~within
             failures |= {int(b): (n, reason_of(q[:, b]), furthest_joint(q[:, b])) for b in np.flatnonzero(lost)}
             alive &= ~lost
         if failures:

@@ -84,6 +84,8 @@ def along(effects: tuple[Effect, ...], hook: str, links: int) -> Array:
 
     Within the stretch that a joint stands for, compliances add (springs in series); damping and actuation are averaged.
     """
+    if not any(effect.acts_through(hook) for effect in effects):
+        return np.ones((links, 1))
     edges = np.arange(links) / links
     s = edges[:, None, None] + _POINTS[None, :, None] / links  # (N, points, 1)
     product = np.ones((links, len(_POINTS), 1))
@@ -115,7 +117,7 @@ class Columns:
         self.effects = tuple(stack([scenario.effects[i] for scenario in scenarios]) for i in range(len(shape.effects)))
         self.profile = along(self.effects, "stiffness", links)
         damping = np.array([arm.damping for arm in self.arms])
-        self._minus_spring = np.asfortranarray(-links * self.keq * self.profile)
+        self.spring = np.asfortranarray(links * self.keq * self.profile)
         self.damper = np.asfortranarray(links * damping * along(self.effects, "damping", links))
         self.drive = along(self.effects, "actuation", links)
         self.muscles = tuple(effect for effect in self.effects if effect.acts_through("command"))
@@ -162,13 +164,15 @@ class Columns:
             for law, state in zip(self.laws, states, strict=True)
         )
 
-    def torque(self, q: Array, v: Array, states: tuple[Array, ...], damper: Array | None = None) -> Array:
-        """(N, B) [N m] of springs, dampers (``damper`` [Nm s/rad] in place of the arm's own) and effect laws at the joints."""
-        total: Array = self._minus_spring * q
-        total -= (self.damper if damper is None else damper) * v
-        links = self.shape.links
-        for law, state in zip(self.laws, states, strict=True):
-            moment = law.moment(Bending(links * q, links * v, self.keq, self.profile, state))
-            if moment is not None:
-                total -= moment
-        return total
+    def torque(self, q: Array, v: Array, states: tuple[Array, ...]) -> Array:
+        """(N, B) [N m] of springs, dampers and effect laws at the joints."""
+        total = -self.spring * q
+        total -= self.damper * v
+        total -= self.moment(q, v, states)
+        return np.asarray(total)
+
+    def moment(self, q: Array, v: Array, states: tuple[Array, ...]) -> Array | float:
+        """(N, B) [N m] with which the effect laws resist at the joints, or 0 without laws."""
+        angle, rate = self.shape.links * q, self.shape.links * v
+        moments = (law.moment(Bending(angle, rate, self.keq, self.profile, s)) for law, s in zip(self.laws, states, strict=True))
+        return sum((moment for moment in moments if moment is not None), start=0.0)

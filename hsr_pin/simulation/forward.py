@@ -30,8 +30,8 @@ class ForwardDynamics(ABC):
     def __init__(self, models: list[pin.Model], armatures: list[Array], threads: int = 1) -> None: ...
 
     @abstractmethod
-    def solve(self, slot: int, q: Array, v: Array, tau: Array) -> Array:
-        """(N, B) [rad/s^2] accelerations for angles, rates and torques (N, B), all in column-major order."""
+    def solve(self, slot: int, q: Array, v: Array, tau: Array, out: Array | None = None) -> Array:
+        """(N, B) [rad/s^2] accelerations, in ``out`` if given; angles, rates and torques (N, B), all in column-major order."""
 
 
 class ArticulatedBody(ForwardDynamics):
@@ -48,8 +48,8 @@ class ArticulatedBody(ForwardDynamics):
         self._copies = [pool.getModel(thread) for pool in self._pools for thread in range(self._threads)]
         self._armatures = armatures
 
-    def solve(self, slot: int, q: Array, v: Array, tau: Array) -> Array:
-        a = np.empty(self._shape, order="F")
+    def solve(self, slot: int, q: Array, v: Array, tau: Array, out: Array | None = None) -> Array:
+        a = np.empty(self._shape, order="F") if out is None else out
         for model in self._copies:
             model.armature = self._armatures[slot]
         if len(self._pools) == 1:
@@ -68,8 +68,8 @@ class NewtonEuler(ForwardDynamics):
         self._data = {id(model): model.createData() for model in models}
         self._armatures = armatures
 
-    def solve(self, slot: int, q: Array, v: Array, tau: Array) -> Array:
-        a = np.empty(q.shape, order="F")
+    def solve(self, slot: int, q: Array, v: Array, tau: Array, out: Array | None = None) -> Array:
+        a = np.empty(q.shape, order="F") if out is None else out
         still = np.zeros(q.shape[0])
         for column, model in enumerate(self._models):
             data = self._data[id(model)]

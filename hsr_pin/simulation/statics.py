@@ -46,7 +46,7 @@ class Gravity:
         reach = np.array([place.translation[2] for place in arm.model.jointPlacements[2:]] + [0.0])
         moment = mass * lever + reach * (mass[::-1].cumsum()[::-1] - mass)
         g = arm.model.gravity.linear
-        return moment * (g @ arm.direction), moment * (g @ np.cross(arm.joint_axis, arm.direction))
+        return moment * (g @ arm.direction), moment * (g @ arm.normal)
 
     def torque(self, q: Array) -> Array:
         """(N, B) [N m] with which gravity turns the joints."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.forward import forward_dynamics
 from hsr_pin.simulation.integrators import Integrator
+from hsr_pin.simulation.integrators.integrator import side_by_side, workspace
 from hsr_pin.simulation.scenario import Pose, Settled
 from hsr_pin.simulation.statics import equilibrium
 from hsr_pin.trajectory import Array
@@ -51,33 +52,62 @@ class Stepper:
     def advance(self, state: ChainState, torque: Array) -> ChainState:
         """The state one step later, under commands (B,) [N m]."""
         delivered, muscles = self.columns.deliver(torque, state.muscles, self.step)
-        self._chain.begin(np.asfortranarray(self.columns.drive * delivered), state.laws, state.q)
+        self._chain.begin(self.columns.drive * delivered, state.laws, state.q)
         q, v = self._method.advance(self._chain, state.q, state.v, self.step)
         return ChainState(q, v, self.columns.update(state.laws, state.q, q, self.step), muscles)
+
+
+class _Slots(NamedTuple):
+    """What belongs to the states in ``Work``, (S, N, B) each: coefficients, torques [N m], accelerations [rad/s^2]."""
+
+    spring: Array
+    damper: Array
+    drive: Array
+    viscous: Array
+    torque: Array
+    acceleration: Array
 
 
 class _Step:
     """The equations of motion during one step: the drive and the laws' states are those at its beginning."""
 
     def __init__(self, columns: Columns, lengths: tuple[float, ...], dynamics: str, threads: int) -> None:
-        self._columns = columns
+        self._columns, self._lengths = columns, lengths
         self.stiffness, self.damping = columns.stiffness, columns.damping
         armatures = [(d * self.damping + d * d * self.stiffness)[:, 0] for d in lengths]
         self._forward = forward_dynamics(dynamics, [arm.model for arm in columns.arm_models], armatures, threads)
-        self._dampers = [columns.damper + d * self.stiffness for d in lengths]
+        shape = len(lengths), columns.shape.links, len(columns.scenarios)
+        self.work = workspace(lengths, *shape[1:])
+        whole = self.work[0]
+        dampers = -columns.damper - whole.d * self.stiffness
+        slots = _Slots(*(side_by_side(values, *shape) for values in (-columns.spring, dampers, 0.0, 0.0, 0.0, 0.0)))
+        self._drive = slots.drive
+        self._slots = [_Slots(*(array[first:] for array in slots)) for first in range(len(lengths))]
+        self._calls = list(zip(range(len(lengths)), whole.q, whole.v, slots.torque, slots.acceleration, strict=True))
 
     def begin(self, drive: Array, states: tuple[Array, ...], start: Array) -> None:
-        self._drive, self._states, self._start = drive, states, start
+        self._drive[:] = drive
+        self._states, self._start = states, start
 
-    def solve(self, slot: int, q: Array, v: Array, elapsed: float, push: Array | None = None) -> Array:
-        states = self._states
-        if states and elapsed > 0:
-            states = self._columns.update(states, self._start, q, elapsed)
-        force = self._columns.torque(q, v, states, self._dampers[slot])
-        force += self._drive
+    def solve(self, first: int, after: float, push: Array | None = None) -> Array:
+        (q, v, _), (spring, damper, drive, viscous, torque, acceleration) = self.work[first], self._slots[first]
+        np.multiply(spring, q, out=torque)
+        np.multiply(damper, v, out=viscous)
+        torque += viscous
+        torque += drive
         if push is not None:
-            force += push
-        return self._forward.solve(slot, q, v, force)
+            torque += push
+        for call in self._calls[first:]:
+            if self._states:
+                self._add_laws(*call, after)
+            self._forward.solve(*call)
+        return acceleration
+
+    def _add_laws(self, slot: int, q: Array, v: Array, torque: Array, _: Array, after: float) -> None:
+        states = self._states
+        if after:
+            states = self._columns.update(states, self._start, q, after * self._lengths[slot])
+        torque -= self._columns.moment(q, v, states)
 
 
 def starting_state(columns: Columns, torque: Array) -> tuple[ChainState, NDArray[np.bool_]]:

@@ -15,6 +15,7 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns, shape_of
 from hsr_pin.simulation.forward import forward_dynamics
 from hsr_pin.simulation.integrators import INTEGRATORS
+from hsr_pin.simulation.integrators.integrator import workspace
 from hsr_pin.simulation.scenario import Pose, Scenario, step_scenario
 from hsr_pin.simulation.simulate import simulate
 
@@ -156,16 +157,18 @@ class DoublePendulum:
         path = next(f for f in files("example-robot-data") if f.name == "double_pendulum.urdf")
         self.model = pin.buildModelFromUrdf(str(path.locate()))
         self.stiffness, self.damping = np.full((2, 1), self.k), np.full((2, 1), self.c)
-        self.lengths = lengths
+        self.work = workspace(lengths, links=2, columns=1)
         armatures = [(d * self.damping + d * d * self.stiffness)[:, 0] for d in lengths]
         self.forward = forward_dynamics(dynamics, [self.model], armatures)
 
     def force(self, q, v):
         return -self.k * q - self.c * v
 
-    def solve(self, slot, q, v, elapsed, push=None):
-        f = self.force(q, v) - self.lengths[slot] * self.k * v
-        return self.forward.solve(slot, q, v, f if push is None else f + push)
+    def solve(self, first, after, push=None):
+        q, v, d = self.work[first]
+        f = self.force(q, v) - d * self.k * v
+        f = f if push is None else f + push
+        return np.array([self.forward.solve(first + s, *x) for s, x in enumerate(zip(q, v, f, strict=True))])
 
 
 def pendulum_run(method, dynamics, steps, duration=0.5):
@@ -196,5 +199,6 @@ def test_the_foreign_pendulum_moves_the_same_by_aba_and_rnea():
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_the_foreign_pendulum_converges_to_scipys_motion(name, pendulum_exact):
     method = INTEGRATORS[name]
-    coarse, fine = (np.abs(pendulum_run(method, "aba", n) - pendulum_exact).max() for n in (320, 640))
-    assert np.log2(coarse / fine) >= method.order - 0.15
+    steps, slack = ((320, 640), 0.15) if method.order < 5 else ((160, 320), 0.3)  # more, and rounding would rule
+    coarse, fine = (np.abs(pendulum_run(method, "aba", n) - pendulum_exact).max() for n in steps)
+    assert np.log2(coarse / fine) >= method.order - slack

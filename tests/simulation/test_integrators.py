@@ -11,10 +11,14 @@ from hsr_pin.errors import InputError
 from hsr_pin.robot.specification import ArmSpecification, default_damping
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.integrators import INTEGRATORS, ExtrapolatedEuler, integrator
+from hsr_pin.simulation.integrators.integrator import workspace
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled, step_scenario
 from hsr_pin.simulation.simulate import simulate
 
 methods = pytest.mark.parametrize("name", INTEGRATORS)
+
+#: How far a measured order may stay behind; at order 5 rounding forbids the short steps that would bring it closer.
+SLACK = {1: 0.15, 2: 0.15, 3: 0.15, 4: 0.15, 5: 0.3}
 
 
 def smooth(exact_motion, arm):
@@ -46,14 +50,16 @@ def observed_order(name, motion, step):
 
 @methods
 def test_error_falls_at_the_nominal_order(name, stiff):
-    assert observed_order(name, stiff, 2e-3) >= INTEGRATORS[name].order - 0.15
+    order = INTEGRATORS[name].order
+    assert observed_order(name, stiff, 2e-3 if order < 5 else 4e-3) >= order - SLACK[order]
 
 
 @methods
 def test_order_holds_when_springs_and_dampers_are_treated_only_nearly_right(name, soft):
     scenario, exact = soft
     nearly = Scenario(ArmSpecification(links=1, keq=1.3, damping=0.06), scenario.time, scenario.torque)
-    assert observed_order(name, (replace(scenario, implicit_as=nearly), exact), 5e-3) >= INTEGRATORS[name].order - 0.15
+    order = INTEGRATORS[name].order
+    assert observed_order(name, (replace(scenario, implicit_as=nearly), exact), 5e-3) >= order - SLACK[order]
 
 
 @pytest.mark.parametrize("name", ["extrapolated2", "extrapolated4", "ros2"])
@@ -71,7 +77,7 @@ def test_extrapolation_weights_cancel_the_powers_of_the_step(order):
     method = ExtrapolatedEuler(order)
     lengths = method.lengths(1.0)
     for power in range(order):
-        cancelled = sum(w * d**power for w, d in zip(method._weights, lengths, strict=True))
+        cancelled = sum(w * d**power for w, d in zip(method._weights.flat, lengths, strict=True))
         assert cancelled == pytest.approx(1.0 if power == 0 else 0.0, abs=1e-12 * 6**order)
 
 
@@ -80,10 +86,10 @@ class Oscillator:
 
     def __init__(self, method, frequency, ratio):
         self.stiffness, self.damping = np.array([[frequency**2]]), np.array([[2 * ratio * frequency]])
-        self.lengths = method.lengths(1.0)
+        self.work = workspace(method.lengths(1.0), links=1, columns=1)
 
-    def solve(self, slot, q, v, elapsed, push=0.0):
-        d = self.lengths[slot]
+    def solve(self, first, after, push=0.0):
+        q, v, d = self.work[first]
         mass = 1 + d * self.damping + d * d * self.stiffness
         return (push - self.stiffness * q - self.damping * v - d * self.stiffness * v) / mass
 
@@ -138,7 +144,7 @@ def test_the_default_step_is_stable_for_very_many_links(name, links):
 def test_a_step_takes_as_many_evaluations_of_the_dynamics_for_any_number_of_links(name, monkeypatch):
     calls, original = [], pin.abaInParallel
     monkeypatch.setattr(pin, "abaInParallel", lambda *args: (calls.append(1), original(*args))[1])
-    stages = {"euler": 1, "extrapolated2": 3, "extrapolated3": 6, "extrapolated4": 10, "ros2": 2}[name]
+    stages = {"euler": 1, "extrapolated2": 3, "extrapolated3": 6, "extrapolated4": 10, "extrapolated5": 15, "ros2": 2}[name]
     for links in (2, 60):
         calls.clear()
         simulate(step_scenario(ArmSpecification(links=links), 0.5, duration=0.1), integrator=name)

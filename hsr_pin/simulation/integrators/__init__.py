@@ -10,6 +10,7 @@ INTEGRATORS: dict[str, Integrator] = {
     "extrapolated2": ExtrapolatedEuler(2),
     "extrapolated3": ExtrapolatedEuler(3),
     "extrapolated4": ExtrapolatedEuler(4),
+    "extrapolated5": ExtrapolatedEuler(5),
     "ros2": Ros2(),
 }
 

@@ -26,20 +26,20 @@ class ExtrapolatedEuler(Integrator):
         if not 1 <= order <= 6:
             raise ValueError(f"order: expected 1 to 6, got {order}")
         self.order = order
-        self._weights = [prod(n / (n - m) for m in range(1, order + 1) if m != n) for n in range(1, order + 1)]
-        assert abs(sum(self._weights) - 1) < 1e-12
+        weights = [prod(n / (n - m) for m in range(1, order + 1) if m != n) for n in range(1, order + 1)]
+        assert abs(sum(weights) - 1) < 1e-12
+        self._weights = np.array(weights)[:, None, None]
 
     def lengths(self, step: float) -> tuple[float, ...]:
         return tuple(step / n for n in range(1, self.order + 1))
 
     def advance(self, chain: Chain, q: Array, v: Array, step: float) -> tuple[Array, Array]:
-        q_sum, v_sum = np.zeros_like(q), np.zeros_like(v)
-        for slot, weight in enumerate(self._weights):
-            length = step / (slot + 1)
-            q_n, v_n = q, v
-            for substep in range(slot + 1):
-                v_n = v_n + length * chain.solve(slot, q_n, v_n, substep * length)
-                q_n = q_n + length * v_n
-            q_sum += weight * q_n
-            v_sum += weight * v_n
-        return q_sum, v_sum
+        q_all, v_all, _ = chain.work[0]
+        q_all[:], v_all[:] = q, v
+        for substep, (q_n, v_n, d) in enumerate(chain.work):  # the step in n parts is done after n substeps
+            change = chain.solve(substep, substep)
+            change *= d
+            v_n += change
+            np.multiply(d, v_n, change)
+            q_n += change
+        return np.add.reduce(self._weights * q_all), np.add.reduce(self._weights * v_all)

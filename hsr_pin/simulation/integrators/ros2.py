@@ -25,13 +25,19 @@ class Ros2(Integrator):
         return (GAMMA * step,)
 
     def advance(self, chain: Chain, q: Array, v: Array, step: float) -> tuple[Array, Array]:
-        length = GAMMA * step
-        pull = length * chain.stiffness
-        armature = length * chain.damping + length * pull
-        v_1 = chain.solve(0, q, v, 0.0)  # k_1 = (q_1, v_1), slopes of q and v
-        q_1 = v + length * v_1
-        q_end, v_end = q + step * q_1, v + step * v_1
-        w = chain.solve(0, q_end, v_end, step, 2 * (pull * q_1 + armature * v_1))
-        v_2 = w - 2 * v_1
-        q_2 = v_end - 2 * q_1 + length * v_2
-        return q + step * (1.5 * q_1 + 0.5 * q_2), v + step * (1.5 * v_1 + 0.5 * v_2)
+        ((q_n, v_n, _),), length = chain.work, GAMMA * step
+        q_n[:], v_n[:] = q, v
+        v_1 = chain.solve(0, 0.0).copy()  # k_1 = (q_1, v_1), slopes of q and v
+        change = length * v_1
+        q_1 = v_n + change
+        push = chain.stiffness * (q_1 + change) + chain.damping * v_1
+        push *= 2 * length
+        q_1 *= step
+        q_n += q_1
+        v_n += step * v_1
+        w = chain.solve(0, 1 / GAMMA, push)  # k_2 = (q_2, v_2), v_2 = w - 2 v_1
+        q_new = q_n + (step**2 / 2 * (1 - 3 * GAMMA)) * v_1 + (step**2 / 2 * GAMMA) * w  # q + h (3 q_1 + q_2) / 2
+        w -= v_1
+        w *= step / 2
+        w += v_n  # v + h (3 v_1 + v_2) / 2
+        return q_new[0], w[0].copy(order="F")
