@@ -1,169 +1,147 @@
-"""Every verdict is reached from what calls for it, and from nothing less."""
+"""Every verdict is reached by what should lead to it, and by nothing less."""
 
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.search import Search, Thresholds, search
-from hsr_pin.diagnosis.verdict import judge
-from hsr_pin.effects import EFFECTS
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.diagnosis.search import Search
+from hsr_pin.diagnosis.verdict import STATUSES, clearly_worse, judge, rivals
 
-NOISE = 3e-4  # [m] of a coordinate
-THRESHOLDS = Thresholds.of(NOISE * np.sqrt(3), 0.24)
-TRIALS, SAMPLES = 6, 200
+from .fabricated import THRESHOLDS, candidate
+
+GAP = 4e-3
+BASE = candidate(gap=GAP)
 
 
-def candidate(*names, left, sure=True, trials=range(TRIALS)):
-    """A fitted model that misses every marker of the given trials by ``left`` [m], under the same noise as all others."""
-    generator = np.random.default_rng(1)
-    missed = tuple(NOISE * generator.standard_normal((SAMPLES, 1, 3)) for _ in range(TRIALS))
-    missed = tuple(part + (np.array([left, 0.0, 0.0]) if k in trials else 0.0) for k, part in enumerate(missed))
-    hypothesis = Hypothesis().with_effects(*(EFFECTS[name]() for name in names))
-    values = np.array([p.neutral + p.scale * p.amplitude for p in hypothesis.parameters])
-    slopes = tuple((1e-2 if sure else 1e-9) * generator.standard_normal((SAMPLES, 1, 3, len(values))) for _ in range(TRIALS))
-    weights = tuple(np.full((SAMPLES, 1, 3), 1 / NOISE) for _ in range(TRIALS))
-    fit = Fit(hypothesis, values, missed, slopes, weights, missed, True, 1)
-    return Candidate(fit, missed)
+def verdict(*tried, base=BASE, nominal=6e-3, by_level=None):
+    """With the last of the fitted models as the best."""
+    path = (base, tried[-1]) if tried else (base,)
+    return judge(nominal**2, Search(path, (base, *tried)), THRESHOLDS, 0, by_level)
 
 
-def verdict(path, *rivals, nominal=0.01, by_level=None):
-    return judge(nominal**2, Search(tuple(path), (*path, *rivals)), THRESHOLDS, 0, by_level)
+def test_a_declared_model_within_the_noise_has_no_gap():
+    found = verdict(base=candidate(gap=0.0), nominal=0.9 * THRESHOLDS.closed)
+    assert (found.status, found.effects, found.alternatives) == ("no_gap", (), ())
+    assert verdict(base=candidate(gap=0.0), nominal=1.1 * THRESHOLDS.closed).status == "parameters"
 
 
-BASE = candidate(left=3e-3)
-LAG = candidate("actuator_lag", left=5e-5)
+def test_a_gap_that_stiffness_and_damping_close_is_one_of_parameters():
+    found = verdict(base=candidate(gap=0.5 * THRESHOLDS.closed))
+    assert (found.status, found.effects, found.alternatives) == ("parameters", (), ())
+    assert "keq_scale" in found.sentence and "6.00 mm" in found.sentence
 
 
-def test_a_declared_model_that_leaves_nothing_is_no_gap():
-    assert verdict([candidate(left=5e-5)], nominal=1e-4).status == "no_gap"
+def test_a_small_rest_that_no_effect_is_worth_having_for_is_still_one_of_parameters():
+    assert verdict(base=candidate(gap=1.5 * THRESHOLDS.closed)).status == "parameters"
 
 
-def test_a_gap_that_stiffness_and_damping_close_is_parameters():
-    assert verdict([candidate(left=5e-5)]).status == "parameters"
+def test_a_large_rest_that_no_effect_is_worth_having_for_is_unexplained():
+    found = verdict()
+    assert (found.status, found.effects, found.alternatives) == ("unexplained", (), ())
+    assert "4.00 mm" in found.sentence and "no effect" in found.sentence
 
 
-def test_an_effect_that_closes_the_gap_and_has_no_rival_is_identified():
-    found = verdict([BASE, LAG], candidate("tip_mass", left=2e-3))
-    assert (found.status, found.effects, found.alternatives) == ("identified", ("actuator_lag",), ())
+def test_a_rest_that_the_best_effects_leave_is_unexplained_and_names_none_as_found():
+    found = verdict(candidate("tip_mass", gap=3e-3), candidate("tip_mass", "stiffening", gap=2e-3))
+    assert (found.status, found.effects, found.alternatives) == ("unexplained", (), ())
+    assert "2.00 mm" in found.sentence
 
 
-def test_two_effects_that_do_equally_well_are_ambiguous_and_neither_is_certain():
-    found = verdict([BASE, LAG], candidate("dead_time", left=5e-5))
+@pytest.mark.parametrize("effects", [("dry_friction",), ("actuator_lag", "tip_mass"), ("backlash", "tip_mass", "torque_bias")])
+def test_effects_that_close_the_gap_are_identified(effects):
+    found = verdict(candidate(*effects))
+    assert (found.status, found.effects, found.alternatives) == ("identified", effects, ())
+    assert all(name in found.sentence for name in effects)
+    assert "100 %" in found.sentence
+
+
+def test_an_effect_whose_amplitude_may_be_zero_is_not_identified():
+    assert verdict(candidate("tip_mass", unsure=("tip_mass",))).status == "unexplained"
+    assert verdict(candidate("stiffening", "tip_mass", unsure=("tip_mass",))).status == "unexplained"
+
+
+def test_two_effects_that_explain_alike_are_ambiguous_the_better_first():
+    found = verdict(candidate("hysteresis", gap=0.02e-3), candidate("dry_friction"))
     assert (found.status, found.effects) == ("ambiguous", ())
-    assert set(found.alternatives) == {("actuator_lag",), ("dead_time",)}
+    assert found.alternatives == (("dry_friction",), ("hysteresis",))
+    assert "dry_friction, or hysteresis" in found.sentence
+
+
+def test_alternatives_are_listed_from_the_best_to_the_worst():
+    tried = [candidate(name, gap=gap) for name, gap in (("backlash", 2.4e-5), ("stiffening", 0.8e-5), ("hysteresis", 1.6e-5))]
+    found = verdict(*tried, candidate("dry_friction"))
+    assert found.alternatives == (("dry_friction",), ("stiffening",), ("hysteresis",), ("backlash",))
 
 
 def test_what_all_alternatives_share_is_certain():
-    best = candidate("actuator_lag", "tip_mass", left=5e-5)
-    found = verdict([BASE, LAG, best], candidate("actuator_lag", "added_mass", left=5e-5))
-    assert found.status == "ambiguous"
-    assert found.effects == ("actuator_lag",)
+    found = verdict(candidate("hysteresis", "tip_mass"), candidate("dry_friction", "tip_mass"))
+    assert (found.status, found.effects) == ("ambiguous", ("tip_mass",))
+    assert found.alternatives == (("dry_friction", "tip_mass"), ("hysteresis", "tip_mass"))
+    assert found.sentence.startswith("tip_mass is certain")
 
 
-def test_a_rival_with_more_effects_is_no_rival():
-    assert verdict([BASE, LAG], candidate("dead_time", "tip_mass", left=5e-5)).status == "identified"
+def test_a_rival_that_is_clearly_worse_leaves_the_name_clear():
+    assert verdict(candidate("hysteresis", gap=0.5e-3), candidate("dry_friction")).status == "identified"
 
 
-def test_a_gap_that_no_effect_is_worth_having_for_is_unexplained():
-    assert verdict([BASE], candidate("actuator_lag", left=2.99e-3)).status == "unexplained"
+def test_a_rival_that_is_worse_in_one_trial_alone_stays():
+    worse = candidate("hysteresis", gap=(0.5e-3, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert not clearly_worse(worse, candidate("dry_friction"), THRESHOLDS, 0)
+    assert verdict(worse, candidate("dry_friction")).status == "ambiguous"
 
 
-def test_an_effect_that_leaves_a_third_of_the_gap_is_not_named():
-    found = verdict([BASE, candidate("actuator_lag", left=1.2e-3)])
-    assert (found.status, found.effects) == ("unexplained", ())
-
-
-def test_an_effect_whose_interval_holds_its_neutral_value_is_not_named():
-    assert verdict([BASE, candidate("actuator_lag", left=5e-5, sure=False)]).status == "unexplained"
-
-
-@pytest.mark.parametrize(
-    ("left", "status"),
-    [(4e-5, "ambiguous"), (1.5e-3, "identified")],
-    ids=["as well", "worse"],
-)
-def test_another_stiffness_at_each_level_is_a_rival_to_every_name(left, status):
-    found = verdict([BASE, LAG], by_level=candidate(left=left))
-    assert found.status == status
-    assert (() in found.alternatives) == (status == "ambiguous")
-
-
-def test_another_stiffness_at_each_level_explains_what_no_effect_does():
-    assert verdict([BASE, candidate("actuator_lag", left=1.2e-3)], by_level=candidate(left=5e-5)).status == "parameters"
-
-
-class Fabricated:
-    """Workers that know how well each set of effects does, and guess and fit nothing."""
-
-    def __init__(self, known):
-        self.known, self.finished = known, []
-
-    def guess(self, base, effects):
-        from hsr_pin.diagnosis.candidates import Guess
-
-        models = [base.fit.hypothesis.with_effects(effect) for effect in effects]
-        return [Guess(model, (model.start,), 0.5) for model in models if self._of(model) is not None]
-
-    def glance(self, tasks):
-        return [self._of(guess.hypothesis).fit for _, guess in tasks]
-
-    def finish(self, tasks):
-        self.finished += [tuple(effect.name for effect in quick.hypothesis.effects) for _, quick in tasks]
-        return [self._of(quick.hypothesis) for _, quick in tasks]
-
-    def _of(self, model):
-        return self.known.get(frozenset(effect.name for effect in model.effects))
-
-
-def searched(*candidates, start=BASE, **options):
-    known = {frozenset(each.names): each for each in (start, *candidates)}
-    effects = [EFFECTS[name]() for name in sorted({name for each in candidates for name in each.names})]
-    return search(start, effects, THRESHOLDS, Fabricated(known), **options)
-
-
-def test_effects_are_added_as_long_as_one_is_worth_having():
-    found = searched(
-        candidate("actuator_lag", left=2e-3), candidate("tip_mass", left=2.5e-3), candidate("actuator_lag", "tip_mass", left=5e-5)
+def test_a_rival_is_none_that_leaves_the_gap_open_or_may_be_zero_or_needs_more_effects():
+    best = candidate("dry_friction", gap=1.2e-3)
+    tried = (
+        BASE,
+        candidate("hysteresis", gap=1.5e-3),  # a seventh of the squared gap
+        candidate("viscoelastic", gap=1.2e-3, unsure=("viscoelastic",)),
+        candidate("backlash", "tip_mass"),
+        best,
     )
-    assert [each.names for each in found.path] == [(), ("actuator_lag",), ("actuator_lag", "tip_mass")]
+    assert rivals(best, BASE, tried, THRESHOLDS, 0) == []
+    assert rivals(best, BASE, (*tried, candidate("backlash", gap=1.2e-3)), THRESHOLDS, 0) == [("backlash",)]
 
 
-def test_a_certain_gain_that_is_tiny_is_no_finding():
-    assert len(searched(candidate("actuator_lag", left=2.999e-3)).path) == 1
+def test_two_readings_of_one_law_are_no_rivals():
+    kinds = [candidate("gravity_tilt", gap=gap) for gap in (0.0, 0.01e-3)]
+    assert verdict(*kinds).status == "identified"
 
 
-def test_a_large_gain_in_one_trial_alone_is_no_finding():
-    lopsided = candidate(left=0.02, trials=[0])
-    assert len(searched(candidate("actuator_lag", left=1e-3), start=lopsided).path) == 1
+def test_stiffness_that_differs_between_levels_is_parameters_where_no_effect_does_better():
+    levels = candidate(gap=0.0)
+    found = verdict(candidate("tip_mass", gap=2e-3), by_level=levels)
+    assert (found.status, found.effects) == ("parameters", ())
+    found = verdict(candidate("tip_mass", gap=0.9e-3), by_level=levels)
+    assert found.status == "parameters"
 
 
-def test_nothing_is_added_to_a_closed_gap_or_beyond_the_limit():
-    assert len(searched(candidate("actuator_lag", left=1e-5), start=candidate(left=1e-4)).path) == 1
-    assert len(searched(LAG, max_effects=0).path) == 1
+def test_stiffness_that_differs_between_levels_is_a_rival_where_an_effect_does_as_well():
+    found = verdict(candidate("tip_mass"), by_level=candidate(gap=0.0))
+    assert (found.status, found.effects, found.alternatives) == ("ambiguous", (), (("tip_mass",), ()))
+    assert "at each level" in found.sentence
 
 
-def test_a_stand_in_that_a_better_pair_replaces_has_no_place_on_the_way():
-    found = searched(
-        candidate("dead_time", left=1.5e-3),
-        candidate("actuator_lag", left=2e-3),
-        candidate("dead_time", "tip_mass", left=1.4e-3),
-        candidate("actuator_lag", "tip_mass", left=5e-5),
-        candidate("tip_mass", left=2.5e-3),
-    )
-    assert [each.names for each in found.path] == [(), ("actuator_lag",), ("actuator_lag", "tip_mass")]
+def test_an_effect_that_does_better_than_stiffness_at_each_level_is_identified():
+    assert verdict(candidate("tip_mass"), by_level=candidate(gap=1e-3)).status == "identified"
 
 
-def test_an_effect_that_the_others_made_needless_is_dropped():
-    alone = candidate("backlash", left=6e-5)
-    known = {
-        frozenset(): BASE,
-        frozenset({"torque_bias"}): candidate("torque_bias", left=1e-3),
-        frozenset({"backlash", "torque_bias"}): candidate("backlash", "torque_bias", left=5e-5),
+def test_shares_and_rests_in_the_sentence_are_those_of_the_models():
+    found = verdict(candidate("tip_mass", gap=1e-3))
+    assert f"{100 * (1 - 1 / 16):.0f} %" in found.sentence
+    assert "1.00 mm" in found.sentence
+
+
+def test_the_same_seed_gives_the_same_verdict():
+    tried = (candidate("hysteresis", gap=tuple(np.linspace(0, 0.3e-3, 6))), candidate("dry_friction"))
+    assert verdict(*tried) == verdict(*tried)
+
+
+def test_every_status_but_that_of_too_few_data_is_reached_here():
+    reached = {
+        verdict(nominal=0.0).status,
+        verdict(base=candidate()).status,
+        verdict().status,
+        verdict(candidate("tip_mass")).status,
+        verdict(candidate("added_mass"), candidate("tip_mass")).status,
     }
-    workers = Fabricated(known)
-    glanced = workers.glance
-    workers.glance = lambda tasks: (glanced(tasks), known.setdefault(frozenset({"backlash"}), alone))[0]  # seen only at the end
-    found = search(BASE, [EFFECTS["torque_bias"](), EFFECTS["backlash"]()], THRESHOLDS, workers)
-    assert [each.names for each in found.path] == [(), ("backlash",)]
+    assert reached == set(STATUSES) - {"insufficient"}

@@ -1,0 +1,148 @@
+"""The search keeps an effect only for a gain that is both certain and worth having, and drops what others made needless."""
+
+import pytest
+
+from hsr_pin.diagnosis.search import BEAM, Thresholds, key, search, worth_having
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import neutral
+
+from .fabricated import LENGTH, NOISE, THRESHOLDS, FakeWorkers, candidate
+
+GAP = 4e-3
+EVERY = [neutral(kind, **options) for kind in EFFECTS.values() for options in kind.variants()]
+
+
+def searched(workers, effects=EVERY, **how):
+    return search(candidate(gap=workers.gap(())), effects, THRESHOLDS, workers, **how)
+
+
+def names(candidates):
+    return [each.names for each in candidates]
+
+
+def test_the_one_effect_that_closes_the_gap_is_found():
+    found = searched(FakeWorkers({"": GAP, "dry_friction": 0.0, "hysteresis": 1e-3}))
+    assert names(found.path) == [(), ("dry_friction",)]
+    assert found.best is found.path[-1]
+    assert ("hysteresis",) in names(found.tried)
+
+
+def test_effects_are_added_one_at_a_time_as_long_as_one_is_worth_having():
+    found = searched(FakeWorkers({"": GAP, "tip_mass": 2e-3, "actuator_lag": 3e-3, "tip_mass+actuator_lag": 0.0}))
+    assert names(found.path) == [(), ("tip_mass",), ("actuator_lag", "tip_mass")]
+
+
+def test_a_tiny_gain_is_no_finding_however_certain():
+    after = (GAP**2 - 0.9 * THRESHOLDS.worth**2) ** 0.5
+    assert names(searched(FakeWorkers({"": GAP, "tip_mass": after})).path) == [()]
+    after = (GAP**2 - 1.3 * THRESHOLDS.worth**2) ** 0.5
+    assert names(searched(FakeWorkers({"": GAP, "tip_mass": after})).path) == [(), ("tip_mass",)]
+
+
+def test_a_large_gain_is_no_finding_if_it_rests_on_one_trial():
+    before, after = (9e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3), (1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3)
+    assert names(searched(FakeWorkers({"": before, "tip_mass": after})).path) == [()]
+    everywhere = tuple(0.5 * gap for gap in before)
+    assert names(searched(FakeWorkers({"": before, "tip_mass": everywhere})).path) == [(), ("tip_mass",)]
+
+
+def test_what_is_worth_having_grows_with_noise_and_with_the_arm():
+    assert Thresholds.of(1e-3, LENGTH).worth > Thresholds.of(1e-6, LENGTH).worth
+    assert Thresholds.of(1e-6, 2 * LENGTH).worth == 2 * Thresholds.of(1e-6, LENGTH).worth
+
+
+def test_a_loss_is_not_worth_having():
+    assert worth_having(candidate(gap=2e-3), candidate(gap=1e-3), THRESHOLDS, 0)
+    assert not worth_having(candidate(gap=1e-3), candidate(gap=2e-3), THRESHOLDS, 0)
+
+
+@pytest.mark.parametrize("most", [0, 1, 2, 3])
+def test_there_are_never_more_effects_than_allowed(most):
+    four = ("tip_mass", "actuator_lag", "torque_bias", "stiffening")
+    gaps = {"+".join(four[:count]): GAP * 0.6**count for count in range(5)}
+    workers = FakeWorkers(gaps)
+    found = searched(workers, max_effects=most)
+    assert max(len(each) for each in names(found.tried)) == most
+    assert found.best.names == tuple(sorted(four[:most]))
+
+
+def test_without_effects_nothing_is_fitted():
+    workers = FakeWorkers({"": GAP, "tip_mass": 0.0})
+    found = searched(workers, max_effects=0)
+    assert (names(found.path), names(found.tried), workers.finished) == ([()], [()], [])
+
+
+def test_a_closed_gap_is_not_searched():
+    workers = FakeWorkers({"": 0.5 * THRESHOLDS.closed, "tip_mass": 0.0})
+    assert names(searched(workers).path) == [()]
+    assert workers.finished == []
+
+
+def test_the_search_ends_when_the_gap_is_closed():
+    workers = FakeWorkers({"": GAP, "tip_mass": 0.5 * THRESHOLDS.closed, "tip_mass+stiffening": 0.0})
+    assert searched(workers).best.names == ("tip_mass",)
+    assert "stiffening+tip_mass" not in workers.finished
+
+
+def test_a_stand_in_that_a_better_pair_replaces_is_not_on_the_path():
+    found = searched(
+        FakeWorkers(
+            {"": GAP, "hysteresis": 1.5e-3, "dry_friction": 2e-3, "viscoelastic": 2.5e-3, "dry_friction+viscoelastic": 0.0}
+        )
+    )
+    assert names(found.path) == [(), ("dry_friction",), ("dry_friction", "viscoelastic")]
+    for inner, outer in zip(found.path[:-1], found.path[1:], strict=True):
+        assert set(inner.names) < set(outer.names)
+
+
+def test_an_effect_that_two_later_ones_make_needless_is_dropped():
+    workers = (
+        FakeWorkers(  # neither of the two is worth having without the other, so that the search comes to them through a third
+            {
+                "": GAP,
+                "hysteresis": 1e-3,
+                "hysteresis+dry_friction": 0.8e-3,
+                "dry_friction+viscoelastic": 0.0,
+                "hysteresis+dry_friction+viscoelastic": 0.0,
+            }
+        )
+    )
+    found = searched(workers)
+    assert ("dry_friction", "hysteresis", "viscoelastic") in names(found.tried)
+    assert found.best.names == ("dry_friction", "viscoelastic")
+
+
+def test_held_out_trials_decide_not_the_fit():
+    workers = FakeWorkers({"": GAP, "soft_spot": 1e-3, "tip_mass": 0.0}, quick={"": GAP, "soft_spot": 0.0, "tip_mass": 1e-3})
+    found = searched(workers)
+    assert workers.finished[0] == "soft_spot"
+    assert found.best.names == ("tip_mass",)
+
+
+def test_readings_of_one_law_do_not_crowd_out_other_laws():
+    gaps = {"": GAP, "gravity_tilt": 1e-3, "marker_offset": 1.1e-3, "tip_mass": 1.2e-3, "backlash+tip_mass": 0.0}
+    assert sum(len(EFFECTS[name].variants()) for name in ("gravity_tilt", "marker_offset")) > BEAM
+    found = searched(FakeWorkers(gaps))
+    assert found.best.names == ("backlash", "tip_mass")
+
+
+def test_every_reading_of_a_law_is_tried_once():
+    found = searched(FakeWorkers({"": GAP, "gravity_tilt": 1e-3}))
+    keys = [key(each) for each in found.tried if each.names == ("gravity_tilt",)]
+    assert len(keys) == len(set(keys)) == len(EFFECTS["gravity_tilt"].variants()) == 2
+
+
+def test_no_effect_is_added_to_itself():
+    found = searched(FakeWorkers({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt+tip_mass": 1e-3}))
+    assert all(len(set(each)) == len(each) for each in names(found.tried))
+
+
+def test_each_rung_is_told():
+    lines = []
+    searched(FakeWorkers({"": GAP, "tip_mass": 2e-3, "tip_mass+stiffening": 0.0}), tell=lines.append)
+    assert [line.split(":")[0] for line in lines] == ["effect 1", "effect 2"]
+
+
+def test_the_noise_of_the_fabricated_recordings_is_what_the_thresholds_say():
+    assert THRESHOLDS.noise == pytest.approx(NOISE * 3**0.5)
+    assert THRESHOLDS.closed < THRESHOLDS.worth < GAP / 4
