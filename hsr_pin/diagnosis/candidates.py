@@ -103,14 +103,13 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
         shape = tuple(getattr(probes[k], fact.name) for fact in effect.parameters() if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = sorted(answers.values(), key=lambda answer: -answer[0])[:_STARTS]
-    if not best:
-        return []
-    return [Guess(hypothesis, _starts(experiment, base, hypothesis, [start for _, start in best]), best[0][0])]
+    return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
 
 
-def _starts(experiment: Experiment, base: Fit, hypothesis: Hypothesis, guessed: list[Array]) -> tuple[Array, ...]:
+def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...]:
     """Of the guessed values, and those in the next valley, the few that simulate best; the best first."""
-    points = [_moved(hypothesis, start, *factors) for start in guessed for factors in _VALLEYS]
+    hypothesis = guess.hypothesis
+    points = [_moved(hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS]
     predictions = predict(experiment, hypothesis, [(run, point) for point in points for run in experiment.runs])
     count = len(experiment.runs)
     sizes = []
@@ -134,9 +133,10 @@ def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: flo
 
 
 def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
-    """A quick fit from each of a guess's starts, to some of the runs; the best of them."""
+    """A quick fit from the best of a guess's starts, to some of the runs; the best of them."""
     experiment, base = _thinned(experiment, base)
-    answers = [fit(experiment, guess.hypothesis, start=start, after=base, quick=True) for start in guess.starts]
+    starts = _starts(experiment, base, guess)
+    answers = [fit(experiment, guess.hypothesis, start=start, after=base, quick=True) for start in starts]
     return min(answers, key=lambda fitted: fitted.rms)
 
 
