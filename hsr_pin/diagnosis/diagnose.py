@@ -104,6 +104,10 @@ def diagnose(
         return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals)
     tell("stiffness and damping")
     base_fit = fit(experiment, hypothesis)
+    if not any(slopes.any() for slopes in base_fit.slopes):
+        raise IdentificationError(
+            "model", expected="an arm that can be simulated under the recorded input", received="one that fails in every trial"
+        )
     base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
     by_level = _by_level(experiment, base)
     with workers(experiment, jobs, advance) as crew:

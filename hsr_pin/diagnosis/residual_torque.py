@@ -53,22 +53,23 @@ def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[Residu
     results = simulate_batch(scenarios, integrator=fit.hypothesis.integrator, step=fit.hypothesis.step)
     generator = np.random.default_rng(seed)
     answers = []
-    for run, scenario, result in zip(experiment.runs, scenarios, results, strict=True):
+    for run, scenario, result, defect in zip(experiment.runs, scenarios, results, fit.defects, strict=True):
         angles, rates = result.trajectory.joint_angles, result.trajectory.joint_rates
         assert angles is not None and rates is not None
         if len(angles) < len(scenario.time):
             continue
-        answers.append(_residual(experiment, run, scenario, at_samples(run, angles), at_samples(run, rates), generator))
+        measured = run.measured - defect  # what the coarse chain gets wrong is no torque
+        answers.append(_residual(experiment, run, measured, scenario, at_samples(run, angles), at_samples(run, rates), generator))
     return answers
 
 
 def _residual(
-    experiment: Experiment, run: Run, scenario: Scenario, q: Array, v: Array, generator: np.random.Generator
+    experiment: Experiment, run: Run, measured: Array, scenario: Scenario, q: Array, v: Array, generator: np.random.Generator
 ) -> ResidualTorque:
     arm = build_model(scenario.arm)
     places = marker_map(arm, np.array([marker.arc_length for marker in experiment.markers]))
-    gap = np.nan_to_num(run.measured - places.positions(q))
-    seen = np.isfinite(run.measured)
+    gap = np.nan_to_num(measured - places.positions(q))
+    seen = np.isfinite(measured)
     bend = _Bend(experiment, places, scenario, q, seen)
 
     def torque(miss: Array) -> Array:

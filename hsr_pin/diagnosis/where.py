@@ -88,7 +88,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
         best: the model in which a local defect is looked for.
         seed: of the noise draws.
     """
-    gaps = [np.sqrt((residual**2).sum(axis=2).mean(axis=1)) for residual in base.heldout]  # (T,) over the markers
+    gaps = [_distance(residual) for residual in base.heldout]
     noise = experiment.noise_rms
     torques = residual_torques(experiment, base.fit, seed)
     labels = [phases(run, _filled(run.measured + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
@@ -102,6 +102,15 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     frequency = _frequency(experiment, base.heldout)
     sentence = _sentence(along, time, experiment, torques, gaps)
     return Where(along, time, ranges, trials, frequency, _defect(best), sentence)
+
+
+def _distance(residual: Array) -> Array:
+    """(T,) [m] RMS over the markers that were seen; NaN where none was."""
+    square = (residual**2).sum(axis=2)
+    seen = np.isfinite(square)
+    count = seen.sum(axis=1)
+    mean = np.where(seen, square, 0.0).sum(axis=1) / np.maximum(count, 1)
+    return np.where(count > 0, np.sqrt(mean), np.nan)
 
 
 def _filled(positions: Array) -> Array:

@@ -82,10 +82,10 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     Raises:
         IdentificationError: nothing usable is left.
     """
+    if not dataset.trials:
+        raise IdentificationError("trials", expected="at least one", received="none")
     dataset = clean(dataset)
-    moving = [i for i, m in enumerate(dataset.markers) if m.arc_length > BASE * dataset.length]
-    if not moving:
-        raise IdentificationError("markers", expected="at least one beyond the base", received="base markers only")
+    moving = _bending_markers(dataset)
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
     noise = _noise(dataset, moving)
@@ -102,11 +102,27 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     return Experiment(dataset, tuple(runs), markers, noise, tuple(notes))
 
 
+def _bending_markers(dataset: Dataset) -> list[int]:
+    """Indices of the markers that tell about bending."""
+    for marker in dataset.markers:
+        if not 0 <= marker.arc_length <= dataset.length * (1 + 1e-9):
+            raise IdentificationError(
+                f"arc length of marker {marker.name}",
+                expected=f"from 0 to the arm's length, {dataset.length:g} m",
+                received=f"{marker.arc_length:g} m",
+            )
+    moving = [i for i, m in enumerate(dataset.markers) if m.arc_length > BASE * dataset.length]
+    if not moving:
+        raise IdentificationError("markers", expected="at least one beyond the base", received="base markers only")
+    return moving
+
+
 def moves(run: Run, noise: Array) -> bool:
     """Whether any marker of a run moves by more than its noise."""
-    low, high = (np.nanpercentile(run.measured, p, axis=0) for p in (2, 98))
+    seen = np.asarray(np.isfinite(run.measured).any(axis=0).all(axis=1), dtype=bool)
+    low, high = (np.nanpercentile(run.measured[:, seen], p, axis=0) for p in (2, 98))
     span = np.linalg.norm(high - low, axis=1)
-    return bool(np.any(span > np.maximum(_STILL[0] * noise, _STILL[1])))
+    return bool(np.any(span > np.maximum(_STILL[0] * noise[seen], _STILL[1])))
 
 
 def _noise(dataset: Dataset, moving: list[int]) -> Array:
@@ -126,10 +142,10 @@ def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | s
     if not trial.starts_at_rest:
         start = start_of(trial, float(noise.max()), delay)
         first = start.sample
-    if np.isfinite(trajectory.positions[first:, moving]).all(axis=2).sum() < 10:
-        return "fewer than 10 positions were seen"
     if len(trajectory.time) - first < 5:
         return f"only {len(trajectory.time) - first} samples follow its start"
+    if np.isfinite(trajectory.positions[first:, moving]).all(axis=2).sum() < 10:
+        return "fewer than 10 positions were seen"
     if trajectory.torque is not None:
         torque = trajectory.torque
     elif trajectory.pressures is not None:
