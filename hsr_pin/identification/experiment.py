@@ -119,7 +119,7 @@ def _bending_markers(dataset: Dataset) -> list[int]:
 
 def moves(run: Run, noise: Array) -> bool:
     """Whether any marker of a run moves by more than its noise."""
-    seen = np.asarray(np.isfinite(run.measured).any(axis=0).all(axis=1), dtype=bool)
+    seen = np.isfinite(run.measured[..., 0]).any(axis=0)
     low, high = (np.nanpercentile(run.measured[:, seen], p, axis=0) for p in (2, 98))
     span = np.linalg.norm(high - low, axis=1)
     return bool(np.any(span > np.maximum(_STILL[0] * noise[seen], _STILL[1])))
