@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
@@ -11,11 +12,12 @@ _Item = TypeVar("_Item")
 
 def progress(items: Sequence[_Item], what: str) -> Iterator[_Item]:
     """The items, with a bar on stderr while they are worked on; the bar is gone at the end."""
-    from rich.console import Console
-    from rich.progress import track
+    shown: Iterable[_Item] = items
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import track
 
-    console = Console(stderr=True)
-    shown: Iterable[_Item] = track(items, what, console=console, transient=True, disable=not console.is_terminal)
+        shown = track(items, what, console=Console(stderr=True), transient=True)
     yield from shown
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from hsr_pin.cli.arm import arm_from
@@ -10,7 +11,6 @@ from hsr_pin.cli.progress import progress
 from hsr_pin.effects.catalogue import parse_effect
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, PressureError, SimulationFailure
-from hsr_pin.recordings.command_file import read_commands
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.robot.combinations import Combination, combinations
 from hsr_pin.robot.pressure import PAPER
@@ -66,7 +66,7 @@ class Run:
             raise ValueError("this run is not simulated yet")
         return self.trajectory
 
-    @property
+    @cached_property
     def measures(self) -> TipMeasures:
         """What the tip did."""
         return measure_tip(self.motion)
@@ -187,6 +187,8 @@ def _stiffness_note(arm: ArmSpecification, pair: tuple[float, float]) -> tuple[s
 
 
 def _from_file(options: dict[str, Any], effects: tuple[Effect, ...]) -> Run:
+    from hsr_pin.recordings.command_file import read_commands  # here: without a file, no recordings
+
     arm = arm_from(options)
     commands = read_commands(options["input_file"], max_pressure=PAPER.max_pressure, duration=options["duration"])
     torque = commands.torque if commands.pressures is None else PAPER.torque(commands.pressures, arm.keq)

@@ -7,7 +7,6 @@ from collections import Counter
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from hsr_pin.recordings.noise import MAD_TO_SIGMA, white_noise
 from hsr_pin.trajectory import Array
@@ -78,6 +77,8 @@ def exchanges(positions: Array) -> NDArray[np.intp]:
     Returns:
         (T, M) for each frame and marker, the index under which that marker stands; ``arange(M)`` where all is well.
     """
+    from scipy.optimize import linear_sum_assignment  # here: half a second that only recordings need
+
     samples, markers, _ = positions.shape
     order = np.arange(markers)
     orders = np.tile(order, (samples, 1))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Marker, Trajectory
@@ -49,6 +48,8 @@ class Drawn:
         time, path = self.simulated.time, self.simulated.marker(self.tip.name)
         if len(time) < 4:
             return path
+        from scipy.interpolate import Akima1DInterpolator  # here: only pictures need it
+
         return np.asarray(Akima1DInterpolator(time, path)(np.linspace(time[0], time[-1], 5 * len(time) - 4)))
 
     @property

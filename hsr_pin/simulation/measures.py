@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from hsr_pin.trajectory import Array, Trajectory
 
@@ -80,6 +79,8 @@ def nearest_circle(path: Array) -> Circle | None:
     A point's distance from a curve that crosses the path's second principal axis at ``offset``, with the direction ``turn`` and
     the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n: regular where circles become lines.
     """
+    from scipy.optimize import least_squares  # here: a simulation without these measures does without
+
     pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
     length = float(pieces.sum())
     if length < STILL:

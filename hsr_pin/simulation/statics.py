@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from hsr_pin.robot.model import ArmModel
 from hsr_pin.simulation.columns import Columns
@@ -131,6 +130,8 @@ def _creep(
 
 def _newton(joint: Array, link: Array, rest: Array) -> Array:
     """(N,) solve (diag(joint) + U diag(link) U^T) x = rest, U the upper triangle of ones: tridiagonal in the link angles."""
+    from scipy.linalg import solve_banded  # here: an arm that starts at rest hanging straight needs no solution
+
     bands = np.zeros((3, len(joint)))
     bands[1] = joint + link
     bands[1, :-1] += joint[1:]

@@ -52,6 +52,14 @@ def program(*arguments, **more):
     return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, env=environment, **more)
 
 
+def test_what_a_run_needs_is_loaded_when_it_is_needed():
+    code = "import sys, hsr_pin.cli.sim_report; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "pinocchio" in loaded
+    assert not {"scipy", "rich", "jinja2", "matplotlib", "meshcat"} & {*loaded}
+    assert "hsr_pin.recordings" not in loaded
+
+
 @pytest.mark.parametrize("keq", [1.11, 2.33])
 def test_the_table_has_the_rows_of_table_ii(sim, keq):
     code, out, err = sim("--links", 4, "--keq", keq)
