@@ -149,11 +149,16 @@ def finish(experiment: Experiment, base: Fit, quick: Fit) -> Candidate:
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
 
 
+def glanced(runs: int) -> list[int]:
+    """Which of so many runs probes and quick fits look at."""
+    return list(range(runs)) if runs <= _ENOUGH else [int(k) for k in np.linspace(0, runs - 1, _ENOUGH).round()]
+
+
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     """Some of the runs, and a fit as it stands on them."""
-    if len(experiment.runs) <= _ENOUGH:
+    kept = glanced(len(experiment.runs))
+    if len(kept) == len(experiment.runs):
         return experiment, base
-    kept = np.linspace(0, len(experiment.runs) - 1, _ENOUGH).round().astype(int)
 
     def some(items: tuple[T, ...]) -> tuple[T, ...]:
         return tuple(items[k] for k in kept)

@@ -10,6 +10,11 @@ import numpy as np
 from hsr_pin.trajectory import Array
 
 _RESAMPLES = 2000
+#: Fewer trials than the first are cut into at least as many pieces as the second.
+_FEW, _SOME = 5, 8
+#: Gains are looked at in at least so many pieces: one that shows in two trials out of six would be missing from every tenth draw
+#: of whole trials.
+_PIECES = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +35,12 @@ class Squares:
         return float(self.sums.sum() / self.counts.sum())
 
 
-def squares(heldout: Sequence[Array]) -> Squares:
+def squares(heldout: Sequence[Array], blocks: int = _FEW) -> Squares:
     """Held-out residuals [m] (one (T, M, 3) per run) as blocks.
 
-    A block is a trial; with fewer than five, each trial is cut into pieces in time, so that there is something to draw from.
+    A block is a trial; with fewer trials than ``blocks``, each is cut into pieces in time: there must be something to draw from.
     """
-    pieces = 1 if len(heldout) >= 5 else -(-8 // len(heldout))
+    pieces = 1 if len(heldout) >= blocks else -(-max(blocks, _SOME) // len(heldout))
     sums, counts = [], []
     for residual in heldout:
         for piece in np.array_split(residual, pieces):
@@ -81,3 +86,13 @@ def gain_interval(worse: Squares, better: Squares, seed: int) -> tuple[float, fl
     gains = drawn @ (worse.sums - better.sums) / (drawn @ worse.counts)
     low, high = np.percentile(gains, (2.5, 97.5))
     return float(low), float(high)
+
+
+def certainly_better(better: Sequence[Array], worse: Sequence[Array], seed: int) -> bool:
+    """Whether the interval of the gain excludes zero, and with five trials or more does so without any one of them too."""
+    everything = list(range(len(worse)))
+    kept = [everything, *([k for k in everything if k != one] for one in everything if len(worse) >= _FEW)]
+    return all(
+        gain_interval(squares([worse[k] for k in some], _PIECES), squares([better[k] for k in some], _PIECES), seed)[0] > 0
+        for some in kept
+    )

@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Protocol
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.evidence import gain_interval, squares, structure
+from hsr_pin.diagnosis.candidates import Candidate, Guess, glanced
+from hsr_pin.diagnosis.evidence import certainly_better, squares, structure
 from hsr_pin.effects.effect import Effect
+from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
 GLANCES = 12
 #: ... and at least this share of the best's predicted gain.
 PROMISING = 0.03
-#: The best of these get a full fit: at least this many, and all whose RMS is within this factor of the best.
-FINISHED, CLOSE = 3, 1.5
+#: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
+#: best, and if they take away at least this share of what would be worth having.
+FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.5, 0.5
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 6
 
@@ -89,9 +91,9 @@ def left(candidate: Candidate) -> float:
 
 
 def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, seed: int) -> bool:
-    """Whether a gain is both certain (its interval excludes zero) and worth having."""
-    before, after = squares(worse.heldout), squares(better.heldout)
-    return before.mean - after.mean >= thresholds.worth**2 and gain_interval(before, after, seed)[0] > 0
+    """Whether a gain is both certain and worth having."""
+    much = mean_square(worse) - mean_square(better) >= thresholds.worth**2
+    return much and certainly_better(better.heldout, worse.heldout, seed)
 
 
 def search(
@@ -119,7 +121,7 @@ def search(
     tried: dict[Key, Candidate] = {(): start}
     while len(path) <= max_effects and sqrt(left(path[-1])) > thresholds.closed:
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
-        new = _extend(beam, effects, workers, tried)
+        new = _extend(beam, effects, workers, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
         good = [c for c in new if worth_having(path[-1], c, thresholds, seed)]
         if not good:
@@ -141,7 +143,11 @@ def _key(fit: Fit) -> Key:
 
 
 def _extend(
-    beam: Sequence[Candidate], effects: Sequence[Effect], workers: Workers, tried: dict[Key, Candidate]
+    beam: Sequence[Candidate],
+    effects: Sequence[Effect],
+    workers: Workers,
+    tried: dict[Key, Candidate],
+    thresholds: Thresholds,
 ) -> list[Candidate]:
     chosen: dict[Key, tuple[Fit, Guess]] = {}
     for base in beam:
@@ -154,11 +160,11 @@ def _extend(
             if name not in tried:
                 chosen.setdefault(name, (base.fit, guess))
     tasks = list(chosen.values())
-    quick = zip((base for base, _ in tasks), workers.glance(tasks), strict=True)
-    ranked_fits = sorted(quick, key=lambda pair: pair[1].rms)
-    return workers.finish(
-        [pair for place, pair in enumerate(ranked_fits) if place < FINISHED or pair[1].rms < CLOSE * ranked_fits[0][1].rms]
-    )
+    quick = sorted(zip((base for base, _ in tasks), workers.glance(tasks), strict=True), key=lambda pair: pair[1].rms)
+    so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
+    hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
+    limit = min(CLOSE * quick[0][1].rms, hopeful) if quick else 0.0
+    return workers.finish(quick[:FINISHED] + [pair for pair in quick[FINISHED:AT_MOST] if pair[1].rms < limit])
 
 
 def _pruned(

@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.evidence import gain_interval, squares
+from hsr_pin.diagnosis.evidence import certainly_better
 from hsr_pin.diagnosis.search import Search, Thresholds, left, mean_square
 from hsr_pin.identification.uncertainty import uncertainty
 
@@ -110,9 +110,8 @@ def rivals(
 
 def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds, seed: int) -> bool:
     """Whether a model's mean square is larger, certainly and by an amount that counts."""
-    more, less = squares(candidate.heldout), squares(than.heldout)
-    much = more.mean - less.mean > FACTOR * left(than) + (MARGIN * thresholds.noise) ** 2
-    return much and gain_interval(more, less, seed)[0] > 0
+    much = mean_square(candidate) - mean_square(than) > FACTOR * left(than) + (MARGIN * thresholds.noise) ** 2
+    return much and certainly_better(than.heldout, candidate.heldout, seed)
 
 
 def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:

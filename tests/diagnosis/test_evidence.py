@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.evidence import draws, gain_interval, interval, squares, structure
+from hsr_pin.diagnosis.evidence import certainly_better, draws, gain_interval, interval, squares, structure
 
 
 def noise(size, *, trials=4, samples=5000, seed=0):
@@ -116,6 +116,13 @@ def test_a_large_gain_in_one_trial_alone_is_not_certain():
     after = squares(trials_of(1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3))
     low, high = gain_interval(before, after, seed=0)
     assert low < 0 < before.mean - after.mean < high
+
+
+def test_what_shows_in_two_trials_of_six_is_certain_and_in_one_alone_is_not():
+    same = trials_of(*[1e-3] * 6)
+    assert certainly_better(same, trials_of(2e-3, 2e-3, *[1e-3] * 4), seed=0)
+    assert not certainly_better(same, trials_of(9e-3, *[1e-3] * 5), seed=0)
+    assert not certainly_better(same, same, seed=0)
 
 
 def test_a_loss_is_a_gain_below_zero():
