@@ -142,7 +142,7 @@ def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
 
 def finish(experiment: Experiment, base: Fit, quick: Fit) -> Candidate:
     """The full fit after a quick one, and every run predicted from the others."""
-    hypothesis = quick.hypothesis
+    hypothesis = quick.hypothesis.steadied()
     if "soft_spot" in {effect.name for effect in hypothesis.effects}:
         hypothesis = replace(hypothesis, links=max(_LOCAL_LINKS, hypothesis.links))
     answer = fit(experiment, hypothesis, start=quick.values, after=base)

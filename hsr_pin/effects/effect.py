@@ -77,6 +77,8 @@ class Effect(ABC):
     citation: ClassVar[str]
     states: ClassVar[int] = 0
     passive: ClassVar[bool] = False
+    #: Whether the true tangent often lies far below what :meth:`tangent` gives: a two-stage method (ros2) then rings.
+    loosely_bounded: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for fact in self.parameters():

@@ -27,6 +27,7 @@ class QuadraticDamping(Effect):
     cause = "air, fluid in the muscles"
     citation = "J. R. Morison et al., The force exerted by surface waves on piles, J. Pet. Technol. 2 (1950)"
     passive = True
+    loosely_bounded = True
 
     coefficient: float = parameter(
         0.0,

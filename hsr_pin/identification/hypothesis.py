@@ -78,7 +78,12 @@ class Hypothesis:
 
     def finer(self, links: int, step: float) -> Hypothesis:
         """The same model, discretised more finely in space and time."""
-        return replace(self, links=max(links, self.links), step=min(step, self.step))
+        return replace(self.steadied(), links=max(links, self.links), step=min(step, self.step))
+
+    def steadied(self) -> Hypothesis:
+        """The same model, with an integrator that none of its effects makes ring."""
+        rings = self.integrator == "ros2" and any(effect.loosely_bounded for effect in self.effects)
+        return replace(self, integrator="extrapolated3") if rings else self
 
     def with_chain(self, links: int, step: float) -> Hypothesis:
         """The same model with another number of links and step [s]."""

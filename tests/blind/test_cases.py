@@ -102,7 +102,7 @@ def test_the_seal_opens_with_the_answers_of_the_plan(made):
             answer.facts["laws"], case.sizes, answer.facts["gaps_in_noise_floors"], answer.facts["reached"], strict=False
         ):
             assert law["name"] in case.effects
-            assert floors == pytest.approx(SIZES[size], rel=0.03) or not reached
+            assert floors == pytest.approx(SIZES[size], rel=0.1) or not reached
 
 
 @pytest.mark.parametrize("tamper", [lambda t: t.replace('"none"', '"pair"'), lambda t: t + " ", lambda t: t[:-5]])

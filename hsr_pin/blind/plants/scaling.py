@@ -18,7 +18,8 @@ from .program import Program
 
 #: Gaps of the named sizes, in noise floors.
 SIZES: dict[str, float] = {"barely": 2.0, "medium": 6.0, "large": 15.0}
-TOLERANCE = 0.03
+#: Of a gap, over the one wanted.
+TOLERANCE = 0.1
 
 
 def target(size: str, noise: float) -> float:
@@ -88,7 +89,7 @@ def scale_to_gap(law: Law, millimetres: float, yardstick: Yardstick, refit: bool
     """Scale a law so that the markers move by this much [mm].
 
     That is at the same K and C or, with `refit`, beyond the best change of them. Secant steps on the
-    logarithms, kept inside of what is known to be too weak and too strong; ends within 3 % or at the
+    logarithms, kept inside of what is known to be too weak and too strong; ends within 10 % or at the
     law's limit.
     """
     measure = yardstick.refitted_gap if refit else yardstick.gap

@@ -1,0 +1,105 @@
+"""The benchmarks compare like with like, run, and are shown as they were written. Nothing here asserts how fast anything is."""
+
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hsr_pin.robot.specification import ArmSpecification
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER = ROOT / "benchmarks"
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup")
+ROW = re.compile(r"\| (?P<task>.+) \| (?P<ours>.+) \| (?P<peer>.+): (?P<theirs>.+) \| (?P<ratio>.+) \| .*\|")
+
+
+@pytest.fixture
+def bench(monkeypatch):
+    """``bench(name)``: a module of the benchmarks."""
+    monkeypatch.syspath_prepend(FOLDER)
+    return importlib.import_module
+
+
+def test_every_line_of_the_table_was_written_with_a_number_and_a_ratio(bench):
+    written = (FOLDER / "results.md").read_text(encoding="utf-8")
+    table, _, conditions = written.partition("\n\n")
+    assert table.startswith(bench("rows").HEADER)
+    rows = [ROW.fullmatch(line) for line in table.splitlines()[2:]]
+    titles = [title for name in MEASUREMENTS for title in bench(name).titles()]
+    assert [(row["task"], row["peer"]) for row in rows] == [(title.task, title.peer) for title in titles]
+    for row in rows:
+        assert re.search(r"\d", row["ours"])
+        assert re.fullmatch(r"(over )?[\d.]+( \(peer ahead\))?", row["ratio"]) or row["theirs"] == "not installed", row[0]
+    assert re.search(r"\d cores .* mujoco \d", conditions)
+
+
+def test_the_readme_shows_what_was_written():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    written = (FOLDER / "results.md").read_text(encoding="utf-8")
+    assert f"<!-- output of: python benchmarks/run.py --show -->\n{written}<!-- end of output -->" in readme
+
+
+def test_all_measurements_are_run(bench):
+    assert bench("run").MEASUREMENTS == MEASUREMENTS
+
+
+@pytest.mark.parametrize("name", MEASUREMENTS)
+def test_a_measurement_runs(name, bench, capfd):
+    if name != "startup":
+        pytest.importorskip("mujoco", reason="compares with MuJoCo: python3 scripts/install.py bench")
+    rows = list(bench(name).measure(quick=True))
+    assert rows
+    assert all(ROW.fullmatch(str(row).strip()) and row.ratio > 0 for row in rows)
+
+
+# The peers solve the same problem
+
+
+@pytest.mark.parametrize("links", [4, 16])
+def test_ours_and_scipy_agree_to_a_ten_thousandth_of_a_millimetre(links, bench):
+    problem, arm = bench("problem"), ArmSpecification(links=links)
+    ours = bench("ours").Ours([arm], "extrapolated5", 16).run()
+    assert problem.tip_error([arm], ours, problem.exact_motion(links)) < 1e-4
+
+
+@pytest.mark.parametrize("links", [4, 16])
+def test_mujoco_extrapolated_to_step_zero_agrees_within_a_thousandth(links, bench):
+    pytest.importorskip("mujoco")
+    problem, arm = bench("problem"), ArmSpecification(links=links)
+    coarse, fine = (bench("peer_mujoco").MujocoChain(arm, "Euler", count).run() for count in (160, 320))
+    assert problem.tip_error([arm], 2 * fine - coarse, problem.exact_motion(links)) < 1e-3
+
+
+def test_a_rollout_of_many_arms_is_each_arm_alone(bench):
+    pytest.importorskip("mujoco")
+    peer, problem = bench("peer_mujoco"), bench("problem")
+    arms = bench("throughput").FLEETS[-1].extremes()[:5]
+    together = peer.MujocoRollout(arms, 2, "Euler", 10).run()
+    for place, arm in enumerate(arms):
+        alone = peer.MujocoChain(arm, "Euler", 10).run()
+        assert problem.tip_error([arm], together[:, place : place + 1], alone) < 1e-9
+
+
+def test_pybullet_converges_to_the_same_motion(bench):
+    pytest.importorskip("pybullet", reason="needs PyBullet: python3 scripts/install.py bench")
+    problem, arm = bench("problem"), ArmSpecification()
+    coarse, fine = (bench("peer_pybullet").PybulletChain(arm, count).run() for count in (400, 800))
+    assert problem.tip_error([arm], 2 * fine - coarse, problem.exact_motion(4)) < 5e-3
+
+
+def test_arms_in_processes_come_back_in_their_order(bench):
+    throughput, ours = bench("throughput"), bench("ours")
+    arms = throughput.FLEETS[0].arms(5)
+    with bench("processes").Processes(arms, "ros2", 2, ArmSpecification(), 2) as processes:
+        apart = processes.run()
+    together = ours.Ours(arms, "ros2", 2, nominal=ArmSpecification()).run()
+    assert abs(apart - together).max() < 1e-12
+
+
+def test_the_table_is_shown_without_loading_anything_heavy():
+    code = f"import sys; sys.path.insert(0, {str(FOLDER)!r}); sys.argv[1:] = ['--show']; import run; run.main(); print(*sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert not {"mujoco", "pybullet", "numpy"} & {*shown.splitlines()[-1].split()}
