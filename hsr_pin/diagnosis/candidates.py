@@ -202,15 +202,17 @@ def _linear_guess(
     directions = np.column_stack([slopes * scale[:old], change])
     size = np.maximum(np.linalg.norm(directions, axis=0), 1e-12)
     step = np.linalg.lstsq(directions / size, -residual, rcond=1e-6)[0] / size
-    factor = float(step[-1])
-    values = start.copy()
-    values[:old] += scale[:old] * np.clip(step[:-1], -3.0, 3.0)
+    factor, values = float(step[-1]), start.copy()
     for index in range(old, len(facts)):
         if facts[index].amplitude:
             probe = start[index] - facts[index].neutral
             factor = _allowed(facts[index], factor * probe / facts[index].scale) * facts[index].scale / probe
             values[index] = facts[index].neutral + factor * probe
-    left = residual + directions[:, :-1] @ step[:-1] + directions[:, -1] * factor
+    rest = residual + directions[:, -1] * factor
+    if factor != step[-1]:  # not as much as it would take: what the others then do
+        step[:-1] = np.linalg.lstsq(directions[:, :-1] / size[:-1], -rest, rcond=1e-6)[0] / size[:-1]
+    values[:old] += scale[:old] * np.clip(step[:-1], -3.0, 3.0)
+    left = rest + directions[:, :-1] @ step[:-1]
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
     gain = 1 - float(left @ left) / float(residual @ residual)
     return max(0.0, gain), np.asarray(np.clip(values, lower, upper))

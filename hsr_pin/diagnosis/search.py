@@ -41,7 +41,7 @@ class Thresholds:
     noise: float
     worth: float
     closed: float
-    explained: float = 0.10
+    explained: float = 0.03
 
     @classmethod
     def of(cls, noise: float, length: float) -> Thresholds:

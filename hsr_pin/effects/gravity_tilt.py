@@ -28,7 +28,7 @@ class GravityTilt(Effect):
     passive = True
 
     angle: float = parameter(
-        0.0, lower=-0.5, upper=0.5, unit="rad", scale=0.05, amplitude=True, description="turn of the base in the plane"
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base in the plane"
     )
     frame: str = option("world", "base", description="what the markers' frame is fixed to")
 

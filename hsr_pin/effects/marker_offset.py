@@ -23,8 +23,8 @@ class MarkerOffset(Effect):
 
     offset: float = parameter(
         0.0,
-        lower=-0.03,
-        upper=0.03,
+        lower=-0.05,
+        upper=0.05,
         unit="m",
         scale=0.002,
         amplitude=True,

@@ -23,7 +23,7 @@ class TorqueMap(Effect):
 
     quadratic: float = parameter(
         0.0,
-        lower=-0.3,
+        lower=-0.6,
         upper=1.0,
         unit="1/rad",
         scale=0.1,

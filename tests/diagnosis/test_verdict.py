@@ -90,16 +90,16 @@ def test_a_rival_that_is_worse_in_one_trial_alone_stays():
 
 
 def test_a_rival_is_none_that_leaves_the_gap_open_or_may_be_zero_or_needs_more_effects():
-    best = candidate("dry_friction", gap=1.2e-3)
+    best = candidate("dry_friction", gap=0.5e-3)
     tried = (
         BASE,
         candidate("hysteresis", gap=1.5e-3),  # a seventh of the squared gap
-        candidate("viscoelastic", gap=1.2e-3, unsure=("viscoelastic",)),
+        candidate("viscoelastic", gap=0.5e-3, unsure=("viscoelastic",)),
         candidate("backlash", "tip_mass"),
         best,
     )
     assert rivals(best, BASE, tried, THRESHOLDS, 0) == []
-    assert rivals(best, BASE, (*tried, candidate("backlash", gap=1.2e-3)), THRESHOLDS, 0) == [("backlash",)]
+    assert rivals(best, BASE, (*tried, candidate("backlash", gap=0.5e-3)), THRESHOLDS, 0) == [("backlash",)]
 
 
 def test_two_readings_of_one_law_are_no_rivals():
@@ -126,9 +126,9 @@ def test_an_effect_that_does_better_than_stiffness_at_each_level_is_identified()
 
 
 def test_shares_and_rests_in_the_sentence_are_those_of_the_models():
-    found = verdict(candidate("tip_mass", gap=1e-3))
-    assert f"{100 * (1 - 1 / 16):.0f} %" in found.sentence
-    assert "1.00 mm" in found.sentence
+    found = verdict(candidate("tip_mass", gap=0.5e-3))
+    assert f"{100 * (1 - 1 / 64):.0f} %" in found.sentence
+    assert "0.50 mm" in found.sentence
 
 
 def test_the_same_seed_gives_the_same_verdict():
