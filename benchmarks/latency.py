@@ -1,0 +1,82 @@
+"""How long a controller in Python waits for one step of 10 ms under a new torque: median and 99th percentile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from time import perf_counter
+
+import numpy as np
+from problem import SAMPLE
+from rows import Row, Title, seconds
+from work_precision import solver_of
+
+from hsr_pin.control.stepping import ArmSimulator
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.batch import STEP
+
+LINKS = (4, 10)
+#: [mm] of the tip over 1 s of the step: what ours keeps as it comes.
+ERROR = 0.01
+_TORQUES = (0.25 * np.sin(0.05 * np.arange(200))).tolist()  # [N m]
+_ROUNDS = 10
+_SINGLE = round(SAMPLE / STEP)  # substeps a sample
+
+
+def titles() -> list[Title]:
+    """The lines."""
+    return [title for links in LINKS for title in _titles(links)]
+
+
+def measure(quick: bool) -> Iterator[Row]:
+    """Yield the lines; quick: the one that needs no search."""
+    for links in LINKS[:1] if quick else LINKS:
+        accurate, single = _titles(links)
+        simulator = ArmSimulator(ArmSpecification(links=links))
+        steps: dict[str, Callable[[float], object]] = {"hsr_pin": simulator.step}
+        if single.installed:
+            steps[single.peer] = _mujoco(links, None)
+            if not quick:
+                steps[accurate.peer] = _mujoco(links, ERROR)
+        waits = _waits(steps, 1 if quick else _ROUNDS)
+        for title in (single,) if quick else (accurate, single):
+            own = waits["hsr_pin"]
+            taken = waits.get(title.peer)
+            yield Row(title, _words(own)) if taken is None else Row(title, _words(own), _words(taken), taken[0] / own[0])
+
+
+def _titles(links: int) -> tuple[Title, Title]:
+    """As accurate as ours, and whatever a single step of MuJoCo makes of it."""
+    task = f"a step of {1e3 * STEP:g} ms from Python, N = {links}: median (99th percentile)"
+    return Title(task, f"MuJoCo to {ERROR} mm", "mujoco"), Title(task, "MuJoCo, one `mj_step`, to no accuracy", "mujoco")
+
+
+def _mujoco(links: int, error: float | None) -> Callable[[float], object]:
+    """A step of MuJoCo in its cheapest setting for an error [mm]; None: in a single one of its own."""
+    from peer_mujoco import MujocoChain
+
+    arm = ArmSpecification(links=links)
+    chain = MujocoChain(arm, "Euler", _SINGLE) if error is None else solver_of("MuJoCo", links, error)
+    assert isinstance(chain, MujocoChain)
+    count = round(chain.substeps * STEP / SAMPLE)
+
+    def step(torque: float) -> None:
+        chain.model.qpos_spring[:] = torque / arm.joint_stiffness
+        chain.advance(count)
+
+    return step
+
+
+def _words(wait: tuple[float, float]) -> str:
+    return f"{seconds(wait[0])} ({seconds(wait[1])})"
+
+
+def _waits(steps: dict[str, Callable[[float], object]], rounds: int) -> dict[str, tuple[float, float]]:
+    """Median and 99th percentile [s] of each, taken in turns."""
+    times: dict[str, list[float]] = {name: [] for name in steps}
+    for _ in range(rounds):
+        for name, step in steps.items():
+            for torque in _TORQUES:
+                begin = perf_counter()
+                step(torque)
+                times[name].append(perf_counter() - begin)
+    return {name: (float(np.percentile(taken, 50)), float(np.percentile(taken, 99))) for name, taken in times.items()}
