@@ -78,12 +78,16 @@ class Hypothesis:
 
     def finer(self, links: int, step: float) -> Hypothesis:
         """The same model, discretised more finely in space and time."""
-        return replace(self.steadied(), links=max(links, self.links), step=min(step, self.step))
+        fine = replace(self, links=max(links, self.links), step=min(step, self.step))
+        return replace(fine, integrator="extrapolated4", step=fine.step / 2) if self._rings else fine
 
     def steadied(self) -> Hypothesis:
         """The same model, with an integrator that none of its effects makes ring."""
-        rings = self.integrator == "ros2" and any(effect.loosely_bounded for effect in self.effects)
-        return replace(self, integrator="extrapolated3") if rings else self
+        return replace(self, integrator="extrapolated3") if self._rings and self.integrator == "ros2" else self
+
+    @property
+    def _rings(self) -> bool:
+        return any(effect.loosely_bounded for effect in self.effects)
 
     def with_chain(self, links: int, step: float) -> Hypothesis:
         """The same model with another number of links and step [s]."""
