@@ -79,8 +79,6 @@ def nearest_circle(path: Array) -> Circle | None:
     A point's distance from a curve that crosses the path's second principal axis at ``offset``, with the direction ``turn`` and
     the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n: regular where circles become lines.
     """
-    from scipy.optimize import least_squares  # here: a simulation without these measures does without
-
     pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
     length = float(pieces.sum())
     if length < STILL:
@@ -91,17 +89,44 @@ def nearest_circle(path: Array) -> Circle | None:
     scale = float(extent[0])
     points = centred @ axes.T / scale
 
-    def distances(curve: Array) -> Array:
-        bend, turn, offset = curve
-        normal = np.array([-np.sin(turn), np.cos(turn)])
-        w = points - np.array([0.0, offset])
-        q = bend * (w * w).sum(axis=1) - 2 * w @ normal
-        return np.asarray(weight * q / (1 + np.sqrt(np.maximum(1 + bend * q, 0.0))))
+    fits = [_fitted(points, weight, bend) for bend in (0.0, 1.0, -1.0)]
+    distance, bend = min(fits)
+    return Circle(radius=scale / abs(bend) if bend else np.inf, distance=scale * distance)
 
-    fits = [least_squares(distances, (bend, 0.0, 0.0), method="lm", xtol=1e-12, ftol=1e-12) for bend in (0.0, 1.0, -1.0)]
-    best = min(fits, key=lambda fit: fit.cost)
-    bend = abs(float(best.x[0]))
-    return Circle(radius=scale / bend if bend > 0 else np.inf, distance=scale * float(np.linalg.norm(best.fun)))
+
+def _fitted(points: Array, weight: Array, bend: float) -> tuple[float, float]:
+    """Distance and curvature of the curve where Gauss and Newton's steps end, halved where they would lead upwards.
+
+    SciPy's least squares finds the same (tested), but loading it would take as long as the rest of ``hsr-sim``.
+    """
+    curve = np.array([bend, 0.0, 0.0])
+    miss, slopes = _distances(points, weight, curve)
+    for _ in range(100):
+        step = -np.linalg.lstsq(slopes, miss, rcond=None)[0]
+        while np.linalg.norm(step) > 1e-12:
+            new, new_slopes = _distances(points, weight, curve + step)
+            if new @ new <= miss @ miss:
+                break
+            step /= 2
+        else:
+            break
+        curve, miss, slopes = curve + step, new, new_slopes
+    return float(np.linalg.norm(miss)), float(curve[0])
+
+
+def _distances(points: Array, weight: Array, curve: Array) -> tuple[Array, Array]:
+    """(T,) weighted distances of points (T, 2) from a curve (bend, turn, offset), and (T, 3) their derivatives."""
+    bend, turn, offset = curve
+    normal, along = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
+    w = points - np.array([0.0, offset])
+    q = bend * (w * w).sum(axis=1) - 2 * w @ normal
+    root = np.sqrt(np.maximum(1 + bend * q, 1e-12))
+    distance = q / (1 + root)
+    by_curve = (
+        np.column_stack([(w * w).sum(axis=1) - distance**2, 2 * w @ along, 2 * (normal[1] - bend * w[:, 1])])
+        / (2 * root)[:, None]
+    )
+    return weight * distance, weight[:, None] * by_curve
 
 
 def _last_change(trajectory: Trajectory) -> int:

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, least_squares
 
 from hsr_pin.simulation.measures import measure_tip, nearest_circle
 from hsr_pin.trajectory import Marker, Trajectory
@@ -126,3 +126,19 @@ def test_a_long_rest_at_the_end_weighs_nothing():
 
 def test_a_single_point_has_no_circle():
     assert nearest_circle(np.ones((20, 2))) is None
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_nearest_circle_is_the_one_that_least_squares_finds(seed):
+    generator = np.random.default_rng(seed)
+    radius, span = 10 ** generator.uniform(-1.5, 0.5), generator.uniform(0.1, 6.0)
+    angle = np.sort(generator.uniform(0.0, span, 200))
+    path = radius * np.column_stack([np.cos(angle), np.sin(angle)]) + generator.normal(0.0, 0.02 * radius * span, (200, 2))
+    pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    weight = np.sqrt((np.append(pieces, 0.0) + np.append(0.0, pieces)) / (2 * pieces.sum()))
+    ends = [
+        least_squares(lambda c: weight * (np.hypot(*(path - c[:2]).T) - c[2]), (*(start * radius), radius))
+        for start in (np.zeros(2), np.array([-2.0, 0.0]), np.array([3.0, 0.0]), np.array([0.0, 3.0]))
+    ]
+    best = min(ends, key=lambda end: end.cost)
+    assert nearest_circle(path).distance <= (1 + 1e-3) * np.sqrt(2 * best.cost)
