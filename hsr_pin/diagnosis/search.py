@@ -23,6 +23,11 @@ FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.5, 0.5
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 6
 
+#: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
+CORNER = 2.0
+#: Where two effects leave a larger share of the squared gap than this, no third is looked for.
+HOPELESS = 0.5
+
 #: The effects of a model, each with its options.
 Key = tuple[tuple[str, object], ...]
 
@@ -119,7 +124,7 @@ def search(
     """
     path, beam = [start], [start]
     tried: dict[Key, Candidate] = {(): start}
-    while len(path) <= max_effects and sqrt(left(path[-1])) > thresholds.closed:
+    while len(path) <= max_effects and _is_open(path, thresholds):
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
         new = _extend(beam, effects, workers, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
@@ -131,6 +136,14 @@ def search(
         beam = _distinct(good)[:BEAM]
     best = _pruned(path[-1], start, tried, thresholds, workers, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
+
+
+def _is_open(path: Sequence[Candidate], thresholds: Thresholds) -> bool:
+    """Whether to look for another effect: something is left that is not just the last corner of a large gap, and there is hope."""
+    gap, rest = left(path[0]), left(path[-1])
+    if rest <= thresholds.closed**2 or (rest <= thresholds.explained * gap and rest <= (CORNER * thresholds.closed) ** 2):
+        return False
+    return len(path) < 3 or rest <= HOPELESS * gap
 
 
 def key(candidate: Candidate) -> Key:
