@@ -40,8 +40,8 @@ def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> No
 
 def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
-    from hsr_pin.diagnosis.candidates import guesses
-    from hsr_pin.diagnosis.evidence import squares
+    from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
+    from hsr_pin.diagnosis.search import mean_square
     from hsr_pin.effects import effect_named
     from hsr_pin.effects.effect import neutral
     from hsr_pin.identification.experiment import prepare
@@ -52,14 +52,14 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
 
     experiment = prepare(read_dataset(recording))
     base = fit(experiment, Hypothesis())
+    nothing = Candidate(base, tuple(leave_one_out(experiment, base)))
     found = []
     for order in permutations(names):
         kinds = [effect_named(name) for name in order]
         for readings in product(*(kind.variants() for kind in kinds)):
-            last = base
+            last = nothing
             for kind, reading in zip(kinds, readings, strict=True):
-                for guess in guesses(experiment, last, [neutral(kind, **reading)]):  # one, or none that can be simulated
-                    tries = [fit(experiment, guess.hypothesis, start=start, after=last) for start in guess.starts]
-                    last = min(tries, key=lambda each: each.rms)
-            found.append(squares(leave_one_out(experiment, last)).mean)
+                for guess in guesses(experiment, last.fit, [neutral(kind, **reading)]):  # one, or none that can be simulated
+                    last = finish(experiment, last.fit, glance(experiment, last.fit, guess))
+            found.append(mean_square(last))
     return sqrt(min(found))

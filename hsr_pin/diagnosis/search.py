@@ -139,7 +139,7 @@ def search(
 
 
 def _is_open(path: Sequence[Candidate], thresholds: Thresholds) -> bool:
-    """Whether to look for another effect: something is left that is not just the last corner of a large gap, and there is hope."""
+    """Whether to look for another effect: more is left than the last corner of a large gap, and there is hope."""
     gap, rest = left(path[0]), left(path[-1])
     if rest <= thresholds.closed**2 or (rest <= thresholds.explained * gap and rest <= (CORNER * thresholds.closed) ** 2):
         return False

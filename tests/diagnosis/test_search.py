@@ -84,6 +84,19 @@ def test_the_search_ends_when_the_gap_is_closed():
     assert "stiffening+tip_mass" not in workers.finished
 
 
+def test_the_last_corner_of_an_explained_gap_is_not_searched_but_a_larger_one_is():
+    shares = {"": GAP, "tip_mass": 1.9 * THRESHOLDS.closed, "tip_mass+actuator_lag": 0.0}
+    assert names(searched(FakeWorkers(shares)).path) == [(), ("tip_mass",)]
+    shares["tip_mass"] = 2.1 * THRESHOLDS.closed
+    assert names(searched(FakeWorkers(shares)).path) == [(), ("tip_mass",), ("actuator_lag", "tip_mass")]
+
+
+@pytest.mark.parametrize(("after_two", "effects"), [(0.8 * GAP, 2), (0.6 * GAP, 3)])
+def test_a_third_effect_is_looked_for_only_where_two_take_half_of_the_squared_gap(after_two, effects):
+    shares = {"": GAP, "tip_mass": 0.9 * GAP, "tip_mass+actuator_lag": after_two, "tip_mass+actuator_lag+backlash": 0.0}
+    assert len(searched(FakeWorkers(shares)).best.names) == effects
+
+
 def test_a_stand_in_that_a_better_pair_replaces_is_not_on_the_path():
     found = searched(
         FakeWorkers(
