@@ -19,7 +19,7 @@ GLANCES = 12
 PROMISING = 0.03
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
 #: best, and if they take away at least this share of what would be worth having.
-FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.5, 0.5
+FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 6
 

@@ -76,29 +76,29 @@ def pressures(torque: Array, keq: float) -> tuple[Array, Array]:
 
 
 def steps(keq: float) -> list[Trial]:
-    """From rest to each torque of Table II, at 0.3 s; 3 s each."""
-    t = np.arange(3 * RATE + 1) / RATE
+    """From rest to each torque of Table II, at 0.3 s; 2 s each."""
+    t = np.arange(2 * RATE + 1) / RATE
     return [_trial(keq, np.where(t >= 0.3, tau, 0.0)) for tau in LEVELS[keq][1]]
 
 
 def staircase(keq: float) -> list[Trial]:
-    """Up in four stairs, down again past zero and back; 1.2 s each."""
+    """Up in four stairs, down again past zero and back; 0.7 s each."""
     stairs = np.array([0, 0.25, 0.5, 0.75, 1, 0.75, 0.5, 0.25, 0, -0.2, 0, 0.5, 0]) * LEVELS[keq][1][2]
-    tau = np.repeat(stairs, round(1.2 * RATE))
+    tau = np.repeat(stairs, round(0.7 * RATE))
     return [_trial(keq, np.append(tau, tau[-1]))]
 
 
 def chirp(keq: float) -> list[Trial]:
-    """0.2 to 4 Hz in 8 s about a slowly entered middle torque."""
-    t = np.arange(8 * RATE + 1) / RATE
-    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 16 * t**2)
+    """0.2 to 4 Hz in 6 s about a slowly entered middle torque."""
+    t = np.arange(6 * RATE + 1) / RATE
+    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
     tau = LEVELS[keq][1][2] * 0.45 * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase))
     return [_trial(keq, tau)]
 
 
 def releases(keq: float) -> list[Trial]:
-    """Held bent by a couple, held bent by a pull at the tip; let go at 0.2 s, no input; 2 s each."""
-    bare = _trial(keq, np.zeros(2 * RATE + 1), release=0.2)
+    """Held bent by a couple, held bent by a pull at the tip; let go at 0.2 s, no input; 1.5 s each."""
+    bare = _trial(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2)
     bare = replace(bare, command=())
     pull = 1.2 * keq / 0.24
     return [replace(bare, hold_torque=0.7 * keq), replace(bare, hold_force=pull)]
