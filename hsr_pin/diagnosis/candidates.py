@@ -28,7 +28,7 @@ _STARTS = 2
 #: Values of each shape parameter that are probed.
 _GRID = 3
 #: Probes and quick fits look at this many runs at most, spread over the recordings.
-_ENOUGH = 10
+_ENOUGH = 8
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: without the effect, the damping stood in
 #: for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (0.5, 2.0))

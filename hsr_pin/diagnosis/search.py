@@ -21,7 +21,7 @@ PROMISING = 0.03
 #: best, and if they take away at least this share of what would be worth having.
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
 #: Sets carried on to the next rung, and quick fits for each.
-BEAM, BEAM_GLANCES = 3, 6
+BEAM, BEAM_GLANCES = 3, 5
 
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
@@ -128,12 +128,12 @@ def search(
         tell(f"effect {len(path)}: trying {len(effects)} candidates")
         new = _extend(beam, effects, workers, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
-        good = [c for c in new if worth_having(path[-1], c, thresholds, seed)]
+        better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)
+        good = [c for c in better if worth_having(path[-1], c, thresholds, seed)]
         if not good:
             break
-        good.sort(key=mean_square)
         path.append(good[0])
-        beam = _distinct(good)[:BEAM]
+        beam = _distinct(better)[:BEAM]  # one whose own gain is not certain may be half of a pair
     best = _pruned(path[-1], start, tried, thresholds, workers, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
