@@ -9,6 +9,7 @@ from typing import Any
 from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.plants.laws import CATALOGUE
 from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.errors import InputError
 
 #: Verdicts that name nothing, and one that never came.
 NAMELESS = ("parameters", "no_gap", "unexplained", "insufficient", "error")
@@ -22,6 +23,8 @@ ALL, SOME, WRONG, IN, NOT_IN = SEVERAL = (
     "alternatives, truth in",
     "alternatives, truth not in",
 )
+#: What else a score tells of a case.
+FACTS = ("program", "mount", "plant")
 #: A shrinkage this share of the oracle's is as good as it gets.
 CLOSE = 0.9
 
@@ -152,7 +155,22 @@ def score(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, Any]], ora
     """
     known = oracle or {}
     found = tuple(_outcome(each, verdicts[each.name], known.get(each.name)) for each in answers if each.name in verdicts)
-    missing = tuple(each.name for each in answers if each.name not in verdicts)
+    return _tally(found, tuple(each.name for each in answers if each.name not in verdicts))
+
+
+def scored(document: dict[str, Any]) -> Score:
+    """The score that :meth:`Score.document` was written from.
+
+    Raises:
+        InputError: it is none.
+    """
+    try:
+        return _tally(tuple(map(_read, document["outcomes"])), tuple(document["missing"]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
+
+
+def _tally(found: tuple[Outcome, ...], missing: tuple[str, ...]) -> Score:
     rows = (*CATALOGUE, "pair", "none", "outside")
     columns = (*CATALOGUE, *SEVERAL, *NAMELESS)
     cells = [(outcome.row, outcome.column) for outcome in found]
@@ -204,10 +222,11 @@ def _outcome(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None) -
 def _document(outcome: Outcome) -> dict[str, Any]:
     answer = outcome.answer
     return {
-        "case": answer.name,
+        "name": answer.name,
         "kind": answer.kind,
         "effects": list(answer.effects),
         "size": answer.size,
+        "facts": {name: answer.facts[name] for name in FACTS if name in answer.facts},
         "status": outcome.status,
         "sets": [sorted(names) for names in outcome.sets],
         "exact": outcome.exact,
@@ -216,3 +235,10 @@ def _document(outcome: Outcome) -> dict[str, Any]:
         "oracle": outcome.oracle,
         "sentence": outcome.sentence,
     }
+
+
+def _read(document: dict[str, Any]) -> Outcome:
+    case = {name: document[name] for name in ("name", "kind", "size", "facts")}
+    said = {name: document[name] for name in ("status", "sentence", "shrinkage", "oracle")}
+    sets = tuple(frozenset(names) for names in document["sets"])
+    return Outcome(Answer(effects=tuple(document["effects"]), **case), sets=sets, **said)

@@ -6,17 +6,22 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.command import run
 from hsr_pin.cli.progress import counted
+from hsr_pin.errors import InputError
+
+if TYPE_CHECKING:
+    from hsr_pin.blind.scoring import Score
 
 _EPILOG = "Example: hsr-blind make --seed 7 --cases 200 -o check && hsr-blind run check && hsr-blind score check"
 _FOLDER = click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 _JOBS = click.option("--jobs", type=click.IntRange(1, 1000), default=1, show_default=True, help="Cases at a time.")
 _FILE = click.Path(path_type=Path)
+_PLOT = click.option("--plot", "plot_file", metavar="FILE", type=_FILE, help="Write the confusion matrix as a picture.")
 
 
 @click.group(name="hsr-blind", epilog=_EPILOG, context_settings={"max_content_width": 100})
@@ -67,7 +72,7 @@ def run_command(folder: Path, jobs: int, seed: int, verdicts: Path | None) -> No
 @click.option("--oracle", is_flag=True, help="Fit the true laws too, to know how far the gap could shrink (kept in DIR/oracle).")
 @_JOBS
 @click.option("--json", "json_file", metavar="FILE", type=_FILE, help="Write the score for programs.")
-@click.option("--plot", "plot_file", metavar="FILE", type=_FILE, help="Write the confusion matrix as a picture.")
+@_PLOT
 def score_command(folder: Path, answers: Path | None, verdicts: Path | None, jobs: int, **options: Any) -> None:
     """Open the answers, and say how often the diagnosis was right."""
     from hsr_pin.blind.answers import unseal
@@ -75,26 +80,48 @@ def score_command(folder: Path, answers: Path | None, verdicts: Path | None, job
     from hsr_pin.blind.make import default_answers
     from hsr_pin.blind.oracle import consult, read_oracle
     from hsr_pin.blind.scoring import score
-    from hsr_pin.cli.blind_report import report
     from hsr_pin.output import check_writable, write_text
 
-    files = [file for file in (options["json_file"], options["plot_file"]) if file]
-    for file in files:
+    for file in filter(None, (options["json_file"], options["plot_file"])):
         check_writable(file)
     truth = unseal(folder, answers or default_answers(folder.resolve()))
     if options["oracle"]:
         with counted("oracle", sum(answer.kind in ("single", "pair") for answer in truth)) as advance:
             consult(folder, folder / "oracle", truth, jobs=jobs, advance=advance)
     found = score(truth, read_verdicts(verdicts or folder / "verdicts"), read_oracle(folder / "oracle"))
-    click.echo(report(found))
     if options["json_file"]:
         write_text(options["json_file"], json.dumps(found.document(), indent=1, allow_nan=False) + "\n")
-    if options["plot_file"]:
+    _tell(found, options["plot_file"])
+    if options["json_file"]:
+        click.echo(f"wrote {options['json_file']}")
+
+
+@command.command(name="show")
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@_PLOT
+def show_command(file: Path, plot_file: Path | None) -> None:
+    """Print a score that was written with --json."""
+    from hsr_pin.blind.scoring import scored
+    from hsr_pin.output import check_writable
+
+    if plot_file:
+        check_writable(plot_file)
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError("score", expected="a file that hsr-blind score --json wrote", received=error, file=file) from error
+    _tell(scored(document), plot_file)
+
+
+def _tell(found: Score, plot_file: Path | None) -> None:
+    from hsr_pin.cli.blind_report import report
+
+    click.echo(report(found))
+    if plot_file:
         from hsr_pin.blind.picture import draw
 
-        draw(found, options["plot_file"])
-    for file in files:
-        click.echo(f"wrote {file}")
+        draw(found, plot_file)
+        click.echo(f"wrote {plot_file}")
 
 
 def main() -> None:

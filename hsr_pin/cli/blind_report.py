@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from textwrap import wrap
 
-from hsr_pin.blind.scoring import Outcome, Score
-
-#: What else is said of a miss.
-_FACTS = ("program", "mount", "plant")
+from hsr_pin.blind.scoring import FACTS, Outcome, Score
 
 
 def report(score: Score) -> str:
@@ -49,6 +46,6 @@ def _misses(score: Score) -> str:
 def _miss(outcome: Outcome) -> str:
     answer = outcome.answer
     truth = " + ".join(answer.effects) or "nothing"
-    about = ", ".join(filter(None, (answer.kind, answer.size, *(str(answer.facts.get(key, "")) for key in _FACTS))))
+    about = ", ".join(filter(None, (answer.kind, answer.size, *(str(answer.facts.get(key, "")) for key in FACTS))))
     wrong = "WRONG NAME, " * outcome.wrong_name
     return f"{answer.name}  {truth} ({about})\n    {wrong}{outcome.status}: {outcome.sentence}"

@@ -43,12 +43,15 @@ def test_a_small_sealed_run_is_made_diagnosed_and_scored(tmp_path, monkeypatch, 
     assert score["cases"] == 2 and score["missing"] == []
     assert not any(outcome["status"] == "error" for outcome in score["outcomes"])
     for outcome in score["outcomes"]:
-        ladder = json.loads((tmp_path / "check" / "verdicts" / f"{outcome['case']}.json").read_text())["ladder"]
+        ladder = json.loads((tmp_path / "check" / "verdicts" / f"{outcome['name']}.json").read_text())["ladder"]
         rms = {rung["rung"]: rung["heldout_rms_mm"] for rung in ladder if not rung["rung"].startswith("noise floor")}
         assert outcome["shrinkage"] == pytest.approx(1 - list(rms.values())[-1] / rms["stiffness and damping"])
     assert (tmp_path / "check" / "score.png").stat().st_size > 10_000
     printed = capsys.readouterr().out
     assert "2 cases diagnosed" in printed and "wrong names, all cases" in printed
+    assert run(command, ["show", str(tmp_path / "check" / "score.json")]) == 0
+    again = capsys.readouterr().out
+    assert again.splitlines() == [line for line in printed.splitlines() if not line.startswith("wrote ")]
 
 
 @pytest.mark.long
@@ -117,6 +120,7 @@ def test_tampered_answers_are_refused_in_one_line(tmp_path, capsys):
         (["make", "--seed", "1", "--cases", "0", "-o", "check"], "--cases"),
         (["make", "--seed", "1", "-o", "check", "--answers", "check/in.json"], "outside"),
         (["guess"], "guess"),
+        (["show", "nowhere.json"], "nowhere.json"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_two(arguments, message, tmp_path, monkeypatch, capsys):
