@@ -1,44 +1,20 @@
 """Follow a tip reference by computed torque: inverse dynamics of where the arm is, at the acceleration that mends the error.
 
-The arm has a dry friction that the controller does not know. Joint angles and rates are measured with noise; the regulators give
-pressures on the line of constant stiffness, at a limited rate.
+The arm has a dry friction that the controller does not know.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-from picture import Run, options, report
+from loop import ARM, REGULATORS, TIPS, follow
+from picture import options, report
 
-from hsr_pin import ArmSpecification
-from hsr_pin.control.controllers import ComputedTorque, Controller, OpenLoop
+from hsr_pin.control.controllers import ComputedTorque, OpenLoop
 from hsr_pin.control.dynamics import ArmDynamics
-from hsr_pin.control.reference import Reference, reference_through_tips
-from hsr_pin.control.regulators import Regulators
-from hsr_pin.control.stepping import ArmSimulator
-from hsr_pin.effects import parse_effect
+from hsr_pin.control.reference import reference_through_tips
 
-ARM = ArmSpecification(links=4, keq=1.11)
-UNKNOWN = parse_effect("dry_friction:level=0.08")
-REGULATORS = Regulators(ARM.keq, rate=20.0)  # [bar/s]
-TIPS = [(0.0, -0.24), (0.13, -0.20), (-0.09, -0.22), (0.06, -0.23)]  # x, z [m]
-ANGLE_NOISE, RATE_NOISE = 2e-3, 2e-2  # [rad], [rad/s]
-
-
-def follow(reference: Reference, controller: Controller) -> Run:
-    """Close the loop: measure, decide, set the pressures, step."""
-    noise = np.random.default_rng(0)
-    plant, command = ArmSimulator(ARM, [UNKNOWN]), None
-    run = Run([plant.observe()[-1]])
-    for k in range(len(reference.time) - 1):
-        q = plant.state.angles + noise.normal(0, ANGLE_NOISE, ARM.links)
-        v = plant.state.rates + noise.normal(0, RATE_NOISE, ARM.links)
-        command = REGULATORS.command(controller.torque(k, q, v), reference.step, command)
-        plant.step(pressures=command.pressures, dt=reference.step)
-        run.tip.append(plant.observe()[-1])
-        run.torque.append(command.torque)
-    return run
+UNKNOWN = "dry_friction:level=0.08"
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
@@ -47,8 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
     model = ArmDynamics(ARM)
     reference = reference_through_tips(model, TIPS[:2] if chosen.quick else TIPS, REGULATORS.torque_range)
     runs = {
-        "open loop": follow(reference, OpenLoop(reference)),
-        "closed loop": follow(reference, ComputedTorque(model, reference, frequency=80.0)),
+        "open loop": follow(reference, OpenLoop(reference), UNKNOWN),
+        "closed loop": follow(reference, ComputedTorque(model, reference, frequency=80.0), UNKNOWN),
     }
     return report("Computed torque, with an unknown dry friction", reference, runs, chosen.plot)
 

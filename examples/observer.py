@@ -9,21 +9,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from loop import ARM, REGULATORS, TIPS
 from picture import Run, options, report
 
-from hsr_pin import ArmSpecification
 from hsr_pin.control.controllers import LQR, Controller, OpenLoop, lqr_gain
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.control.observer import Observer
 from hsr_pin.control.reference import Reference, reference_through_tips
-from hsr_pin.control.regulators import Regulators
 from hsr_pin.control.stepping import ArmSimulator
 from hsr_pin.effects import parse_effect
 
-ARM = ArmSpecification(links=4, keq=1.11)
 UNKNOWN = parse_effect("torque_bias:bias=0.15")
-REGULATORS = Regulators(ARM.keq, rate=20.0)  # [bar/s]
-TIPS = [(0.0, -0.24), (0.13, -0.20), (-0.09, -0.22), (0.06, -0.23)]  # x, z [m]
 MARKER_NOISE = 5e-4  # [m] of each coordinate
 
 

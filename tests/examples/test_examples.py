@@ -21,4 +21,4 @@ def test_the_loop_pays(name, monkeypatch, tmp_path, capsys):
 
 
 def test_every_example_is_tested():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "picture"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "loop", "picture"}
