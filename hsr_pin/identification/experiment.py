@@ -16,6 +16,9 @@ from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
 BASE = 0.02
 #: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
 _STILL = (10.0, 0.002)
+#: The backbone does not stretch: a marker farther from the base than this times its arc length plus this [m] is no marker of this
+#: arm. A trial with more than this share of such positions is none of this arm's.
+_REACH, _OFF, _FEW = 1.1, 0.05, 0.01
 #: No recording is less noisy than this [m].
 _QUIETEST = 1e-6
 
@@ -144,7 +147,12 @@ def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | s
         first = start.sample
     if len(trajectory.time) - first < 5:
         return f"only {len(trajectory.time) - first} samples follow its start"
-    if np.isfinite(trajectory.positions[first:, moving]).all(axis=2).sum() < 10:
+    measured = trajectory.positions[first:, moving]
+    beyond = np.linalg.norm(measured, axis=2) > _REACH * np.array([trajectory.markers[i].arc_length for i in moving]) + _OFF
+    if beyond.mean() > _FEW:
+        return f"{100 * beyond.mean():.0f} % of its positions are farther from the base than the arm reaches"
+    measured = np.where(beyond[..., None], np.nan, measured)
+    if np.isfinite(measured).all(axis=2).sum() < 10:
         return "fewer than 10 positions were seen"
     if trajectory.torque is not None:
         torque = trajectory.torque
@@ -156,7 +164,7 @@ def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | s
         trial=trial,
         time=_held(trajectory.time[first:]),
         torque=_held(torque[first:]),
-        measured=_held(trajectory.positions[first:, moving]),
+        measured=_held(measured),
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
         start_velocity=None if start is None else _held(start.velocity[moving]),

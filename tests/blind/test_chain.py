@@ -11,7 +11,10 @@ pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group 
 
 from hsr_pin.blind.plants.arm import Arm
 from hsr_pin.blind.plants.chain import Chain, ChainPlant
+from hsr_pin.blind.plants.laws.law import Joints
+from hsr_pin.blind.plants.march import March
 from hsr_pin.blind.plants.program import Trial, program
+from hsr_pin.errors import SimulationFailure
 
 KEQ, C = 1.11, 0.05
 WEIGHTLESS = Arm(g=0.0)
@@ -128,3 +131,15 @@ def test_the_default_step_is_converged(keq):
 def test_the_default_number_of_elements_is_converged():
     trial = program().trials[2]
     assert tip_rms(ChainPlant().simulate(trial), ChainPlant(elements=64).simulate(trial)) < 0.05
+
+
+def test_a_plant_that_grows_longer_has_diverged():
+    class Stretched(Chain):
+        def nodes(self):
+            return super().nodes()._replace(position=1.1 * super().nodes().position)
+
+    arm, s = Arm(), (np.arange(6) + 0.5) / 6
+    trial = constant(0.0, 0.2)
+    engine = Stretched(arm, np.full(6, KEQ), np.full(6, C), 1e-3)
+    with pytest.raises(SimulationFailure, match="diverged"):
+        March(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3).run(np.linspace(0.0, arm.length, 7))
