@@ -54,7 +54,7 @@ def test_a_trial_in_which_nothing_was_seen_is_left_out(heavy_tip):
 def test_a_marker_that_cannot_be_on_the_arm_is_refused_by_name(heavy_tip, arc_length):
     wrong = tuple(Marker("stray", arc_length) if m.arc_length == 0.24 else m for m in heavy_tip.markers)
     trials = tuple(replace(t, trajectory=replace(t.trajectory, markers=wrong)) for t in heavy_tip.trials)
-    with pytest.raises(IdentificationError, match="stray.*0.24 m"):
+    with pytest.raises(IdentificationError, match=r"stray.*0\.24 m"):
         prepare(replace(heavy_tip, trials=trials))
 
 
