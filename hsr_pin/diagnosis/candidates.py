@@ -31,7 +31,7 @@ _GRID = 3
 _ENOUGH = 8
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: without the effect, the damping stood in
 #: for it, and a fit may stay in that valley.
-_VALLEYS = ((1.0, 1.0), (0.5, 2.0))
+_VALLEYS = ((1.0, 1.0), (0.5, 2.0), (0.2, 6.0))
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
 #: Links for the full fit of a local defect: a coarser chain hardly tells where within an element it is, and its fit gets stuck.
@@ -93,7 +93,7 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
     predictions = predict(experiment, hypothesis, [(run, start) for start in starts for run in experiment.runs])
     residual, slopes = stacked(base)
     count = len(experiment.runs)
-    answers: dict[object, tuple[float, Array]] = {}  # the best for each set of shape parameters
+    answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
     for k, start in enumerate(starts):
         own = predictions[k * count : (k + 1) * count]
         if any(p.failed for p in own):
@@ -102,8 +102,16 @@ def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Pred
         answer = _linear_guess(base, hypothesis, start, residual, slopes, np.concatenate(change))
         shape = tuple(getattr(probes[k], fact.name) for fact in effect.parameters() if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
-    best = sorted(answers.values(), key=lambda answer: -answer[0])[:_STARTS]
+    best = _distinct(answers)[:_STARTS]
     return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
+
+
+def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:
+    """The best first; of those that share their first shape parameter (where a local defect is), only the best."""
+    found: dict[tuple[float, ...], tuple[float, Array]] = {}
+    for shape, answer in sorted(answers.items(), key=lambda each: -each[1][0]):
+        found.setdefault(shape[:1], answer)
+    return list(found.values())
 
 
 def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...]:

@@ -40,13 +40,18 @@ class Thresholds:
         noise: [m] RMS distance that noise alone leaves.
         worth: [m] an effect is worth having if it takes this much RMS distance away (square root of the drop of the mean square).
         closed: [m] an RMS distance beyond noise that is too small to ask about.
-        explained: largest share of the squared gap that may be left when effects are said to explain it.
+        explained: largest share of the squared gap that may be left when effects are said to explain it ...
+        corner: ... and the largest RMS distance, over the one that is too small to ask about.
+        substantial: share of the squared gap that an effect must take away where the gap is not closed with it: less may be what
+            is wrong with another effect's law.
     """
 
     noise: float
     worth: float
     closed: float
     explained: float = 0.03
+    corner: float = 5.0
+    substantial: float = 0.10
 
     @classmethod
     def of(cls, noise: float, length: float) -> Thresholds:
@@ -93,6 +98,12 @@ def mean_square(candidate: Candidate) -> float:
 def left(candidate: Candidate) -> float:
     """[m^2] mean square on held-out trials that is not noise."""
     return structure(candidate.heldout)
+
+
+def explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
+    """Whether a model leaves next to nothing: of noise, or of a large gap."""
+    rest, closed = left(candidate), thresholds.closed**2
+    return rest <= closed or (rest <= thresholds.explained * left(base) and rest <= thresholds.corner**2 * closed)
 
 
 def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, seed: int) -> bool:
@@ -183,16 +194,28 @@ def _extend(
 def _pruned(
     best: Candidate, start: Candidate, tried: dict[Key, Candidate], thresholds: Thresholds, workers: Workers, seed: int
 ) -> Candidate:
-    """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them."""
+    """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
+
+    Nor is one that takes little away and does not close the gap: it mends what is wrong with another's law.
+    """
     while len(best.names) > 1:
         smaller = [_without(best.fit, effect) for effect in best.fit.hypothesis.effects]
         new = workers.finish([(start.fit, fit) for fit in smaller if _key(fit) not in tried])
         tried |= {key(candidate): candidate for candidate in new}
-        spare = [tried[_key(fit)] for fit in smaller if not worth_having(tried[_key(fit)], best, thresholds, seed)]
+        spare = [
+            fewer
+            for fewer in (tried[_key(fit)] for fit in smaller)
+            if not worth_having(fewer, best, thresholds, seed) or _patches(best, fewer, start, thresholds)
+        ]
         if not spare:
             break
         best = min(spare, key=mean_square)
     return best
+
+
+def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:
+    little = left(fewer) - left(best) < thresholds.substantial * left(start)
+    return little and left(best) > thresholds.closed**2
 
 
 def _without(fit: Fit, effect: Effect) -> Fit:

@@ -10,7 +10,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import Search, Thresholds, left, mean_square
+from hsr_pin.diagnosis.search import Search, Thresholds, explains, left, mean_square
 from hsr_pin.identification.uncertainty import uncertainty
 
 #: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
@@ -116,8 +116,7 @@ def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds,
 
 def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
     """Whether a set of effects closes the gap, with every effect's amplitude clearly away from neutral."""
-    rest = left(candidate)
-    if sqrt(rest) > thresholds.closed and rest > thresholds.explained * left(base):
+    if not explains(candidate, base, thresholds):
         return False
     sure, facts = uncertainty(candidate.fit), candidate.fit.hypothesis.parameters
     for effect in candidate.fit.hypothesis.effects:

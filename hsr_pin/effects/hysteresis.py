@@ -16,7 +16,7 @@ from hsr_pin.trajectory import Array
 class Hysteresis(Effect):
     """m = amplitude Keq z, dz = (1 - z sign(dangle)) dangle / yield_angle.
 
-    Bouc-Wen with n = 1 and beta = gamma, which is Dahl's law. Along a path without reversal z is exponential in the angle:
+    Bouc-Wen with n = 1, beta = 1 and gamma = 0, which is Dahl's law. Along a path without reversal z is exponential in the angle:
     the update is exact, and does not depend on the rate.
     """
 

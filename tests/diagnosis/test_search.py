@@ -59,7 +59,7 @@ def test_a_loss_is_not_worth_having():
 @pytest.mark.parametrize("most", [0, 1, 2, 3])
 def test_there_are_never_more_effects_than_allowed(most):
     four = ("tip_mass", "actuator_lag", "torque_bias", "stiffening")
-    gaps = {"+".join(four[:count]): GAP * 0.6**count for count in range(5)}
+    gaps = {"+".join(four[:count]): GAP * max(0.0, 1 - 0.27 * count) ** 0.5 for count in range(5)}
     workers = FakeWorkers(gaps)
     found = searched(workers, max_effects=most)
     assert max(len(each) for each in names(found.tried)) == most
@@ -123,6 +123,18 @@ def test_an_effect_that_two_later_ones_make_needless_is_dropped():
     found = searched(workers)
     assert ("dry_friction", "hysteresis", "viscoelastic") in names(found.tried)
     assert found.best.names == ("dry_friction", "viscoelastic")
+
+
+@pytest.mark.parametrize(
+    ("rest", "effects"),
+    [
+        (0.15 * GAP, ("hysteresis",)),  # a third of the distance gone, the gap still open: a patch on the first law
+        (0.9 * THRESHOLDS.closed, ("gravity_tilt", "hysteresis")),  # as little, but the gap is closed
+    ],
+)
+def test_a_small_share_that_does_not_close_the_gap_is_no_effect_of_its_own(rest, effects):
+    found = searched(FakeWorkers({"": GAP, "hysteresis": 0.22 * GAP, "hysteresis+gravity_tilt": rest}))
+    assert found.best.names == effects
 
 
 def test_held_out_trials_decide_not_the_fit():

@@ -125,6 +125,11 @@ def test_an_effect_that_does_better_than_stiffness_at_each_level_is_identified()
     assert verdict(candidate("tip_mass"), by_level=candidate(gap=1e-3)).status == "identified"
 
 
+def test_a_large_gap_is_not_explained_where_far_more_than_noise_is_left():
+    assert verdict(candidate("tip_mass", gap=4.9 * THRESHOLDS.closed), base=candidate(gap=16e-3)).status == "identified"
+    assert verdict(candidate("tip_mass", gap=5.5 * THRESHOLDS.closed), base=candidate(gap=16e-3)).status == "unexplained"
+
+
 def test_shares_and_rests_in_the_sentence_are_those_of_the_models():
     found = verdict(candidate("tip_mass", gap=0.5e-3))
     assert f"{100 * (1 - 1 / 64):.0f} %" in found.sentence
