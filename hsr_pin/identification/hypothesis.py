@@ -14,6 +14,7 @@ from hsr_pin.identification.release import state_from_markers
 from hsr_pin.parameters import Parameter
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification, Placement
+from hsr_pin.simulation.columns import along
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled
 from hsr_pin.trajectory import Array
 
@@ -119,10 +120,12 @@ class Hypothesis:
         if run.lead > 0:  # one sample more, so that the measured ones lie between simulated ones
             time = run.time[0] + run.step * (np.arange(len(run.time) + 1) - run.lead)
             torque = np.append(run.torque[:1], run.torque)
+        effects = self.effects_at(values)
         start: Settled | Pose = Settled(float(run.torque[0]), _resting_angles(experiment, run, self.links, self.placement))
         if run.start_pose is not None:
-            start = Pose(*_start_state(experiment, run, self.links, self.placement))
-        return Scenario(arm, time, torque, start, self.effects_at(values), experiment.markers)
+            stiffness = tuple(along(effects, "stiffness", self.links)[:, 0].round(4).tolist())
+            start = Pose(*_start_state(experiment, run, self.links, self.placement, stiffness))
+        return Scenario(arm, time, torque, start, effects, experiment.markers)
 
     def counterpart(self, name: str, experiment: Experiment, run: Run) -> tuple[str, float] | None:
         """The scenario's parameter that an open one moves in a run, and by how much per unit; None: it does not act there."""
@@ -160,11 +163,13 @@ def _resting_angles(experiment: Experiment, run: Run, links: int, placement: Pla
     return state_from_markers(arm, reach, pose, np.zeros_like(pose), float(experiment.noise.max()))[0]
 
 
-@lru_cache(maxsize=256)
-def _start_state(experiment: Experiment, run: Run, links: int, placement: Placement) -> tuple[Array, Array]:
-    """(N,) [rad], [rad/s] the state a run starts from: it depends on the run and the chain, not on what is fitted."""
+@lru_cache(maxsize=1024)
+def _start_state(
+    experiment: Experiment, run: Run, links: int, placement: Placement, stiffness: tuple[float, ...]
+) -> tuple[Array, Array]:
+    """(N,) [rad], [rad/s] the state a run starts from: of what is fitted, only how stiffness varies along the arm matters."""
     assert run.start_pose is not None
     arm = build_model(ArmSpecification.from_trial(experiment.dataset, run.trial, links=links, placement=placement))
     reach = np.array([marker.arc_length for marker in experiment.markers])
     velocity = np.zeros_like(run.start_pose) if run.start_velocity is None else run.start_velocity
-    return state_from_markers(arm, reach, run.start_pose, velocity, float(experiment.noise.max()))
+    return state_from_markers(arm, reach, run.start_pose, velocity, float(experiment.noise.max()), np.array(stiffness))

@@ -110,12 +110,12 @@ def _release_time(trajectory: Trajectory, first: int, held: Array, noise: float)
 
 
 def state_from_markers(
-    arm: ArmModel, arc_lengths: Array, positions: Array, velocities: Array, noise: float
+    arm: ArmModel, arc_lengths: Array, positions: Array, velocities: Array, noise: float, stiffness: Array | None = None
 ) -> tuple[Array, Array]:
-    """Joint angles and rates (N,) [rad], [rad/s] of the smoothest bent arm whose markers are and move as they were seen to.
+    """Joint angles and rates (N,) [rad], [rad/s] of the most smoothly held arm whose markers are and move as they were seen to.
 
-    Curvature along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones
-    keeps noise out of them.
+    The moment along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones
+    keeps noise out of them. Curvature is moment over stiffness.
 
     Args:
         arm: the chain.
@@ -123,6 +123,7 @@ def state_from_markers(
         positions: (M, 3) [m]; NaN where not seen.
         velocities: (M, 3) [m/s].
         noise: of a coordinate [m].
+        stiffness: (N,) of the joints, relative to a uniform arm; default: uniform.
     """
     links = arm.specification.links
     seen = np.isfinite(positions).all(axis=1) & (arc_lengths > 0.02 * arm.specification.length)
@@ -130,7 +131,8 @@ def state_from_markers(
     if modes == 0:
         return np.zeros(links), np.zeros(links)
     s = 2 * arm.specification.element_arc_lengths - 1
-    shapes = np.polynomial.legendre.legvander(s, modes - 1) / links
+    softness = np.ones(links) if stiffness is None else 1 / stiffness
+    shapes = np.polynomial.legendre.legvander(s, modes - 1) * softness[:, None] / links
     sure, places = max(noise, _SURE), marker_map(arm, arc_lengths[seen])
 
     def residual(curvature: Array) -> Array:

@@ -31,7 +31,7 @@ def walked(effect, path, step=0.01):
     for start, end in zip([0.0, *path[:-1]], path, strict=True):
         state = effect.update(state, np.full((1, 1), start), np.full((1, 1), end), step)
         moments.append(moment(effect, end, state=state).item())
-    return state.item(), np.array(moments)
+    return state.flat[0], np.array(moments)
 
 
 def delivered(effect, torque, step=0.01, initial=0.0):
@@ -120,6 +120,15 @@ def test_hysteresis_saturates_exponentially_in_the_angle():
     assert m[0] == pytest.approx(0.4 * (1 - math.exp(-0.5)))
     z, _ = walked(EFFECTS["hysteresis"](0.4, 0.2), [5.0, 4.9])
     assert z == pytest.approx(-1 + 2 * math.exp(-0.5))
+
+
+def test_sliders_close_every_inner_loop_where_it_began_and_saturate_at_the_amplitude():
+    law = EFFECTS["hysteresis"](0.4, 0.2, form="maxwell_slip")
+    _, m = walked(law, [0.15, 0.05, 0.1, 0.05, 0.15, 5.0])
+    assert m[1] == pytest.approx(m[3]) and m[0] == pytest.approx(m[4]) and m[2] != pytest.approx(m[1])
+    assert m[5] == pytest.approx(0.4)
+    _, m = walked(law, [0.02])
+    assert m[0] == pytest.approx(0.4 * 0.02 / 0.2)  # none slips yet
 
 
 @pytest.mark.parametrize("name", ["dry_friction", "hysteresis"])

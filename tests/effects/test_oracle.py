@@ -30,6 +30,7 @@ EXAMPLES = [
         "backlash:gap=0.3",
         "dry_friction:level=0.08",
         "hysteresis:amplitude=0.15,yield_angle=0.2",
+        "hysteresis:amplitude=0.15,yield_angle=0.2,form=maxwell_slip",
         "viscoelastic:ratio=0.6,time_constant=0.3",
         "quadratic_damping:coefficient=0.008",
         "damping_gradient:slope=1.2",
