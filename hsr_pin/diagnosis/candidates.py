@@ -29,8 +29,8 @@ _STARTS = 2
 _GRID = 3
 #: Probes and quick fits look at this many runs at most, spread over the recordings.
 _ENOUGH = 8
-#: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its amplitude;
-#: without it, the damping stood in for it, and a fit may stay in that valley.
+#: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
+#: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
