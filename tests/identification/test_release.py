@@ -79,6 +79,17 @@ def test_what_happens_after_its_start_does_not_change_where_a_release_starts_fro
     assert (first.sample, first.lead) == (second.sample, second.lead)
 
 
+def test_an_arm_held_by_a_couple_bends_most_where_it_is_soft():
+    arm = build_model(ArmSpecification(links=12, placement="mid"))
+    stiffness = np.where(np.arange(12) == 5, 0.3, 1.0)
+    held = 0.8 / 12 / stiffness
+    seen = marker_map(arm, REACH).positions(held)
+    q, _ = state_from_markers(arm, REACH, seen, np.zeros((3, 3)), 1e-4, stiffness)
+    assert q == pytest.approx(held, abs=0.02 * held.max())
+    uniform, _ = state_from_markers(arm, REACH, seen, np.zeros((3, 3)), 1e-4)
+    assert np.abs(uniform - held).max() > 0.3 * held.max()
+
+
 def test_a_release_is_followed_from_a_delay_on_with_the_velocity_it_has_there(record):
     dataset = record([(1.11, None)], seconds=0.8, noise=1e-5)
     (run,) = prepare(dataset, delay=0.05).runs
