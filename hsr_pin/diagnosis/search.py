@@ -12,6 +12,7 @@ from hsr_pin.diagnosis.evidence import certainly_better, squares, structure
 from hsr_pin.effects.effect import Effect
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.uncertainty import uncertainty
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
 GLANCES = 12
@@ -25,6 +26,9 @@ BEAM, BEAM_GLANCES = 3, 5
 
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
+#: An effect is named only if its amplitude is at least so many standard errors away from neutral. Fits are sure of a law that is
+#: in the recordings; one that is stretched over another's traces rests on a few samples.
+SURE = 8.0
 #: Where two effects leave a larger share of the squared gap than this, no third is looked for.
 HOPELESS = 0.5
 
@@ -104,6 +108,18 @@ def explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> b
     """Whether a model leaves next to nothing: of noise, or of a large gap."""
     rest, closed = left(candidate), thresholds.closed**2
     return rest <= closed or (rest <= thresholds.explained * left(base) and rest <= thresholds.corner**2 * closed)
+
+
+def doubtful(candidate: Candidate, least: float = SURE) -> tuple[str, ...]:
+    """Effects of a fitted model whose amplitudes are all less than so many standard errors away from neutral."""
+    fit = candidate.fit
+    facts, errors = fit.hypothesis.parameters, uncertainty(fit).standard_error
+    clear = {
+        fact.name.split(".")[0]
+        for fact, value, error in zip(facts, fit.values, errors, strict=True)
+        if fact.amplitude and abs(value - fact.neutral) >= least * error
+    }
+    return tuple(name for name in candidate.names if name not in clear)
 
 
 def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, seed: int) -> bool:
@@ -196,16 +212,19 @@ def _pruned(
 ) -> Candidate:
     """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
 
-    Nor is one that takes little away and does not close the gap: it mends what is wrong with another's law.
+    Nor is one of doubtful size, nor one that takes little away and does not close the gap: it mends what is wrong with another.
     """
     while len(best.names) > 1:
         smaller = [_without(best.fit, effect) for effect in best.fit.hypothesis.effects]
         new = workers.finish([(start.fit, fit) for fit in smaller if _key(fit) not in tried])
         tried |= {key(candidate): candidate for candidate in new}
+        unsure = doubtful(best)
         spare = [
             fewer
             for fewer in (tried[_key(fit)] for fit in smaller)
-            if not worth_having(fewer, best, thresholds, seed) or _patches(best, fewer, start, thresholds)
+            if not set(unsure) <= set(fewer.names)
+            or not worth_having(fewer, best, thresholds, seed)
+            or _patches(best, fewer, start, thresholds)
         ]
         if not spare:
             break

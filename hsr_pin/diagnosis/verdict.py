@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
-import numpy as np
-
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import Search, Thresholds, explains, left, mean_square
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.diagnosis.search import Search, Thresholds, doubtful, explains, left, mean_square
 
 #: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
 FACTOR = 0.5
@@ -19,6 +16,8 @@ FACTOR = 0.5
 MARGIN = 0.05
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
+#: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
+AWAY = 1.96
 
 STATUSES = ("identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient")
 
@@ -60,7 +59,8 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int,
     if gap <= closed or (best is base and gap <= STRUCTURE * closed):
         return Verdict("parameters", (), (), _parameters(base, sqrt(nominal_left), gap))
     levels = by_level if by_level is not None and sqrt(left(by_level)) <= closed else None
-    if levels is not None and (not _explains(best, base, thresholds) or clearly_worse(best, levels, thresholds, seed)):
+    named = _explains(best, base, thresholds) and not doubtful(best)
+    if levels is not None and (not named or clearly_worse(best, levels, thresholds, seed)):
         return Verdict("parameters", (), (), _parameters(levels, sqrt(nominal_left), sqrt(left(levels))))
     if best is base:
         return Verdict(
@@ -74,6 +74,14 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int,
             (),
             f"Of the gap of {_mm(gap)} beyond noise, {_mm(rest)} is left with the best that the catalogue offers ({helps}): "
             "something else is at work.",
+        )
+    if not named:
+        return Verdict(
+            "unexplained",
+            (),
+            (),
+            f"With {_listed(best.names)}, {_mm(rest)} of the gap of {_mm(gap)} beyond noise is left, but these recordings hardly "
+            f"tell how large {_listed(doubtful(best))} would be: another law may be at work.",
         )
     sets = [best.names, *rivals(best, base, found.tried, thresholds, seed)]
     if levels is not None and not clearly_worse(levels, best, thresholds, seed):
@@ -115,19 +123,8 @@ def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds,
 
 
 def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
-    """Whether a set of effects closes the gap, with every effect's amplitude clearly away from neutral."""
-    if not explains(candidate, base, thresholds):
-        return False
-    sure, facts = uncertainty(candidate.fit), candidate.fit.hypothesis.parameters
-    for effect in candidate.fit.hypothesis.effects:
-        amplitudes = [i for i, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{effect.name}.")]
-        if not any(_excludes(sure.interval[i], facts[i].neutral) for i in amplitudes):
-            return False
-    return True
-
-
-def _excludes(interval: np.ndarray, neutral: float) -> bool:
-    return not interval[0] <= neutral <= interval[1]
+    """Whether a set of effects closes the gap, with an amplitude of every effect away from neutral."""
+    return explains(candidate, base, thresholds) and not doubtful(candidate, AWAY)
 
 
 def _parameters(base: Candidate, before: float, after: float) -> str:

@@ -27,8 +27,11 @@ def heldout(*gaps):
     return tuple(noise + np.array([size, 0.0, 0.0]) for noise, size in zip(_noise, sizes, strict=True))
 
 
-def fitted(effects, gap=0.0, unsure=()):
-    """A fit of a model with effects (names, or effects with options); the amplitudes of the ``unsure`` are hardly seen in it."""
+def fitted(effects, gap=0.0, errors=None):
+    """A fit of a model with effects (names, or effects with options).
+
+    ``errors``: name -> about how many standard errors its amplitude is away from neutral; default: a thousand.
+    """
     laws = [neutral(EFFECTS[effect]) if isinstance(effect, str) else effect for effect in effects]
     laws = [with_values(law, **{p.name: p.neutral + p.scale for p in law.parameters() if p.amplitude}) for law in laws]
     hypothesis = Hypothesis().with_effects(*laws)
@@ -36,18 +39,17 @@ def fitted(effects, gap=0.0, unsure=()):
     slopes = np.random.default_rng(1).standard_normal((TRIALS, SAMPLES, 1, 3, len(facts))) * 1e-2
     slopes /= [fact.scale for fact in facts]
     for place, fact in enumerate(facts):
-        if fact.name.split(".")[0] in unsure:
-            slopes[..., place] *= 1e-3
+        slopes[..., place] *= (errors or {}).get(fact.name.split(".")[0], 1e3) / 1e3
     residuals = heldout(gap)
     weights = tuple(np.full(part.shape, 1 / NOISE) for part in residuals)
     defects = tuple(np.zeros_like(part) for part in residuals)
     return Fit(hypothesis, hypothesis.start, residuals, tuple(slopes), weights, defects, True, 1)
 
 
-def candidate(*effects, gap=0.0, unsure=()):
+def candidate(*effects, gap=0.0, errors=None):
     """A fitted model that leaves this distance [m] (one for all trials, or one for each) on held-out trials."""
     gaps = gap if isinstance(gap, tuple) else (gap,)
-    return Candidate(fitted(effects, float(np.sqrt(np.mean(np.square(gaps)))), unsure), heldout(*gaps))
+    return Candidate(fitted(effects, float(np.sqrt(np.mean(np.square(gaps)))), errors), heldout(*gaps))
 
 
 @dataclass
@@ -58,11 +60,13 @@ class FakeWorkers:
         gaps: what is left [m] with each set of effects (names joined by "+"), in all trials or in each; a set that is not in the
             table leaves what its largest subset leaves.
         quick: what quick fits leave, in the same form; default: the same.
+        errors: name -> standard errors that its amplitude is away from neutral, in every fit.
         finished: keys of the models that were fitted, in the order in which they were asked for.
     """
 
     gaps: dict
     quick: dict | None = None
+    errors: dict | None = None
     finished: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -93,7 +97,7 @@ class FakeWorkers:
         ]
 
     def _fit(self, hypothesis, quick=False):
-        return fitted(hypothesis.effects, float(np.sqrt(np.mean(np.square(self.gap(hypothesis.effects, quick))))))
+        return fitted(hypothesis.effects, float(np.sqrt(np.mean(np.square(self.gap(hypothesis.effects, quick))))), self.errors)
 
 
 def _by_names(table):

@@ -137,6 +137,12 @@ def test_a_small_share_that_does_not_close_the_gap_is_no_effect_of_its_own(rest,
     assert found.best.names == effects
 
 
+@pytest.mark.parametrize(("errors", "effects"), [(5, ("hysteresis",)), (12, ("gravity_tilt", "hysteresis"))])
+def test_a_second_effect_whose_amplitude_is_hardly_pinned_down_is_dropped(errors, effects):
+    gaps = {"": GAP, "hysteresis": 0.22 * GAP, "hysteresis+gravity_tilt": 0.0}
+    assert searched(FakeWorkers(gaps, errors={"gravity_tilt": errors})).best.names == effects
+
+
 def test_held_out_trials_decide_not_the_fit():
     workers = FakeWorkers({"": GAP, "soft_spot": 1e-3, "tip_mass": 0.0}, quick={"": GAP, "soft_spot": 0.0, "tip_mass": 1e-3})
     found = searched(workers)

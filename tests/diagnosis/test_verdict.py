@@ -55,8 +55,20 @@ def test_effects_that_close_the_gap_are_identified(effects):
 
 
 def test_an_effect_whose_amplitude_may_be_zero_is_not_identified():
-    assert verdict(candidate("tip_mass", unsure=("tip_mass",))).status == "unexplained"
-    assert verdict(candidate("stiffening", "tip_mass", unsure=("tip_mass",))).status == "unexplained"
+    assert verdict(candidate("tip_mass", errors={"tip_mass": 1})).status == "unexplained"
+    assert verdict(candidate("stiffening", "tip_mass", errors={"tip_mass": 1})).status == "unexplained"
+
+
+def test_an_effect_that_closes_the_gap_with_an_amplitude_hardly_pinned_down_is_not_identified():
+    found = verdict(candidate("stiffening", "bending_stop", errors={"bending_stop": 5}))
+    assert (found.status, found.effects, found.alternatives) == ("unexplained", (), ())
+    assert "hardly tell how large bending_stop would be" in found.sentence
+    assert verdict(candidate("stiffening", "bending_stop", errors={"bending_stop": 12})).status == "identified"
+
+
+def test_a_rival_is_named_beside_the_best_though_its_amplitude_is_hardly_pinned_down():
+    found = verdict(candidate("hysteresis", errors={"hysteresis": 5}), candidate("dry_friction"))
+    assert found.alternatives == (("dry_friction",), ("hysteresis",))
 
 
 def test_two_effects_that_explain_alike_are_ambiguous_the_better_first():
@@ -94,7 +106,7 @@ def test_a_rival_is_none_that_leaves_the_gap_open_or_may_be_zero_or_needs_more_e
     tried = (
         BASE,
         candidate("hysteresis", gap=1.5e-3),  # a seventh of the squared gap
-        candidate("viscoelastic", gap=0.5e-3, unsure=("viscoelastic",)),
+        candidate("viscoelastic", gap=0.5e-3, errors={"viscoelastic": 1}),
         candidate("backlash", "tip_mass"),
         best,
     )
