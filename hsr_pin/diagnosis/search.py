@@ -18,6 +18,8 @@ from hsr_pin.identification.uncertainty import uncertainty
 GLANCES = 12
 #: ... and at least this share of the best's predicted gain.
 PROMISING = 0.03
+#: Two readings of one law whose predicted gains differ by less than this are the same on these recordings.
+ALIKE = 1e-6
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
 #: best, and if they take away at least this share of what would be worth having.
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
@@ -192,7 +194,7 @@ def _extend(
     chosen: dict[Key, tuple[Fit, Guess]] = {}
     for base in beam:
         open_effects = [effect for effect in effects if effect.name not in base.names]
-        ranked = sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain)
+        ranked = _told_apart(sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain))
         for guess in ranked[: GLANCES if len(beam) == 1 else BEAM_GLANCES]:
             if guess.gain < PROMISING * ranked[0].gain:
                 break
@@ -205,6 +207,16 @@ def _extend(
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0][1].rms, hopeful) if quick else 0.0
     return workers.finish(quick[:FINISHED] + [pair for pair in quick[FINISHED:AT_MOST] if pair[1].rms < limit])
+
+
+def _told_apart(guesses: Sequence[Guess]) -> list[Guess]:
+    """The first of each reading of a law; the others make no difference, as where a law differs for torques that never came."""
+    kept: list[Guess] = []
+    for guess in guesses:
+        name = guess.hypothesis.effects[-1].name
+        if not any(other.hypothesis.effects[-1].name == name and abs(other.gain - guess.gain) < ALIKE for other in kept):
+            kept.append(guess)
+    return kept
 
 
 def _pruned(

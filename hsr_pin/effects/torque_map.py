@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.effect import Effect, option
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True)
 class TorqueMap(Effect):
-    """y = u + quadratic u |u| / Keq, also before the first step: u / Keq is the commanded bending."""
+    """y = u + quadratic u w / Keq, also before the first step: u / Keq is the commanded bending.
+
+    ``parity`` says what becomes of torques below zero: "odd", w = |u|, and the arm bends to both sides alike; or "even", w = u, a
+    parabola in the command.
+    """
 
     name = "torque_map"
     lacks = "torque is not linear in the commanded bending"
@@ -30,6 +34,8 @@ class TorqueMap(Effect):
         amplitude=True,
         description="relative gain of torque per commanded bending",
     )
+    parity: str = option("odd", "even", description="of the quadratic term")
 
     def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
-        return torque + self.quadratic * torque * np.abs(torque) / keq, None
+        weight = np.abs(torque) if self.parity == "odd" else torque
+        return torque + self.quadratic * torque * weight / keq, None

@@ -60,6 +60,7 @@ class FakeWorkers:
         gaps: what is left [m] with each set of effects (names joined by "+"), in all trials or in each; a set that is not in the
             table leaves what its largest subset leaves.
         quick: what quick fits leave, in the same form; default: the same.
+        alike: gain that is predicted for another reading of a law, over that for the first.
         errors: name -> standard errors that its amplitude is away from neutral, in every fit.
         finished: keys of the models that were fitted, in the order in which they were asked for.
     """
@@ -67,6 +68,7 @@ class FakeWorkers:
     gaps: dict
     quick: dict | None = None
     errors: dict | None = None
+    alike: float = 0.999
     finished: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -83,7 +85,9 @@ class FakeWorkers:
         for effect in effects:
             hypothesis = base.fit.hypothesis.with_effects(effect)
             after = np.mean(np.square(self.gap(hypothesis.effects)))
-            guesses.append(Guess(hypothesis, (hypothesis.start,), max(0.0, 1 - after / before)))
+            reading = effect.variants().index(dict(effect.options))
+            less = self.alike if reading else 1.0  # no two readings of a law do quite the same
+            guesses.append(Guess(hypothesis, (hypothesis.start,), less * max(0.0, 1 - after / before)))
         return guesses
 
     def glance(self, tasks):

@@ -163,6 +163,11 @@ def test_every_reading_of_a_law_is_tried_once():
     assert len(keys) == len(set(keys)) == len(EFFECTS["gravity_tilt"].variants()) == 2
 
 
+def test_readings_of_a_law_that_are_the_same_on_these_recordings_are_tried_as_one():
+    found = searched(FakeWorkers({"": GAP, "torque_map": 1e-3}, alike=1.0))
+    assert [key(each) for each in found.tried if each.names == ("torque_map",)] == [(("torque_map", (("parity", "odd"),)),)]
+
+
 def test_no_effect_is_added_to_itself():
     found = searched(FakeWorkers({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt+tip_mass": 1e-3}))
     assert all(len(set(each)) == len(each) for each in names(found.tried))

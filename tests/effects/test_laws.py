@@ -228,6 +228,11 @@ def test_the_torque_map_bends_the_command_both_ways_alike():
     assert law.command(np.array([2.0]), None, 0.01, np.array([KEQ]))[0].item() == pytest.approx(2.6)  # before the first step too
 
 
+def test_an_even_torque_map_is_a_parabola():
+    law = EFFECTS["torque_map"](0.3, parity="even")
+    np.testing.assert_allclose(delivered(law, [1.0, -1.0, 2.0]), [1.15, -0.85, 2.6])
+
+
 def test_torque_decay_falls_from_base_to_tip():
     drive = along((EFFECTS["torque_decay"](0.4),), "actuation", 4)
     np.testing.assert_allclose(drive[:, 0], 1 - 0.4 * np.array([0.125, 0.375, 0.625, 0.875]))

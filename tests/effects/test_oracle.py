@@ -38,6 +38,7 @@ EXAMPLES = [
         "dead_time:delay=0.043",
         "torque_bias:bias=-0.15",
         "torque_map:quadratic=0.25",
+        "torque_map:quadratic=-0.2,parity=even",
         "torque_decay:decay=0.4",
         "gravity_tilt:angle=0.12",
         "gravity_tilt:angle=-0.12,frame=base",
