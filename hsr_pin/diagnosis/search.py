@@ -48,8 +48,8 @@ class Thresholds:
         closed: [m] an RMS distance beyond noise that is too small to ask about.
         explained: largest share of the squared gap that may be left when effects are said to explain it ...
         corner: ... and the largest RMS distance, over the one that is too small to ask about.
-        substantial: share of the squared gap that an effect must take away where the gap is not closed with it: less may be what
-            is wrong with another effect's law.
+        substantial: share of the squared gap that an effect must take away if it does not explain what is left without it: less
+            may be what is wrong with another effect's law.
     """
 
     noise: float
@@ -224,7 +224,7 @@ def _pruned(
 ) -> Candidate:
     """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
 
-    Nor is one of doubtful size, nor one that takes little away and does not close the gap: it mends what is wrong with another.
+    Nor is one of doubtful size, nor one that takes a little of what the others leave: it mends what is wrong with another's law.
     """
     while len(best.names) > 1:
         smaller = [_without(best.fit, effect) for effect in best.fit.hypothesis.effects]
@@ -246,7 +246,7 @@ def _pruned(
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:
     little = left(fewer) - left(best) < thresholds.substantial * left(start)
-    return little and left(best) > thresholds.closed**2
+    return little and not explains(best, fewer, thresholds)
 
 
 def _without(fit: Fit, effect: Effect) -> Fit:

@@ -126,14 +126,15 @@ def test_an_effect_that_two_later_ones_make_needless_is_dropped():
 
 
 @pytest.mark.parametrize(
-    ("rest", "effects"),
+    ("first", "rest", "effects"),
     [
-        (0.15 * GAP, ("hysteresis",)),  # a third of the distance gone, the gap still open: a patch on the first law
-        (0.9 * THRESHOLDS.closed, ("gravity_tilt", "hysteresis")),  # as little, but the gap is closed
+        (0.22 * GAP, 0.15 * GAP, ("hysteresis",)),  # a third of the distance gone, the gap still open: a patch on the first law
+        (0.22 * GAP, 0.9 * THRESHOLDS.closed, ("gravity_tilt", "hysteresis")),  # as little, but the gap is closed
+        (0.3 * GAP, 1.1 * THRESHOLDS.closed, ("gravity_tilt", "hysteresis")),  # not closed, but all that the first leaves is gone
     ],
 )
-def test_a_small_share_that_does_not_close_the_gap_is_no_effect_of_its_own(rest, effects):
-    found = searched(FakeWorkers({"": GAP, "hysteresis": 0.22 * GAP, "hysteresis+gravity_tilt": rest}))
+def test_a_small_share_that_does_not_explain_what_is_left_is_no_effect_of_its_own(first, rest, effects):
+    found = searched(FakeWorkers({"": GAP, "hysteresis": first, "hysteresis+gravity_tilt": rest}))
     assert found.best.names == effects
 
 
