@@ -59,14 +59,14 @@ def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int,
     if gap <= closed or (best is base and gap <= STRUCTURE * closed):
         return Verdict("parameters", (), (), _parameters(base, sqrt(nominal_left), gap))
     levels = by_level if by_level is not None and sqrt(left(by_level)) <= closed else None
-    named = _explains(best, base, thresholds) and not doubtful(best)
+    named = explains(best, base, thresholds) and not doubtful(best)
     if levels is not None and (not named or clearly_worse(best, levels, thresholds, seed)):
         return Verdict("parameters", (), (), _parameters(levels, sqrt(nominal_left), sqrt(left(levels))))
     if best is base:
         return Verdict(
             "unexplained", (), (), f"A gap of {_mm(gap)} beyond noise is left, and no effect of the catalogue is worth having."
         )
-    if not _explains(best, base, thresholds):
+    if not explains(best, base, thresholds):
         helps = " and ".join(best.names)
         return Verdict(
             "unexplained",
@@ -109,7 +109,7 @@ def rivals(
         names = rival.names
         if not names or names == best.names or len(names) > len(best.names) or names in answers:
             continue
-        if not _explains(rival, base, thresholds):
+        if not explains(rival, base, thresholds) or doubtful(rival, AWAY):
             continue
         if not clearly_worse(rival, best, thresholds, seed):
             answers.append(names)
@@ -120,11 +120,6 @@ def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds,
     """Whether a model's mean square is larger, certainly and by an amount that counts."""
     much = mean_square(candidate) - mean_square(than) > FACTOR * left(than) + (MARGIN * thresholds.noise) ** 2
     return much and certainly_better(than.heldout, candidate.heldout, seed)
-
-
-def _explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
-    """Whether a set of effects closes the gap, with an amplitude of every effect away from neutral."""
-    return explains(candidate, base, thresholds) and not doubtful(candidate, AWAY)
 
 
 def _parameters(base: Candidate, before: float, after: float) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.search import doubtful, explains
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.fit import Fit
@@ -67,7 +68,12 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
     if status in ("identified", "parameters") and search is not None:
         sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
-    if status == "unexplained":
+    if status == "unexplained" and search is not None and explains(search.best, search.path[0], diagnosis.thresholds):
+        sentences.append(
+            f"Record more trials in which {readable(doubtful(search.best))} would act, to both sides: they would pin down a law "
+            "of the catalogue, but not what only looks like it here."
+        )
+    elif status == "unexplained":
         sentences.append(
             "What is missing is none of the catalogue's laws, alone or together: the maps of where and when the gap lies narrow "
             "down what to look for. Do not trust the values of a model that does not explain the gap."
