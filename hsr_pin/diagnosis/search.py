@@ -48,8 +48,8 @@ class Thresholds:
         closed: [m] an RMS distance beyond noise that is too small to ask about.
         explained: largest share of the squared gap that may be left when effects are said to explain it ...
         corner: ... and the largest RMS distance, over the one that is too small to ask about.
-        substantial: share of the squared gap that an effect must take away if it does not explain what is left without it: less
-            may be what is wrong with another effect's law.
+        substantial: share of the squared gap that an effect must take away if it leaves more than this share of what the others
+            leave: it may be what is wrong with another effect's law.
     """
 
     noise: float
@@ -246,7 +246,7 @@ def _pruned(
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:
     little = left(fewer) - left(best) < thresholds.substantial * left(start)
-    return little and not explains(best, fewer, thresholds)
+    return little and left(best) > max(thresholds.closed**2, thresholds.substantial * left(fewer))
 
 
 def _without(fit: Fit, effect: Effect) -> Fit:
