@@ -164,6 +164,10 @@ def search(
         path.append(good[0])
         beam = _distinct(better)[:BEAM]  # one whose own gain is not certain may be half of a pair
     best = _pruned(path[-1], start, tried, thresholds, workers, seed)
+    if len(best.names) > 1:
+        tell("exchange: each effect found against the others")
+        other = _exchanged(best, effects, workers, tried, thresholds)
+        best = best if other is best else _pruned(other, start, tried, thresholds, workers, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 
@@ -207,6 +211,19 @@ def _extend(
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0][1].rms, hopeful) if quick else 0.0
     return workers.finish(quick[:FINISHED] + [pair for pair in quick[FINISHED:AT_MOST] if pair[1].rms < limit])
+
+
+def _exchanged(
+    best: Candidate, effects: Sequence[Effect], workers: Workers, tried: dict[Key, Candidate], thresholds: Thresholds
+) -> Candidate:
+    """The best of as many effects after each of them had to stand against all others beside the rest.
+
+    One that was good alone may be a stand-in beside the other, whose partner was never tried with it.
+    """
+    fewer = [tried[_key(_without(best.fit, effect))] for effect in best.fit.hypothesis.effects]
+    new = _extend(fewer, effects, workers, tried, thresholds)
+    tried |= {key(candidate): candidate for candidate in new}
+    return min((best, *new), key=mean_square)
 
 
 def _told_apart(guesses: Sequence[Guess]) -> list[Guess]:

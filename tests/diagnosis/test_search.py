@@ -139,6 +139,20 @@ def test_a_small_share_that_leaves_much_of_what_the_first_leaves_is_no_effect_of
     assert found.best.names == effects
 
 
+def test_a_stand_in_that_was_good_alone_is_exchanged_for_the_partner_that_was_not():
+    gaps = {
+        "": GAP,
+        "stiffness_gradient": 0.5 * GAP,
+        "torque_decay": 0.6 * GAP,
+        "added_mass": 0.7 * GAP,
+        "damping_gradient": 0.9 * GAP,
+    }
+    pairs = {"stiffness_gradient+damping_gradient": 0.05 * GAP, "soft_spot+damping_gradient": 0.0}
+    found = searched(FakeWorkers(gaps | pairs))
+    assert found.best.names == ("damping_gradient", "soft_spot")
+    assert ("damping_gradient", "stiffness_gradient") in names(found.tried)
+
+
 @pytest.mark.parametrize(("errors", "effects"), [(5, ("hysteresis",)), (12, ("gravity_tilt", "hysteresis"))])
 def test_a_second_effect_whose_amplitude_is_hardly_pinned_down_is_dropped(errors, effects):
     gaps = {"": GAP, "hysteresis": 0.22 * GAP, "hysteresis+gravity_tilt": 0.0}
@@ -178,7 +192,7 @@ def test_no_effect_is_added_to_itself():
 def test_each_rung_is_told():
     lines = []
     searched(FakeWorkers({"": GAP, "tip_mass": 2e-3, "tip_mass+stiffening": 0.0}), tell=lines.append)
-    assert [line.split(":")[0] for line in lines] == ["effect 1", "effect 2"]
+    assert [line.split(":")[0] for line in lines] == ["effect 1", "effect 2", "exchange"]
 
 
 def test_the_noise_of_the_fabricated_recordings_is_what_the_thresholds_say():
