@@ -32,15 +32,14 @@ def diagnose_all(
     """Write a verdict for each case that has none yet; a case that failed before is tried again."""
     check_folder_writable(verdicts)
     verdicts.mkdir(parents=True, exist_ok=True)
-    cases = recordings(folder)
-    open_cases = [case for case in cases if not _is_done(verdicts / f"{case.name}.json")]
-    for _ in range(len(cases) - len(open_cases)):
-        advance()
-    for_each(partial(diagnose_case, verdicts=verdicts, seed=seed), open_cases, jobs, advance)
+    for_each(partial(diagnose_case, verdicts=verdicts, seed=seed), recordings(folder), jobs, advance)
 
 
 def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
-    """Write what ``hsr-diagnose`` would, or the error that came of it."""
+    """Write what ``hsr-diagnose`` would, or the error that came of it; nothing where a verdict stands (another run wrote it)."""
+    file = verdicts / f"{recording.name}.json"
+    if _is_done(file):
+        return
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.diagnosis.document import to_json
     from hsr_pin.recordings.read import read_dataset
@@ -51,7 +50,7 @@ def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
     except Exception as error:  # whatever it is: one case must not end a check of hundreds
         trace = traceback.format_exc()
         document = {"dataset": recording.name, "error": f"{type(error).__name__}: {error}", "traceback": trace}
-    write_text(verdicts / f"{recording.name}.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_text(file, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
 def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:
