@@ -115,7 +115,7 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
 
 
 def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...]:
-    """Of the guessed values, and those in the next valley, the few that simulate best; the best first."""
+    """Of each of the guessed values, and those in the next valleys, the one that simulates best; then the best of the others."""
     hypothesis = guess.hypothesis
     points = [_moved(hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS]
     predictions = predict(experiment, hypothesis, [(run, point) for point in points for run in experiment.runs])
@@ -124,8 +124,12 @@ def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...
     for k in range(len(points)):
         missed = residuals(experiment, predictions[k * count : (k + 1) * count])
         sizes.append(rms([miss + defect for miss, defect in zip(missed, base.defects, strict=True)]))
-    order = np.argsort(sizes, kind="stable")
-    return tuple(points[k] for k in order[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
+    order = [int(k) for k in np.argsort(sizes, kind="stable")]
+    first: dict[int, int] = {}  # a local defect is looked for in two places, not twice in the one that looks best
+    for k in order:
+        first.setdefault(k // len(_VALLEYS), k)
+    ranked = [*first.values(), *(k for k in order if k not in first.values())]
+    return tuple(points[k] for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
 
 
 def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: float) -> Array:
