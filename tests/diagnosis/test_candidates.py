@@ -124,6 +124,13 @@ def test_a_lag_that_damping_stood_in_for_is_found_behind_it():
     assert found["actuator_lag.time_constant"] == pytest.approx(0.08, rel=0.05)
 
 
+def test_a_soft_spot_is_looked_for_in_two_places():
+    experiment = prepare(made("soft_spot:depth=0.7,centre=0.35,width=0.08"))
+    base = fit(experiment, Hypothesis())
+    (guess,) = guesses(experiment, base, [neutral(EFFECTS["soft_spot"])])
+    assert glance(experiment, base, guess).named["soft_spot.centre"] == pytest.approx(0.35, abs=0.1)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(("depth", "centre", "width"), [(0.7, 0.35, 0.08), (0.8, 0.62, 0.05)])
 def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth, centre, width):
