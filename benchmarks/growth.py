@@ -1,16 +1,20 @@
 """How the cost of one arm grows with its links, at 0.1 mm.
 
-Models, Pinocchio's workspace (N^3 memory: 4 GB at 500 links) and MuJoCo's are set up beforehand. Beyond 64 links, where 1 s takes
-MuJoCo minutes, ten of its steps are timed, and it is charged as many as it needs at 64 links.
+Models and MuJoCo's workspace are set up beforehand. Beyond 64 links, where 1 s takes MuJoCo minutes, ten of its steps are timed,
+and it is charged as many as it needs at 64 links. Memory is what a process of its own takes beyond that for four links.
 """
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
-from problem import DURATION, SAMPLE, exact_motion, tip_error
+from exact import exact_motion
+from ours import TOLERANCES, tolerant
+from problem import DURATION, SAMPLE, tip_error
 from rows import Row, Title, seconds
 from search import SUBSTEPS, cheapest, medians
 
@@ -20,20 +24,47 @@ from hsr_pin.trajectory import Array
 LINKS = (4, 16, 64, 256, 500)
 ERROR = 0.1  # [mm]
 _WHOLE, _FEW = 64, 10
+#: Links of an arm whose memory is measured; and where the measurement is quick.
+_LARGE, _SMALL = 250, 50
+_MEMORY = """
+import resource
+from hsr_pin.robot.model import build_model
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.batch import simulate_batch
+from hsr_pin.simulation.scenario import step_scenario
+
+def peak():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # [MB]; Linux counts in kB
+
+def ours(links):
+    simulate_batch([step_scenario(ArmSpecification(links=links), 1.0, rest=0.0, duration=1.0, step=0.02)])
+
+def theirs(links):
+    build_model(ArmSpecification(links=links)).model.createData()
+
+{who}(4)
+before = peak()
+{who}({links})
+print(peak() - before)
+"""
 
 
 def titles() -> list[Title]:
     """The lines: the larger arms, then the exponent."""
     tasks = [f"1 s of the step to {ERROR:g} mm, N = {links}" for links in LINKS[2:]]
     tasks.append(f"growth of that from N = {LINKS[0]} to {LINKS[-1]} (ours at most N^1.1)")
-    return [Title(task, "MuJoCo", "mujoco") for task in tasks]
+    return [*(Title(task, "MuJoCo", "mujoco") for task in tasks), _memory_title(_LARGE)]
+
+
+def _memory_title(links: int) -> Title:
+    return Title(f"memory for 1 s of the step, N = {links}", "`pin.Data`, by itself")
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: the exponent up to 16 links."""
-    *single, last = titles()
+    """Yield the lines; quick: those up to 64 links."""
+    *single, last, _ = titles()
     wanted = dict(zip(LINKS[2:], single, strict=True))
-    chosen = LINKS[:2] if quick else LINKS
+    chosen = (LINKS[0], _WHOLE) if quick else LINKS
     ours, theirs = [], []
     steps = 0  # of MuJoCo, per sample
     for links in chosen:
@@ -45,19 +76,27 @@ def measure(quick: bool) -> Iterator[Row]:
             chain = MujocoChain(ArmSpecification(links=links), "Euler", steps)
             runs["theirs"] = chain.run if links <= _WHOLE else partial(chain.advance, _FEW)
             share = 1.0 if links <= _WHOLE else steps * DURATION / SAMPLE / _FEW
-        times = medians(runs, 3 if quick else 11, 8.0)
+        times = medians(runs, 11, 8.0)
         ours.append(times["ours"])
         theirs.append(share * times.get("theirs", np.nan))
         if links in wanted:
             yield _row(wanted[links], (ours[-1], theirs[-1]), seconds)
     yield _row(last, [_exponent(chosen, cost) for cost in (ours, theirs)], lambda exponent: f"N^{exponent:.2f}")
+    size = _SMALL if quick else _LARGE
+    memory = [_memory(who, size) for who in ("ours", "theirs")]
+    yield Row(_memory_title(size), *(f"{value:.3g} MB" for value in memory), memory[1] / memory[0])
+
+
+def _memory(who: str, links: int) -> float:
+    """[MB] at least a tenth: less is not seen."""
+    code = _MEMORY.format(who=who, links=links)
+    told = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True).stdout
+    return max(0.1, float(told))
 
 
 def _ours(links: int) -> Callable[[], object]:
-    """Order 4 throughout, at the largest step that is accurate."""
-    from ours import Ours
-
-    solver = cheapest([partial(Ours, [ArmSpecification(links=links)], "extrapolated4")], SUBSTEPS, _accurate(links))
+    """Order 4 throughout, at the largest tolerance that is accurate."""
+    solver = cheapest([partial(tolerant, [ArmSpecification(links=links)], "extrapolated4")], TOLERANCES, _accurate(links))
     assert solver is not None
     return solver.run
 

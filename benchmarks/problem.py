@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -37,19 +36,3 @@ def tip_error(arms: Sequence[ArmSpecification], angles: Array, exact: Array) -> 
     ours, theirs = (reach * np.exp(1j * q.cumsum(axis=2)).sum(axis=2) for q in (angles, exact))
     error = 1e3 * np.abs(ours - theirs).max()
     return float(error) if np.isfinite(error) else np.inf
-
-
-@lru_cache(maxsize=16)
-def exact_motion(links: int, sample: float = SAMPLE) -> Array:
-    """(T, 1, N) [rad] to 1e-4 mm: SciPy's Radau at 1e-10; above 16 links, where that takes minutes, ours at 1.25 ms.
-
-    At 4 and at 16 links the two agree (tests/test_benchmarks.py).
-    """
-    arm = ArmSpecification(links=links)
-    if links > 16:
-        from ours import Ours
-
-        return Ours([arm], "extrapolated5", round(sample / 1.25e-3), sample).run()
-    from peer_scipy import ScipyChain
-
-    return ScipyChain(arm, "Radau", 1e-10, sample).run()

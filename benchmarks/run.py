@@ -24,7 +24,7 @@ from rows import HEADER, Row
 
 MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup")
 RESULTS = Path(__file__).with_name("results.md")
-_LIBRARIES = ("pin", "numpy", "scipy", "mujoco", "pybullet")
+_LIBRARIES = ("pin", "numpy", "numba", "scipy", "mujoco", "pybullet")
 
 
 def main() -> None:

@@ -1,9 +1,8 @@
 """Time to simulate 1 s of a thousand different arms on two cores.
 
-Ours in two processes, `mujoco.rollout` with two threads; models and processes are set up beforehand, on both sides. Our
-integrator treats the springs and dampers of the nominal arm implicitly, so that all arms are stepped side by side; where mass and
-length differ too, Pinocchio has a model for each and is called for one after the other. Both sides use one setting for all arms,
-the cheapest that is accurate for the extremes. MuJoCo, whose time is proportional to the arms, is timed on every twentieth.
+Both in two threads; models are set up beforehand, on both sides. Ours takes steps of its own for every arm, and both use one
+setting for all arms, the cheapest that is accurate for the extremes. MuJoCo, whose time is proportional to the arms, is timed on
+every twentieth.
 """
 
 from __future__ import annotations
@@ -14,9 +13,9 @@ from functools import partial
 from itertools import product
 
 import numpy as np
-from ours import METHODS, Ours
+from exact import FINE
+from ours import METHODS, TOLERANCES, Ours, tolerant
 from problem import Solver, tip_error
-from processes import Processes
 from rows import Row, Title, seconds
 from search import SUBSTEPS, cheapest, medians
 
@@ -61,7 +60,7 @@ class Fleet:
         return [replace(_NOMINAL, **dict(zip(self.numbers, row, strict=True))) for row in values.tolist()]
 
 
-FLEETS = (Fleet(("keq", "damping"), reach=15.0), Fleet(("keq", "damping", "mass", "length")))
+FLEETS = (Fleet(("keq", "damping"), reach=60.0), Fleet(("keq", "damping", "mass", "length"), reach=60.0))
 
 
 def titles() -> list[Title]:
@@ -79,20 +78,19 @@ def measure(quick: bool) -> Iterator[Row]:
 
 def _measured(fleet: Fleet, error: float, arms: list[ArmSpecification]) -> Row:
     title, extremes = fleet.title(error, len(arms)), fleet.extremes()
-    exact = Ours(extremes, "extrapolated5", 16, nominal=_NOMINAL).run()
+    exact = Ours(extremes, FINE).run()
 
     def accurate(angles: Array) -> bool:
         return tip_error(extremes, angles[:, : len(extremes)], exact) <= error
 
     crowd = extremes + arms[:100]  # enough that what is cheapest for them is cheapest for all
-    best = cheapest([partial(Ours, crowd, method, nominal=_NOMINAL) for method in METHODS], SUBSTEPS, accurate)
+    best = cheapest([partial(tolerant, crowd, method) for method in METHODS], TOLERANCES, accurate)
     assert isinstance(best, Ours)
-    with Processes(arms, best.method, best.substeps, _NOMINAL, CORES) as ours:
-        runs = {"ours": ours.run}
-        if title.installed:
-            theirs = _rollout(extremes, arms[::_SHARE], accurate)
-            runs["theirs"] = theirs.run
-        times = medians(runs, 5)
+    runs = {"ours": Ours(arms, best.method, threads=CORES).run}
+    if title.installed:
+        theirs = _rollout(extremes, arms[::_SHARE], accurate)
+        runs["theirs"] = theirs.run
+    times = medians(runs, 5)
     own = f"{seconds(times['ours'])} ({best.setting})"
     if not title.installed:
         return Row(title, own)

@@ -39,8 +39,9 @@ def report(title: str, reference: Reference, runs: dict[str, Run], plot: str | N
     """Print the tip's RMS distance [mm] from the reference in each run, draw the runs, and give the distances back."""
     rms = {name: float(np.sqrt(np.mean(run.errors(reference) ** 2))) for name, run in runs.items()}
     print(title)
+    width = max(12, *map(len, rms))
     for name, value in rms.items():
-        print(f"  {name:<12} tip error {value:6.2f} mm RMS, {runs[name].errors(reference).max():6.2f} mm at most")
+        print(f"  {name:<{width}} tip error {value:6.2f} mm RMS, {runs[name].errors(reference).max():6.2f} mm at most")
     if plot:
         save(_figure(title, reference, runs), plot)
         print(f"  picture in {plot}")
@@ -53,7 +54,7 @@ def _figure(title: str, reference: Reference, runs: dict[str, Run]) -> Figure:
     figure.suptitle(title, fontsize=11)
     tip, error, torque, *more = figure.subplots(3 + estimated, 1, sharex=True, height_ratios=(1.3, 1, 1, 1)[: 3 + estimated])
     tip.plot(reference.time, 1e3 * reference.tip[:, 0], color="black", linestyle="--", linewidth=1.2, label="reference", zorder=3)
-    for colour, (name, run) in zip(COLOURS[1::-1], runs.items(), strict=True):
+    for colour, (name, run) in zip(COLOURS[len(runs) - 1 :: -1], runs.items(), strict=True):
         tip.plot(reference.time, 1e3 * np.array(run.tip)[:, 0], color=colour, label=name)
         error.plot(reference.time, run.errors(reference), color=colour, label=name)
         if run.unknown_torque:

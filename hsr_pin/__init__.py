@@ -3,9 +3,11 @@
 The names below are the ones that most programs need; each is imported on first use, so that `import hsr_pin` costs nothing.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from __future__ import annotations
 
+from importlib import import_module
+
+TYPE_CHECKING = False  # as type checkers know it: `typing` itself takes time to load, in which Ctrl-C would leave a traceback
 if TYPE_CHECKING:
     from hsr_pin.control.stepping import ArmSimulator
     from hsr_pin.diagnosis.diagnose import diagnose
@@ -53,7 +55,7 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"hsr_pin has no {name!r}; it offers {', '.join(__all__)}")
     value = globals()[name] = getattr(import_module(f"hsr_pin.{_MODULES[name]}"), name)

@@ -6,12 +6,60 @@ so that a program can read them too.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
+
+#: No more characters of a name, a value or a path than this are quoted, and of a list of names.
+LONGEST_QUOTE, LONGEST_LIST = 200, 1000
+#: What may be a name: something in quotes, or a word.
+_NAME = re.compile(r"""'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"|\S+""", re.DOTALL)
+
+
+def printable(text: str) -> str:
+    """A text of one or more lines as a terminal can show it: control characters, and bytes that are no text, are escaped."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def one_line(text: object) -> str:
+    """Anything as one printable line, in which long names are cut."""
+    line = printable(" ".join(_text(text).split()))
+    return line if len(line) <= LONGEST_QUOTE else _cut(_NAME.sub(lambda name: _cut(name[0]), line), LONGEST_LIST)
+
+
+def quoted(value: object) -> str:
+    """A value as Python writes it, cut to what an error line has room for."""
+    try:
+        return _cut(" ".join(repr(value).split()))
+    except ValueError:  # an integer of too many digits to be written out
+        return f"a very large {type(value).__name__}"
+
+
+def _text(value: object) -> str:
+    try:
+        return str(value)
+    except ValueError:  # as above
+        return f"a very large {type(value).__name__}"
+
+
+def _cut(text: str, room: int = LONGEST_QUOTE) -> str:
+    """The beginning and the end of a long text."""
+    return text if len(text) <= room else f"{text[: room - 41]}…{text[-40:]}"
 
 
 class HsrError(Exception):
     """Root of all errors of hsr_pin. Commands print it as one line and exit with code 2."""
+
+    def __reduce__(self) -> tuple[Any, ...]:  # what is raised in a worker arrives as it was, whatever it takes to make one
+        return _as_it_was, (type(self), self.args, self.__dict__)
+
+
+def _as_it_was(kind: type[HsrError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> HsrError:
+    error = kind.__new__(kind, *arguments)
+    error.__dict__.update(facts)
+    return error
 
 
 class InputError(HsrError, ValueError):
@@ -41,15 +89,16 @@ class InputError(HsrError, ValueError):
         super().__init__(self._message())
 
     def _message(self) -> str:
-        where = ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
-        text = f"{where}: {self.subject}" if where else self.subject
+        file = None if self.file is None else _cut(one_line(self.file))
+        where = ":".join(str(part) for part in (file, self.line, self.column) if part is not None)
+        text = f"{where}: {one_line(self.subject)}" if where else one_line(self.subject)
         if self.expected:
-            text += f": expected {self.expected}"
+            text += f": expected {one_line(self.expected)}"
         if self.received is not None:
-            text += f"{',' if self.expected else ':'} got {self.received}"
+            text += f"{',' if self.expected else ':'} got {_cut(one_line(self.received))}"
         if self.hint:
-            text += f"; {self.hint}"
-        return " ".join(text.split())
+            text += f"; {one_line(self.hint)}"
+        return text
 
 
 class SpecificationError(InputError):
@@ -86,6 +135,14 @@ class MissingDependencyError(HsrError, ImportError):
     def __init__(self, package: str, group: str) -> None:
         self.package, self.group = package, group
         super().__init__(f"{package} is not installed; it comes with pip install 'hsr_pin[{group}]'")
+
+
+class WorkerError(HsrError, RuntimeError):
+    """Worker processes were lost again and again."""
+
+    def __init__(self, tries: int) -> None:
+        self.tries = tries
+        super().__init__(f"worker processes were lost {tries} times in a row; is memory short? fewer --jobs may help")
 
 
 class SimulationFailure(HsrError, RuntimeError):

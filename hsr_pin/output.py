@@ -1,15 +1,39 @@
-"""Writing a file whole or not at all."""
+"""Writing a file whole or not at all, and not over what is someone else's."""
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import os
+import re
+import stat
+from collections.abc import Iterable
 from pathlib import Path
 
 from hsr_pin.errors import OutputError
 
+#: Who made a file, in the formats that have a place for it; in a page it stands as :data:`PAGE_SIGNATURE`.
+GENERATOR = "hsr_pin"
+PAGE_SIGNATURE = f'<meta name="generator" content="{GENERATOR}">'
+#: By what the files of hsr_pin are known, in their first or last bytes: pages, pictures (png, pdf, svg), URDF, JSON.
+_SIGNATURES = tuple(
+    re.compile(pattern, re.DOTALL)
+    for pattern in (
+        PAGE_SIGNATURE.encode(),
+        rb"\A\x89PNG\r\n.*Software\0hsr_pin",
+        rb"/Creator \(hsr_pin\)",
+        rb"<dc:title>hsr_pin</dc:title>",
+        rb'<hsr version="',
+        rb'\A\{\s*"schema": \d+,\s*"dataset": "',
+        rb'\A\{\s*"cases": \d+,\s*"missing": \[',
+    )
+)
+#: Bytes of a file that are looked at, at either end.
+_LOOK = 8192
+
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write ``text`` (UTF-8) to ``path``; a file that was there is replaced in one step, or left as it was.
+    """Write ``text`` (UTF-8) to ``path``; a file that was there is replaced in one step and keeps its mode, or is left as it was.
 
     Raises:
         OutputError: the file cannot be written.
@@ -31,11 +55,15 @@ def write_bytes(path: str | Path, content: bytes) -> None:
         target = target.resolve()  # a link stays, what it points to is replaced; not sooner: a pipe's link resolves to nothing
         draft = _draft(target)
         try:
-            draft.write_bytes(content)
+            with draft.open("wb") as file:
+                if target.exists():
+                    draft.chmod(stat.S_IMODE(target.stat().st_mode))  # before anything is in it that others may not read
+                file.write(content)
             os.replace(draft, target)
         except BaseException:
             draft.unlink(missing_ok=True)
             raise
+        _clear_drafts(target)
     except (OSError, ValueError, RuntimeError) as error:  # ValueError: a null byte in the name; RuntimeError: a loop of links
         raise _refusal(path, error) from error
 
@@ -57,6 +85,51 @@ def check_writable(path: str | Path) -> None:
         draft.unlink()
     except (OSError, ValueError, RuntimeError) as error:
         raise _refusal(path, error) from error
+
+
+def check_replaceable(path: str | Path, *, read: Iterable[str | Path] = (), force: bool = False) -> None:
+    """Refuse to write over what is read, and over what another program wrote.
+
+    Args:
+        path: of the file that will be written.
+        read: files, and folders of them: nothing that is read is ever written over.
+        force: what another program wrote may be replaced.
+
+    Raises:
+        OutputError: saying which of the two it is.
+    """
+    try:
+        target = Path(path).resolve()
+        if not target.is_file():
+            return
+        ours = is_ours(target)
+        for source in (Path(name).resolve() for name in read):
+            if target == source or (source in target.parents and not ours):
+                raise OutputError("will not write over what is read", hint="write to another file", file=path)
+    except (OSError, ValueError, RuntimeError) as error:
+        if isinstance(error, OutputError):
+            raise
+        raise _refusal(path, error) from error
+    if not ours and not force:
+        raise OutputError(
+            "will not replace the file",
+            expected="a new file, or one that hsr_pin wrote",
+            received="another program's",
+            hint="--force replaces it",
+            file=path,
+        )
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a file is empty, or one that hsr_pin wrote."""
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(0)
+        seen = file.read(_LOOK)
+        if size > _LOOK:
+            file.seek(-_LOOK, os.SEEK_END)
+            seen += file.read(_LOOK)
+    return not size or any(signature.search(seen) for signature in _SIGNATURES)
 
 
 def check_folder_writable(path: str | Path) -> None:
@@ -83,6 +156,27 @@ def check_folder_writable(path: str | Path) -> None:
 
 def _draft(target: Path) -> Path:
     return target.with_name(f".{target.name}.{os.getpid()}.part")
+
+
+def _clear_drafts(target: Path) -> None:
+    """Take away drafts of a file that processes left which were killed while they wrote it."""
+    for path in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
+        owner = path.name.removesuffix(".part").rpartition(".")[2]
+        if owner.isdecimal() and not _runs(int(owner)):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _runs(process: int) -> bool:
+    if os.name == "nt":  # where a signal of zero would end it
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # another user's
+        return True
+    return True
 
 
 def _refusal(path: str | Path, error: Exception) -> OutputError:

@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from hsr_pin.errors import InputError, quoted
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -37,6 +39,21 @@ class Parameter:
             raise ValueError(f"{self.name}: neutral {self.neutral} outside [{self.lower}, {self.upper}]")
         if not (math.isfinite(self.scale) and self.scale > 0):
             raise ValueError(f"{self.name}: scale must be positive, got {self.scale}")
+
+
+def finite(name: str, value: Any, expected: str = "a finite number") -> float:
+    """A number that someone gave, as a float.
+
+    Raises:
+        InputError: it is none, or too large for a float.
+    """
+    try:
+        number = math.nan if isinstance(value, str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(name, expected=expected, received=quoted(value))
+    return number
 
 
 def parameter(

@@ -11,16 +11,26 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hsr_pin.errors import InputError, quoted
+from hsr_pin.parameters import finite
+
 Array = NDArray[np.float64]
 
 MOUNTS = ("hanging", "upright", "horizontal")
 
 
 def read_only(values: ArrayLike | None) -> Array | None:
-    """A float copy that cannot be written to (None stays None)."""
+    """A float copy that cannot be written to (None stays None).
+
+    Raises:
+        InputError: not numbers, or too large for a float.
+    """
     if values is None:
         return None
-    array = np.array(values, dtype=float)
+    try:
+        array = np.array(values, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError("array", expected="numbers", received=quoted(values)) from error
     array.flags.writeable = False
     return array
 
@@ -36,6 +46,9 @@ class Marker:
 
     name: str
     arc_length: float
+
+    def __post_init__(self) -> None:
+        finite(f"arc length of marker {self.name}", self.arc_length, "a finite number [m]")
 
 
 @dataclass(frozen=True, eq=False)

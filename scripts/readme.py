@@ -1,6 +1,6 @@
-"""Bring the outputs that README.md shows up to date, or check that they are.
+"""Bring the outputs that README.md and the pages in docs/ show up to date, or check that they are.
 
-In the README, a block of output stands between two lines::
+There, a block of output stands between two lines::
 
     <!-- output of: hsr-sim --links 4 --keq 1.11 -->
     <!-- end of output -->
@@ -22,7 +22,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-README = ROOT / "README.md"
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 BLOCK = re.compile(r"(<!-- output of: (?P<command>.+?) -->\n).*?(<!-- end of output -->\n)", re.DOTALL)
 SHARED = "../shared"
 
@@ -45,7 +45,7 @@ def output_of(command: str) -> str:
 
 
 def block_of(command: str) -> str:
-    """The block as it should stand in the README: a table as it is, anything else fenced."""
+    """The block as it should stand on a page: a table as it is, anything else fenced."""
     text = output_of(command)
     return text if text.startswith("|") else f"```text\n{text}```\n"
 
@@ -57,7 +57,6 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="TEXT", help="only the commands with this text in them")
     chosen = parser.parse_args()
     checking, wanted = chosen.check, chosen.only
-    text = README.read_text(encoding="utf-8")
     stale = []
 
     def current(match: re.Match[str]) -> str:
@@ -69,11 +68,13 @@ def main() -> int:
             stale.append(command)
         return fresh
 
-    renewed = BLOCK.sub(current, text)
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        renewed = BLOCK.sub(current, text)
+        if not checking and renewed != text:
+            page.write_text(renewed, encoding="utf-8")
     for command in stale:
         print(f"not current: {command}" if checking else f"renewed: {command}")
-    if not checking:
-        README.write_text(renewed, encoding="utf-8")
     return 1 if checking and stale else 0
 
 

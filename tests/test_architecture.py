@@ -8,7 +8,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 
 #: Each room may import itself and the rooms before it.
-FOUNDATION = ["errors", "resources", "output", "parameters", "trajectory"]
+FOUNDATION = ["errors", "resources", "output", "parallel", "parameters", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "diagnosis"]
 MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
     "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
@@ -16,13 +16,15 @@ MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
     "recordings": {*FOUNDATION, "recordings"},
     "replay": {*FOUNDATION, "robot", "replay"},
     "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
+    "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
+    "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
     "blind": {*WAY, "recordings", "replay", "control", "blind", "blind.plants"},
     "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
-    "cli": {*WAY, "recordings", "replay", "control", "blind", "blind.plants", "cli"},
+    "cli": {*WAY, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
 }
 
 #: What costs time, or may be absent, is imported where it is used.
-ON_USE_ONLY = {"matplotlib", "meshcat", "mujoco", "elastica", "pybullet", "ezc3d", "rich"}
+ON_USE_ONLY = {"matplotlib", "meshcat", "mujoco", "elastica", "pybullet", "rosbags", "rich", "viser"}
 FREE_TO_LOAD = {"cli", "replay"}
 
 
@@ -117,8 +119,8 @@ def test_an_import_against_the_way_is_caught(module, text):
     ("module", "text"),
     [
         ("hsr_pin.simulation.batch", "from hsr_pin.effects.effect import Effect\nfrom hsr_pin.trajectory import Array"),
-        ("hsr_pin.recordings.c3d", "def read():\n    import ezc3d"),
-        ("hsr_pin.recordings.c3d", "if TYPE_CHECKING:\n    import ezc3d"),
+        ("hsr_pin.recordings.c3d", "def read():\n    import rosbags"),
+        ("hsr_pin.recordings.c3d", "if TYPE_CHECKING:\n    import rosbags"),
         ("hsr_pin.replay.plots", "from matplotlib.figure import Figure"),
         ("hsr_pin.blind.plants.arm", "from hsr_pin.blind.plants.laws import mounting\nfrom hsr_pin.errors import HsrError"),
         ("hsr_pin.blind.harness", "from hsr_pin.diagnosis.verdict import Verdict\nfrom hsr_pin.blind.plants import arm"),

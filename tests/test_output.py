@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.errors import OutputError
-from hsr_pin.output import check_writable, write_bytes, write_text
+from hsr_pin.output import PAGE_SIGNATURE, check_replaceable, check_writable, is_ours, write_bytes, write_text
 
 
 def test_a_file_is_written_and_replaced_without_leaving_anything_beside_it(tmp_path):
@@ -40,6 +40,79 @@ def test_a_link_stays_and_what_it_points_to_is_replaced(tmp_path):
     write_text(link, "new")
     assert link.is_symlink()
     assert path.read_text() == "new"
+
+
+def test_a_file_that_is_replaced_keeps_its_mode(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    for mode in (0o600, 0o644, 0o755):
+        path.chmod(mode)
+        write_text(path, "new")
+        assert path.stat().st_mode & 0o777 == mode
+
+
+def test_a_draft_is_never_open_to_those_who_may_not_read_the_file(tmp_path, monkeypatch):
+    path, modes = tmp_path / "a.txt", []
+    path.write_text("old")
+    path.chmod(0o600)
+    replace = os.replace
+    monkeypatch.setattr(os, "replace", lambda draft, target: (modes.append(draft.stat().st_mode & 0o777), replace(draft, target)))
+    write_text(path, "new")
+    assert modes == [0o600]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are not asked for there")
+def test_drafts_of_killed_processes_are_taken_away_and_those_of_running_ones_are_not(tmp_path):
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    lost, kept = tmp_path / f".a.txt.{ended.pid}.part", tmp_path / f".a.txt.{os.getppid()}.part"
+    others = tmp_path / ".a.txt.notes.part", tmp_path / f".b.txt.{ended.pid}.part"
+    for path in (lost, kept, *others):
+        path.write_text("half")
+    write_text(tmp_path / "a.txt", "whole")
+    assert sorted(tmp_path.iterdir()) == sorted([kept, *others, tmp_path / "a.txt"])
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b'{\n  "schema": 1,\n  "dataset": "x"',
+        b'{\n "cases": 3,\n "missing": []',
+        PAGE_SIGNATURE.encode(),
+        b'<hsr version="1"',
+    ],
+)
+def test_ones_own_files_and_empty_ones_are_known(tmp_path, content):
+    path = tmp_path / "a"
+    path.write_bytes(content)
+    assert is_ours(path)
+    check_replaceable(path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"import hsr_pin", b'{"dataset": "x", "schema": 1}', b"x" * 10_000 + b'{"schema": 1, "dataset": "x"', b"\x89PNG\r\n"],
+)
+def test_another_programs_file_is_replaced_only_by_force(tmp_path, content):
+    path = tmp_path / "a"
+    path.write_bytes(content)
+    with pytest.raises(OutputError, match=r"will not replace the file.*--force replaces it"):
+        check_replaceable(path)
+    check_replaceable(path, force=True)
+    check_replaceable(tmp_path / "new")
+
+
+@pytest.mark.parametrize("name", ["data/a.csv", "link", "data/way/a.csv"])
+def test_what_is_read_is_not_replaced_by_force_either(tmp_path, name):
+    folder = tmp_path / "data"
+    folder.mkdir()
+    (folder / "a.csv").write_text("t")
+    (tmp_path / "link").symlink_to(folder / "a.csv")
+    (folder / "way").symlink_to(folder)
+    for read in ([folder], [folder / "a.csv"], [tmp_path / "link"]):
+        with pytest.raises(OutputError, match="will not write over what is read"):
+            check_replaceable(tmp_path / name, read=read, force=True)
 
 
 @pytest.mark.parametrize("call", [check_writable, lambda path: write_text(path, "text")])

@@ -1,4 +1,4 @@
-"""README.md shows what its commands print."""
+"""README.md and the pages in docs/ show what their commands print, and lead somewhere."""
 
 import re
 import subprocess
@@ -28,6 +28,15 @@ def test_a_stale_output_is_found(tmp_path):
     assert "not current: python -c 'print(2)'" in done.stdout
 
 
-@pytest.mark.parametrize("picture", re.findall(r"!\[.*?\]\((.*?)\)", (ROOT / "README.md").read_text(encoding="utf-8")))
-def test_every_picture_is_there(picture):
-    assert (ROOT / picture).is_file()
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+LINKS = [
+    (page, target)
+    for page in PAGES
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
+    if "://" not in target
+]
+
+
+@pytest.mark.parametrize(("page", "target"), LINKS, ids=lambda value: getattr(value, "name", value))
+def test_every_picture_and_page_that_is_linked_is_there(page, target):
+    assert (page.parent / target).is_file()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hsr_pin.blind.kinds import kinds_of, names_of
 from hsr_pin.errors import InputError
 from hsr_pin.output import write_text
 
@@ -21,8 +22,11 @@ class Answer:
     """What is in one case.
 
     Attributes:
-        name, kind, effects: as in :class:`~hsr_pin.blind.cases.Case`.
+        name, kind, tier: as in :class:`~hsr_pin.blind.cases.Case`.
+        effects: names, those of the catalogue where it holds them.
         size: the named size that was reached, of a single effect or a law outside the catalogue; else empty.
+        names: for each effect, those that are right for it; kinds: for each effect, those that describe it.
+        background: names of small effects that are there too and may be noticed.
         facts: everything else, for people: laws with parameters, gaps, plant, program, nuisances, seed.
     """
 
@@ -31,17 +35,31 @@ class Answer:
     effects: tuple[str, ...]
     size: str
     facts: dict[str, Any]
+    tier: str = "clean"
+    names: tuple[tuple[str, ...], ...] = ()
+    kinds: tuple[tuple[str, ...], ...] = ()
+    background: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.names and self.kind != "outside":
+            object.__setattr__(self, "names", tuple(map(names_of, self.effects)))
+        if not self.kinds:
+            object.__setattr__(self, "kinds", tuple(map(kinds_of, self.effects)))
 
     def document(self) -> dict[str, Any]:
         """As it stands in the file."""
-        return {"name": self.name, "kind": self.kind, "effects": list(self.effects), "size": self.size, **self.facts}
+        told = {"name": self.name, "tier": self.tier, "kind": self.kind, "effects": list(self.effects), "size": self.size}
+        truth = {"names": [*map(list, self.names)], "kinds": [*map(list, self.kinds)], "background": list(self.background)}
+        return {**told, **truth, **self.facts}
 
     @classmethod
     def of(cls, document: dict[str, Any]) -> Answer:
         """From what `document` gave."""
         facts = dict(document)
         name, kind, effects, size = (facts.pop(key) for key in ("name", "kind", "effects", "size"))
-        return cls(name, kind, tuple(effects), size, facts)
+        tier = facts.pop("tier", "clean")
+        names, kinds = (tuple(map(tuple, facts.pop(key, ()))) for key in ("names", "kinds"))
+        return cls(name, kind, tuple(effects), size, facts, tier, names, kinds, tuple(facts.pop("background", ())))
 
 
 def seal(folder: Path, file: Path, seed: int, answers: list[Answer]) -> None:
@@ -61,13 +79,15 @@ def unseal(folder: Path, file: Path) -> list[Answer]:
     try:
         sealed = (folder / SEAL).read_text(encoding="utf-8")
         content = file.read_bytes()
-    except OSError as error:
-        raise InputError(
-            "answers", expected=f"{SEAL} in the folder, and the file", received=error.strerror, file=error.filename
-        ) from error
+    except (OSError, ValueError) as error:  # ValueError: bytes that are no text
+        received, there = getattr(error, "strerror", None) or error, getattr(error, "filename", None) or folder / SEAL
+        raise InputError("answers", expected=f"{SEAL} in the folder, and the file", received=received, file=there) from error
     if f"{_HASH}{_digest(content)}\n" not in sealed:
         raise InputError("answers", expected=f"the hash that {SEAL} gives", received=_digest(content), file=file)
-    return [Answer.of(case) for case in json.loads(content)["cases"]]
+    try:
+        return [Answer.of(case) for case in json.loads(content)["cases"]]
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError("answers", expected="what hsr-blind make wrote", received=repr(error), file=file) from error
 
 
 def _digest(content: bytes) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TypeVar
@@ -17,9 +17,9 @@ T = TypeVar("T")
 #: Kind of case, its effects, their sizes.
 Content = tuple[str, tuple[str, ...], tuple[str, ...]]
 
-#: Kind of case -> its share. 57 of 100: each of the nineteen effects at its three sizes.
+#: Kind of case -> its share of the clean tier. 57 of 100: each of the nineteen effects at its three sizes.
 SHARES: dict[str, float] = {"single": 0.57, "pair": 0.15, "none": 0.12, "outside": 0.16}
-#: Sizes of each effect of a pair: of two barely visible ones nobody could tell.
+#: Sizes of each effect of a pair, and wherever else of barely visible ones nobody could tell.
 PAIR_SIZES = ("medium", "large")
 #: Mixtures of what is done to the arm.
 PROGRAMS = (
@@ -43,10 +43,11 @@ class Case:
     """One case.
 
     Attributes:
-        name: of its folder. kind: a key of `SHARES`.
-        effects: names of laws, sizes: names of `SIZES`, one for each effect.
+        name: of its folder. kind: a key of the shares of its tier.
+        effects: names of laws, or ``name:variant``; sizes: names of `SIZES`, one for each effect.
         plant: "chain" or "rod"; mount, program, given: what is recorded.
         seed: of everything that is random in it.
+        tier: where it belongs. later: of a pair of recordings, the program of the second.
     """
 
     name: str
@@ -58,15 +59,17 @@ class Case:
     program: str
     given: str
     seed: int
+    tier: str = "clean"
+    later: str = ""
 
 
-def plan(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
-    """The cases of a check, in an order that tells nothing; balanced for any count."""
+def plan_clean(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
+    """The cases of the clean tier, in an order that tells nothing; balanced for any count."""
     if count < 1:
         raise InputError("cases", expected="one or more", received=count)
     rng = np.random.default_rng(seed)
     contents = _contents(rng, count)
-    recordings = zip(*(_balanced(rng, choices, count) for choices in (programs, MOUNTS, INPUTS)), strict=True)
+    recordings = zip(*(balanced(rng, choices, count) for choices in (programs, MOUNTS, INPUTS)), strict=True)
     rods = rng.integers(ROD_EVERY)
     cases = []
     for k, ((kind, effects, sizes), (program, mount, given)) in enumerate(zip(contents, recordings, strict=True)):
@@ -80,10 +83,10 @@ def plan(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Cas
 
 
 def _contents(rng: np.random.Generator, count: int) -> list[Content]:
-    number = _quotas(count)
+    number = quotas(count, SHARES)
     found: list[Content] = [("none", (), ())] * number["none"]
-    found += [("single", (effect,), (size,)) for effect, size in _crossed(rng, list(CATALOGUE), number["single"])]
-    found += [("outside", (law,), (size,)) for law, size in _crossed(rng, list(OUTSIDE), number["outside"])]
+    found += [("single", (effect,), (size,)) for effect, size in crossed(rng, list(CATALOGUE), number["single"])]
+    found += [("outside", (law,), (size,)) for law, size in crossed(rng, list(OUTSIDE), number["outside"])]
     pairs = list(combinations(CATALOGUE, 2))
     order = rng.permutation(len(pairs))
     for k in range(number["pair"]):
@@ -92,23 +95,25 @@ def _contents(rng: np.random.Generator, count: int) -> list[Content]:
     return found
 
 
-def _quotas(count: int) -> dict[str, int]:
+def quotas(count: int, shares: Mapping[str, float]) -> dict[str, int]:
     """How many cases of each kind: rounded down, the rest to those that lost most."""
-    exact = {kind: share * count for kind, share in SHARES.items()}
+    exact = {kind: share * count for kind, share in shares.items()}
     number = {kind: int(share + 1e-9) for kind, share in exact.items()}
-    losers = sorted(SHARES, key=lambda kind: number[kind] - exact[kind])
+    losers = sorted(shares, key=lambda kind: number[kind] - exact[kind])
     for kind in losers[: count - sum(number.values())]:
         number[kind] += 1
     return number
 
 
-def _crossed(rng: np.random.Generator, names: Sequence[str], count: int) -> list[tuple[str, str]]:
-    """Names with sizes: in each round every name once, and after three rounds at every size."""
-    order, sizes = rng.permutation(names), rng.permutation(list(SIZES))
+def crossed(
+    rng: np.random.Generator, names: Sequence[str], count: int, among: Sequence[str] = tuple(SIZES)
+) -> list[tuple[str, str]]:
+    """Names with sizes: in each round every name once, and after as many rounds as there are sizes at every size."""
+    order, sizes = rng.permutation(names), rng.permutation(list(among))
     size = len(names)
     return [(str(order[k % size]), str(sizes[(k % size + k // size) % len(sizes)])) for k in range(count)]
 
 
-def _balanced(rng: np.random.Generator, choices: Sequence[T], count: int) -> list[T]:
+def balanced(rng: np.random.Generator, choices: Sequence[T], count: int) -> list[T]:
     """Each choice as often as the others, in random order."""
     return [choices[k % len(choices)] for k in rng.permutation(count)]

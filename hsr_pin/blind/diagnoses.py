@@ -9,9 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hsr_pin.blind.pool import for_each
+from hsr_pin.blind.state import read_state, stands
 from hsr_pin.errors import InputError
 from hsr_pin.output import check_folder_writable, write_text
+from hsr_pin.parallel import for_each
 
 
 def recordings(folder: Path) -> list[Path]:
@@ -27,12 +28,19 @@ def recordings(folder: Path) -> list[Path]:
 
 
 def diagnose_all(
-    folder: Path, verdicts: Path, *, jobs: int = 1, seed: int = 0, advance: Callable[[], None] = lambda: None
+    folder: Path,
+    verdicts: Path,
+    *,
+    jobs: int = 1,
+    cluster: str | None = None,
+    seed: int = 0,
+    advance: Callable[[], None] = lambda: None,
 ) -> None:
-    """Write a verdict for each case that has none yet; a case that failed before is tried again."""
+    """Write a verdict for each case that has none yet; a case that failed before, or whose verdict is damaged, is tried again."""
     check_folder_writable(verdicts)
     verdicts.mkdir(parents=True, exist_ok=True)
-    for_each(partial(diagnose_case, verdicts=verdicts, seed=seed), recordings(folder), jobs, advance)
+    work = partial(diagnose_case, verdicts=verdicts.resolve(), seed=seed)
+    for_each(work, recordings(folder.resolve()), jobs=jobs, cluster=cluster, advance=advance)
 
 
 def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
@@ -54,9 +62,19 @@ def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
 
 
 def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:
-    """Name of the case -> what was written for it."""
-    return {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(verdicts.glob("case_*.json"))}
+    """Name of the case -> what was written for it.
+
+    Raises:
+        InputError: a file is damaged.
+    """
+    hint = "hsr-blind run diagnoses this case again"
+    return {path.stem: read_state(path, hint) for path in sorted(verdicts.glob("case_*.json"))}
+
+
+def failed(verdicts: Path) -> dict[str, str]:
+    """Name of the case -> the error that came of it, for those that have no verdict."""
+    return {name: str(said["error"]) for name, said in read_verdicts(verdicts).items() if "error" in said}
 
 
 def _is_done(file: Path) -> bool:
-    return file.exists() and "error" not in json.loads(file.read_text(encoding="utf-8"))
+    return stands(file) and "error" not in read_state(file, "")

@@ -10,26 +10,44 @@ from math import sqrt
 from pathlib import Path
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.pool import for_each
+from hsr_pin.blind.state import read_state, stands
+from hsr_pin.errors import InputError, quoted
 from hsr_pin.output import write_text
+from hsr_pin.parallel import for_each
 
 
 def consult(
-    folder: Path, cache: Path, answers: Sequence[Answer], *, jobs: int = 1, advance: Callable[[], None] = lambda: None
+    folder: Path,
+    cache: Path,
+    answers: Sequence[Answer],
+    *,
+    jobs: int = 1,
+    cluster: str | None = None,
+    advance: Callable[[], None] = lambda: None,
 ) -> None:
     """Write the held-out RMS distance of the true law for each case with effects of the catalogue that has none yet."""
     cache.mkdir(parents=True, exist_ok=True)
     asked = [(answer.name, answer.effects) for answer in answers if answer.kind in ("single", "pair")]
-    open_cases = [case for case in asked if not (cache / f"{case[0]}.json").exists()]
+    open_cases = [case for case in asked if not stands(cache / f"{case[0]}.json")]
     for _ in range(len(asked) - len(open_cases)):
         advance()
-    for_each(partial(_consult, folder=folder, cache=cache), open_cases, jobs, advance)
+    work = partial(_consult, folder=folder.resolve(), cache=cache.resolve())
+    for_each(work, open_cases, jobs=jobs, cluster=cluster, advance=advance)
 
 
 def read_oracle(cache: Path) -> dict[str, float]:
-    """Name of the case -> held-out RMS distance [mm] of the true law."""
-    found = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(cache.glob("case_*.json"))}
-    return {name: float(document["heldout_rms_mm"]) for name, document in found.items()}
+    """Name of the case -> held-out RMS distance [mm] of the true law.
+
+    Raises:
+        InputError: a file is damaged.
+    """
+    hint, found = "hsr-blind score --oracle fits it again once it is deleted", {}
+    for path in sorted(cache.glob("case_*.json")):
+        rms = read_state(path, hint).get("heldout_rms_mm")
+        if not isinstance(rms, (int, float)):
+            raise InputError("damaged", expected="heldout_rms_mm", received=quoted(rms), hint=hint, file=path)
+        found[path.stem] = float(rms)
+    return found
 
 
 def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> None:
@@ -47,7 +65,7 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.fit import fit
     from hsr_pin.identification.heldout import leave_one_out
-    from hsr_pin.identification.hypothesis import Hypothesis
+    from hsr_pin.identification.hypothesis import Hypothesis, Part
     from hsr_pin.recordings.read import read_dataset
 
     experiment = prepare(read_dataset(recording))
@@ -59,7 +77,8 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
         for readings in product(*(kind.variants() for kind in kinds)):
             last = nothing
             for kind, reading in zip(kinds, readings, strict=True):
-                for guess in guesses(experiment, last.fit, [neutral(kind, **reading)]):  # one, or none that can be simulated
-                    last = finish(experiment, last.fit, glance(experiment, last.fit, guess))
+                part = Part(kind.name, neutral(kind, **reading))
+                for guess in guesses(experiment, last.fit, [part]):  # one, or none that can be simulated
+                    last = finish(experiment, glance(experiment, last.fit, guess))
             found.append(mean_square(last))
     return sqrt(min(found))

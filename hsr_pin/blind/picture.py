@@ -1,11 +1,12 @@
-"""The confusion matrix as a picture."""
+"""The confusion matrix, and the reliability of stated confidence, as pictures."""
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
-from hsr_pin.blind.plants.laws import CATALOGUE
-from hsr_pin.blind.scoring import ALL, IN, RIGHT, SEVERAL, SOME, Score
+from hsr_pin.blind.reliability import Reliability
+from hsr_pin.blind.scoring import Score
 from hsr_pin.replay.plots import save
 
 #: Of verdicts: Okabe and Ito's green and vermilion, which colour-blind readers can tell apart, and grey.
@@ -17,6 +18,9 @@ def draw(score: Score, path: str | Path) -> None:
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch, Rectangle
 
+    meanings: dict[tuple[str, str], Counter[str]] = {}
+    for outcome in score.outcomes:
+        meanings.setdefault((outcome.row, outcome.column), Counter())[meaning(outcome.grade)] += 1
     shown = [k for k, counts in enumerate(score.counts) if sum(counts)]
     figure = Figure(figsize=(10.5, 2.8 + 0.27 * len(shown)), layout="constrained")
     axes = figure.add_subplot()
@@ -25,7 +29,7 @@ def draw(score: Score, path: str | Path) -> None:
         for x, (column, count) in enumerate(zip(score.columns, counts, strict=True)):
             if count:
                 depth = 0.25 + 0.75 * count / sum(counts)
-                colour = COLOURS[meaning(row, column)]
+                colour = COLOURS[meanings[row, column].most_common(1)[0][0]]
                 axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, alpha=depth, linewidth=0))
                 axes.text(x, y, str(count), ha="center", va="center", fontsize=9, color="white" if depth > 0.6 else "black")
     axes.set_xlim(-0.5, len(score.columns) - 0.5)
@@ -45,8 +49,24 @@ def draw(score: Score, path: str | Path) -> None:
     save(figure, path)
 
 
-def meaning(row: str, column: str) -> str:
-    """Whether a verdict is right, wrong, or names nothing: a key of `COLOURS`."""
-    if column in (row, ALL, IN) or column in RIGHT.get(row, ()):
-        return "right"
-    return "wrong" if column in CATALOGUE or (column in SEVERAL and column != SOME) else "nameless"
+def meaning(grade: str) -> str:
+    """What a grade comes down to: a key of `COLOURS`."""
+    return {"right": "right", "exact": "right", "alternatives": "right", "wrong": "wrong"}.get(grade, "nameless")
+
+
+def draw_reliability(found: Reliability, path: str | Path) -> None:
+    """Write it to a .png, .pdf or .svg file: how often claims were right, over the confidence that was stated."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(4.6, 4.4), layout="constrained")
+    axes = figure.add_subplot()
+    axes.plot([0, 1], [0, 1], color="#888888", linewidth=1, linestyle="--")
+    for each in found.bins:
+        low, high = each.right.interval
+        axes.plot([each.stated] * 2, [low, high], color=COLOURS["right"], linewidth=1)
+        axes.plot(each.stated, each.right.share, "o", color=COLOURS["right"], markersize=5)
+        axes.annotate(str(each.right.of), (each.stated, each.right.share), (5, -9), textcoords="offset points", fontsize=7)
+    low, high = found.interval
+    axes.set_title(f"calibration error {found.error:.3f} ({low:.3f} to {high:.3f})", fontsize=9)
+    axes.set(xlim=(0, 1.02), ylim=(0, 1.02), xlabel="stated confidence", ylabel="share that was right")
+    save(figure, path)

@@ -2,113 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.blind.answers import Answer
+from hsr_pin.blind.outcome import GRADES, RIGHT, SEVERAL, Outcome, outcome_of
 from hsr_pin.blind.plants.laws import CATALOGUE
 from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.blind.rate import Rate
+from hsr_pin.blind.reliability import Reliability, reliability
 from hsr_pin.errors import InputError
 
 #: Verdicts that name nothing, and one that never came.
 NAMELESS = ("parameters", "no_gap", "unexplained", "insufficient", "error")
-#: Which of them are right where no effect of the catalogue is at work.
-RIGHT = {"none": ("parameters", "no_gap"), "outside": ("unexplained",)}
-#: Columns of the confusion matrix for verdicts that name several effects, together or as alternatives.
-ALL, SOME, WRONG, IN, NOT_IN = SEVERAL = (
-    "all of several",
-    "some of several",
-    "several, wrong",
-    "alternatives, truth in",
-    "alternatives, truth not in",
-)
 #: What else a score tells of a case.
 FACTS = ("program", "mount", "plant")
+#: What of a case's facts decides whether a verdict is right.
+DECIDING = ("own",)
 #: A shrinkage this share of the oracle's is as good as it gets.
 CLOSE = 0.9
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One case, answered.
-
-    Attributes:
-        answer: the truth.
-        status: of the verdict; "error" where the diagnosis failed.
-        sets: of names that the verdict offers: one if identified, several if ambiguous, none otherwise.
-        sentence: the verdict in words.
-        shrinkage: share of the RMS distance left by stiffness and damping that is gone, on held-out trials; None if unknown.
-        oracle: the same for the true law; None without one.
-    """
-
-    answer: Answer
-    status: str
-    sets: tuple[frozenset[str], ...]
-    sentence: str
-    shrinkage: float | None
-    oracle: float | None
-
-    @property
-    def exact(self) -> bool:
-        """Whether the truth is what was named, or among the alternatives stated; whether nothing was named where nothing is."""
-        if self.answer.kind in RIGHT:
-            return self.status in RIGHT[self.answer.kind]
-        return frozenset(self.answer.effects) in self.sets
-
-    @property
-    def wrong_name(self) -> bool:
-        """Whether every set of names on offer has one in it that is not in the truth."""
-        truth = set(self.answer.effects) if self.answer.kind not in RIGHT else set()
-        return bool(self.sets) and all(names - truth for names in self.sets)
-
-    @property
-    def row(self) -> str:
-        """In the confusion matrix."""
-        return self.answer.effects[0] if self.answer.kind == "single" else self.answer.kind
-
-    @property
-    def column(self) -> str:
-        """In the confusion matrix."""
-        if not self.sets:
-            return self.status
-        if len(self.sets) > 1:
-            return IN if self.exact else NOT_IN
-        names = self.sets[0]
-        if names < set(self.answer.effects):
-            return SOME
-        if len(names) > 1:
-            return ALL if self.exact else WRONG
-        return next(iter(names))
-
-
-@dataclass(frozen=True)
-class Rate:
-    """So many of so many, with the exact 95 % interval of the probability (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
-
-    hits: int
-    of: int
-
-    @property
-    def share(self) -> float:
-        """0 to 1; nan of nothing."""
-        return self.hits / self.of if self.of else float("nan")
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """95 %."""
-        from scipy.stats import binomtest
-
-        if not self.of:
-            return 0.0, 1.0
-        low, high = binomtest(self.hits, self.of).proportion_ci()
-        return float(low), float(high)
-
-    def __str__(self) -> str:
-        if not self.of:
-            return "no case"
-        low, high = self.interval
-        return f"{100 * self.share:.0f} % ({self.hits} of {self.of}; {100 * low:.0f} to {100 * high:.0f} %)"
 
 
 @dataclass(frozen=True)
@@ -134,13 +48,31 @@ class Score:
         """Every case that was not answered exactly."""
         return tuple(outcome for outcome in self.outcomes if not outcome.exact)
 
+    @property
+    def tiers(self) -> tuple[str, ...]:
+        """Those that there are cases of."""
+        return tuple(dict.fromkeys(outcome.answer.tier for outcome in self.outcomes))
+
+    def grades(self, tier: str, kind: str) -> dict[str, int]:
+        """Grade -> how many cases of this tier and kind came out so."""
+        found = Counter(o.grade for o in self.outcomes if (o.answer.tier, o.answer.kind) == (tier, kind))
+        return {grade: found[grade] for grade in GRADES}
+
+    def reliability(self) -> Reliability | None:
+        """Stated confidence against how often it was right; None where none was stated."""
+        claims = [[(value, outcome.is_so(claim)) for claim, value in outcome.confidence] for outcome in self.outcomes]
+        return reliability(claims) if any(claims) else None
+
     def document(self) -> dict[str, Any]:
         """For programs."""
+        trust = self.reliability()
+        more = {} if trust is None else {"reliability": trust.document()}
         return {
             "cases": len(self.outcomes),
             "missing": list(self.missing),
             "rates": {name: {"hits": rate.hits, "of": rate.of, "ci95": list(rate.interval)} for name, rate in self.rates.items()},
             "confusion": {"rows": list(self.rows), "columns": list(self.columns), "counts": [list(row) for row in self.counts]},
+            **more,
             "outcomes": [_document(outcome) for outcome in self.outcomes],
         }
 
@@ -152,9 +84,12 @@ def score(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, Any]], ora
         answers: of all cases.
         verdicts: name of the case -> what ``hsr-diagnose`` wrote.
         oracle: name of the case -> RMS distance [mm] that the true law leaves on held-out trials.
+
+    Raises:
+        InputError: a verdict is none.
     """
     known = oracle or {}
-    found = tuple(_outcome(each, verdicts[each.name], known.get(each.name)) for each in answers if each.name in verdicts)
+    found = tuple(outcome_of(each, verdicts[each.name], known.get(each.name)) for each in answers if each.name in verdicts)
     return _tally(found, tuple(each.name for each in answers if each.name not in verdicts))
 
 
@@ -166,32 +101,58 @@ def scored(document: dict[str, Any]) -> Score:
     """
     try:
         return _tally(tuple(map(_read, document["outcomes"])), tuple(document["missing"]))
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
 
 
 def _tally(found: tuple[Outcome, ...], missing: tuple[str, ...]) -> Score:
-    rows = (*CATALOGUE, "pair", "none", "outside")
-    columns = (*CATALOGUE, *SEVERAL, *NAMELESS)
-    cells = [(outcome.row, outcome.column) for outcome in found]
-    counts = tuple(tuple(cells.count((row, column)) for column in columns) for row in rows)
+    rows = _with_others((*CATALOGUE, "pair", "none", "outside"), (outcome.row for outcome in found))
+    columns = _with_others((*CATALOGUE, *SEVERAL, *NAMELESS), (outcome.column for outcome in found))
+    cells = Counter((outcome.row, outcome.column) for outcome in found)
+    counts = tuple(tuple(cells[row, column] for column in columns) for row in rows)
     return Score(found, missing, _rates(found), rows, columns, counts)
 
 
+def _with_others(known: Sequence[str], used: Iterable[str]) -> tuple[str, ...]:
+    return (*known, *sorted(set(used) - set(known)))
+
+
 def _rates(found: Sequence[Outcome]) -> dict[str, Rate]:
-    single = [o for o in found if o.answer.kind == "single"]
+    clean = [o for o in found if o.answer.tier == "clean"]
+    single = [o for o in clean if o.answer.kind == "single"]
     unnamed = [o for o in found if o.answer.kind in RIGHT]
     judged = [o for o in found if o.oracle is not None and o.shrinkage is not None]
     clear = [o for o in single if o.answer.size in ("medium", "large")]
+    named = [o for o in found if o.status == "ambiguous"]
     return {
         "exact, single effects of medium and large size": _exact(clear),
         **{f"exact, single effects, {size}": _exact([o for o in single if o.answer.size == size]) for size in ("below", *SIZES)},
-        **{f"exact, {kind}": _exact([o for o in found if o.answer.kind == kind]) for kind in ("pair", "none", "outside")},
+        **{f"exact, {kind}": _exact([o for o in clean if o.answer.kind == kind]) for kind in ("pair", "none", "outside")},
+        **_tier_rates(found),
         "wrong names, all cases": Rate(sum(o.wrong_name for o in found), len(found)),
         "any name, none and outside": Rate(sum(bool(o.sets) for o in unnamed), len(unnamed)),
-        "truth among the alternatives, ambiguous verdicts": _exact([o for o in found if o.status == "ambiguous"]),
+        "truth among the alternatives, ambiguous verdicts": _exact(named),
         "shrinkage within 10 % of the oracle's": Rate(sum(map(_as_good, judged)), len(judged)),
     }
+
+
+def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
+    """Those of tiers other than the clean one, if there are any."""
+    by = {tier: [o for o in found if o.answer.tier == tier and o.answer.kind not in RIGHT] for tier in ("messy", "forms", "real")}
+    rates: dict[str, Rate] = {}
+    for tier, cases in by.items():
+        if cases:
+            rates[f"{tier}: exact or among the alternatives"] = _exact(cases)
+            rates[f"{tier}: kind right"] = Rate(sum(o.kind_right for o in cases), len(cases))
+            rates[f"{tier}: silent"] = Rate(sum(o.grade == "silent" for o in cases), len(cases))
+            rates[f"{tier}: wrong"] = Rate(sum(o.grade == "wrong" for o in cases), len(cases))
+    if {o.answer.tier for o in found} - {"clean"}:
+        for kind in ("none", "outside"):
+            messy = [o for o in found if (o.answer.tier, o.answer.kind) == ("messy", kind)]
+            rates[f"messy: no name, {kind}"] = Rate(sum(not o.sets for o in messy), len(messy))
+        outside = [o for o in found if o.answer.kind == "outside"]
+        rates["kind right, outside"] = Rate(sum(o.kind_right for o in outside), len(outside))
+    return rates
 
 
 def _exact(among: Sequence[Outcome]) -> Rate:
@@ -202,33 +163,23 @@ def _as_good(outcome: Outcome) -> bool:
     return outcome.shrinkage is not None and outcome.oracle is not None and outcome.shrinkage >= CLOSE * outcome.oracle
 
 
-def _outcome(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None) -> Outcome:
-    if "error" in verdict:
-        return Outcome(answer, "error", (), verdict["error"], None, None)
-    said = verdict["verdict"]
-    sets = {"identified": [said["effects"]], "ambiguous": said["alternatives"]}.get(said["status"], [])
-    rungs = {rung["rung"]: rung["heldout_rms_mm"] for rung in verdict["ladder"]}
-    before, (*_, after, _floor) = rungs.get("stiffness and damping"), rungs.values()  # at the ladder's foot stands the noise
-    return Outcome(
-        answer,
-        said["status"],
-        tuple(frozenset(names) for names in sets),
-        said["sentence"],
-        None if before is None else 1 - after / before,
-        None if before is None or oracle_mm is None else 1 - oracle_mm / before,
-    )
-
-
 def _document(outcome: Outcome) -> dict[str, Any]:
     answer = outcome.answer
     return {
         "name": answer.name,
+        "tier": answer.tier,
         "kind": answer.kind,
         "effects": list(answer.effects),
         "size": answer.size,
-        "facts": {name: answer.facts[name] for name in FACTS if name in answer.facts},
+        "right_names": [list(names) for names in answer.names],
+        "right_kinds": [list(kinds) for kinds in answer.kinds],
+        "background": list(answer.background),
+        "facts": {name: answer.facts[name] for name in (*FACTS, *DECIDING) if name in answer.facts},
         "status": outcome.status,
         "sets": [sorted(names) for names in outcome.sets],
+        "kinds": list(outcome.kinds),
+        "confidence": dict(outcome.confidence),
+        "grade": outcome.grade,
         "exact": outcome.exact,
         "wrong_name": outcome.wrong_name,
         "shrinkage": outcome.shrinkage,
@@ -238,7 +189,18 @@ def _document(outcome: Outcome) -> dict[str, Any]:
 
 
 def _read(document: dict[str, Any]) -> Outcome:
-    case = {name: document[name] for name in ("name", "kind", "size", "facts")}
+    answer = Answer(
+        document["name"],
+        document["kind"],
+        tuple(document["effects"]),
+        document["size"],
+        document["facts"],
+        document.get("tier", "clean"),
+        tuple(map(tuple, document.get("right_names", ()))),
+        tuple(map(tuple, document.get("right_kinds", ()))),
+        tuple(document.get("background", ())),
+    )
     said = {name: document[name] for name in ("status", "sentence", "shrinkage", "oracle")}
     sets = tuple(frozenset(names) for names in document["sets"])
-    return Outcome(Answer(effects=tuple(document["effects"]), **case), sets=sets, **said)
+    confidence = tuple(sorted(document.get("confidence", {}).items()))
+    return Outcome(answer, sets=sets, kinds=tuple(document.get("kinds", ())), confidence=confidence, **said)

@@ -1,1 +1,12 @@
 """The commands: parse, call, print. One file a command; ``*_report`` prints what it found, ``command`` ends it."""
+
+import os
+import sys
+
+try:
+    from signal import SIG_DFL, SIGINT, default_int_handler, getsignal, signal
+
+    if os.path.basename(sys.argv[0]).startswith("hsr-") and getsignal(SIGINT) is default_int_handler:
+        signal(SIGINT, SIG_DFL)  # Ctrl-C ends a command that is still being loaded without a word; `command.run` takes over
+except KeyboardInterrupt:
+    sys.exit(130)

@@ -11,22 +11,34 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, force_option
 from hsr_pin.cli.progress import counted
-from hsr_pin.errors import InputError
+from hsr_pin.errors import InputError, one_line
 
 if TYPE_CHECKING:
+    from hsr_pin.blind.answers import Answer
+    from hsr_pin.blind.cases import Case
+    from hsr_pin.blind.changes import ChangeScore
     from hsr_pin.blind.scoring import Score
+    from hsr_pin.blind.workshop import Workshop
 
 _EPILOG = "Example: hsr-blind make --seed 7 --cases 200 -o check && hsr-blind run check && hsr-blind score check"
 _FOLDER = click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
 _JOBS = click.option("--jobs", type=click.IntRange(1, 1000), default=1, show_default=True, help="Cases at a time.")
+_CLUSTER = click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers do it; they see the same folders.")
 _FILE = click.Path(path_type=Path)
 _PLOT = click.option("--plot", "plot_file", metavar="FILE", type=_FILE, help="Write the confusion matrix as a picture.")
+_TRUST = click.option(
+    "--reliability", "trust_file", metavar="FILE", type=_FILE, help="Write stated confidence against truth as a picture."
+)
 
 
 @click.group(name="hsr-blind", epilog=_EPILOG, context_settings={"max_content_width": 100})
 def command() -> None:
     """Check the diagnosis on recordings whose effect is withheld.
+
+    Cases are of tiers: clean arms with an effect or two; messy ones, with many small effects and bad recordings; laws in other
+    forms than the catalogue's; recordings of hardware whose cause is withheld; pairs of recordings of which one differs.
 
     Three steps: `make` records cases with engines that share nothing with the model, and seals their answers outside of the
     folder; `run` diagnoses every recording from its folder alone; `score` opens the answers. The first two go on where they were
@@ -37,32 +49,80 @@ def command() -> None:
 
 @command.command(name="make")
 @click.option("--seed", type=click.IntRange(0), required=True, help="All follows from it: keep it apart until the score.")
-@click.option("--cases", type=click.IntRange(1, 999), default=200, show_default=True, help="How many.")
+@click.option("--cases", type=click.IntRange(1, 999), help="How many, of all tiers by their shares.  [default: 300]")
+@click.option("--tier", "tiers", metavar="NAME=N", multiple=True, help="How many of clean, messy or forms; several may be given.")
+@click.option("--real", metavar="DIR", type=_FILE, help="Recordings of hardware: adds cases whose cause is withheld.")
+@click.option("--change", metavar="N", type=click.IntRange(1, 999), help="Instead, N pairs of recordings: what has changed?")
 @click.option("-o", "folder", metavar="DIR", type=_FILE, required=True, help="A new folder for the recordings.")
 @click.option("--answers", metavar="FILE", type=_FILE, help="Where to seal the answers.  [default: DIR-answers.json]")
 @_JOBS
-def make_command(seed: int, cases: int, folder: Path, answers: Path | None, jobs: int) -> None:
+@force_option
+def make_command(seed: int, folder: Path, answers: Path | None, jobs: int, real: Path | None, force: bool, **what: Any) -> None:
     """Record cases without labels, and seal their answers."""
-    from hsr_pin.blind.make import make
+    from hsr_pin.blind.make import check_answers, make
+    from hsr_pin.blind.workshop import Workshop
+    from hsr_pin.cli.console import say
 
-    with counted("recording", cases) as advance:
-        file = make(folder, seed, cases, answers, jobs=jobs, advance=advance)
-    click.echo(f"wrote {folder}, {file}")
+    workshop = Workshop(recordings=real)
+    cases = _planned(seed, workshop, **what)
+    check_answers(folder, answers, force)
+    with counted("recording", len(cases)) as advance:
+        file = make(folder, seed, cases, answers, jobs=jobs, workshop=workshop, advance=advance)
+    say(f"wrote {folder}, {file}")
+
+
+def _planned(seed: int, workshop: Workshop, cases: int | None, tiers: tuple[str, ...], change: int | None) -> tuple[Case, ...]:
+    """The cases that the options ask for."""
+    from hsr_pin.blind.real.build import plan_real
+    from hsr_pin.blind.tiers import by_shares, plan, plan_changes, shuffled
+
+    if change is not None:
+        if cases or tiers or workshop.recordings:
+            raise InputError("--change", expected="no other cases in the same folder", hint="no --cases, --tier, --real")
+        return shuffled(seed, plan_changes(seed, change, workshop.programs))
+    if cases and tiers:
+        raise InputError("cases", expected="--cases, or --tier for each tier", received="both")
+    real = plan_real(seed) if workshop.recordings else ()
+    counts = _counts(tiers) if tiers else {} if real and not cases else by_shares(cases or 300)
+    chosen = (*plan(seed, counts, workshop.programs), *real)
+    if not chosen:
+        raise InputError("cases", expected="one or more", received="none")
+    return shuffled(seed, chosen)
+
+
+def _counts(tiers: tuple[str, ...]) -> dict[str, int]:
+    counts = {}
+    for text in tiers:
+        name, _, number = text.partition("=")
+        if not number.isdecimal():
+            raise InputError("--tier", expected="NAME=N, as in messy=160", received=text)
+        counts[name] = int(number)
+    return counts
 
 
 @command.command(name="run")
 @_FOLDER
 @_JOBS
+@_CLUSTER
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the resampling.")
 @click.option("-o", "verdicts", metavar="DIR", type=_FILE, help="Where to write the verdicts.  [default: DIR/verdicts]")
-def run_command(folder: Path, jobs: int, seed: int, verdicts: Path | None) -> None:
+def run_command(folder: Path, jobs: int, cluster: str | None, seed: int, verdicts: Path | None) -> None:
     """Diagnose every recording in DIR that has no verdict yet."""
-    from hsr_pin.blind.diagnoses import diagnose_all, recordings
+    from hsr_pin.blind.diagnoses import diagnose_all, failed, recordings
+    from hsr_pin.cli.console import say
 
-    target = verdicts or folder / "verdicts"
-    with counted("diagnosing", len(recordings(folder))) as advance:
-        diagnose_all(folder, target, jobs=jobs, seed=seed, advance=advance)
-    click.echo(f"wrote {target}")
+    target, names = verdicts or folder / "verdicts", [path.name for path in recordings(folder)]
+    with counted("diagnosing", len(names)) as advance:
+        diagnose_all(folder, target, jobs=jobs, cluster=cluster, seed=seed, advance=advance)
+    errors = [f"{name}: {error}" for name, error in failed(target).items() if name in names]
+    if len(errors) == len(names):
+        hint = f"the others are in {target}; hsr-blind run tries them again"
+        raise InputError("no case could be diagnosed", received=errors[0], hint=hint, file=folder)
+    say(f"wrote {target}")
+    if errors:
+        click.echo(
+            one_line(f"{len(errors)} of {len(names)} cases could not be diagnosed, and count as errors: {errors[0]}"), err=True
+        )
 
 
 @command.command(name="score")
@@ -71,57 +131,107 @@ def run_command(folder: Path, jobs: int, seed: int, verdicts: Path | None) -> No
 @click.option("--verdicts", metavar="DIR", type=_FILE, help="[default: DIR/verdicts]")
 @click.option("--oracle", is_flag=True, help="Fit the true laws too, to know how far the gap could shrink (kept in DIR/oracle).")
 @_JOBS
+@_CLUSTER
 @click.option("--json", "json_file", metavar="FILE", type=_FILE, help="Write the score for programs.")
 @_PLOT
+@_TRUST
+@force_option
 def score_command(folder: Path, answers: Path | None, verdicts: Path | None, jobs: int, **options: Any) -> None:
     """Open the answers, and say how often the diagnosis was right."""
-    from hsr_pin.blind.answers import unseal
+    from hsr_pin.blind.answers import SEAL, unseal
     from hsr_pin.blind.diagnoses import read_verdicts
     from hsr_pin.blind.make import default_answers
     from hsr_pin.blind.oracle import consult, read_oracle
     from hsr_pin.blind.scoring import score
-    from hsr_pin.output import check_writable, write_text
 
-    for file in filter(None, (options["json_file"], options["plot_file"])):
-        check_writable(file)
-    truth = unseal(folder, answers or default_answers(folder.resolve()))
+    answers, verdicts = answers or default_answers(folder.resolve()), verdicts or folder / "verdicts"
+    state = [answers, folder / SEAL, *verdicts.glob("*.json"), *folder.glob("oracle/*.json"), *folder.glob("case_*")]
+    _check(options, state)
+    truth = unseal(folder, answers)
+    if truth and all(answer.tier == "change" for answer in truth):
+        _score_pairs(truth, read_verdicts(verdicts), options)
+        return
     if options["oracle"]:
         with counted("oracle", sum(answer.kind in ("single", "pair") for answer in truth)) as advance:
-            consult(folder, folder / "oracle", truth, jobs=jobs, advance=advance)
-    found = score(truth, read_verdicts(verdicts or folder / "verdicts"), read_oracle(folder / "oracle"))
+            consult(folder, folder / "oracle", truth, jobs=jobs, cluster=options["cluster"], advance=advance)
+    found = score(truth, read_verdicts(verdicts), read_oracle(folder / "oracle"))
+    _tell(found, options)
+
+
+def _check(options: dict[str, Any], read: list[Path]) -> None:
+    """Refuse what could not or must not be written, before anything is computed."""
+    pictures = {"--plot": options["plot_file"], "--reliability": options["trust_file"]}
+    if any(pictures.values()):
+        from hsr_pin.replay.plots import picture_format
+
+        for file in filter(None, pictures.values()):
+            picture_format(file)
+    check_outputs({"--json": options.get("json_file"), **pictures}, read=read, force=options["force"])
+
+
+def _score_pairs(truth: list[Answer], verdicts: dict[str, dict[str, Any]], options: dict[str, Any]) -> None:
+    from hsr_pin.blind.changes import score_changes
+    from hsr_pin.cli.blind_report import report_changes
+    from hsr_pin.cli.console import say, shown
+
+    for option, name in (("--oracle", "oracle"), ("--plot", "plot_file"), ("--reliability", "trust_file")):
+        if options[name]:
+            raise InputError("pairs of recordings", expected="--json, and no pictures and no oracle", received=option)
+    found = score_changes(truth, verdicts)
+    with shown():
+        say(report_changes(found))
     if options["json_file"]:
-        write_text(options["json_file"], json.dumps(found.document(), indent=1, allow_nan=False) + "\n")
-    _tell(found, options["plot_file"])
-    if options["json_file"]:
-        click.echo(f"wrote {options['json_file']}")
+        _write(found, options["json_file"])
+
+
+def _write(found: Score | ChangeScore, file: Path) -> None:
+    """A score for programs."""
+    from hsr_pin.cli.console import say
+    from hsr_pin.output import write_text
+
+    write_text(file, json.dumps(found.document(), indent=1, allow_nan=False) + "\n")
+    say(f"wrote {file}")
 
 
 @command.command(name="show")
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @_PLOT
-def show_command(file: Path, plot_file: Path | None) -> None:
+@_TRUST
+@force_option
+def show_command(file: Path, **options: Any) -> None:
     """Print a score that was written with --json."""
     from hsr_pin.blind.scoring import scored
-    from hsr_pin.output import check_writable
 
-    if plot_file:
-        check_writable(plot_file)
+    _check(options, [file])
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError("score", expected="a file that hsr-blind score --json wrote", received=error, file=file) from error
-    _tell(scored(document), plot_file)
+    _tell(scored(document), options)
 
 
-def _tell(found: Score, plot_file: Path | None) -> None:
+def _tell(found: Score, options: dict[str, Any]) -> None:
+    """Print a score, then write the files."""
     from hsr_pin.cli.blind_report import report
+    from hsr_pin.cli.console import say, shown
 
-    click.echo(report(found))
-    if plot_file:
+    trust = found.reliability() if options["trust_file"] else None
+    if options["trust_file"] and trust is None:
+        raise InputError("reliability", expected="verdicts that state a confidence", received="none")
+    with shown():
+        say(report(found))
+    if options.get("json_file"):
+        _write(found, options["json_file"])
+    if options["plot_file"]:
         from hsr_pin.blind.picture import draw
 
-        draw(found, plot_file)
-        click.echo(f"wrote {plot_file}")
+        draw(found, options["plot_file"])
+        say(f"wrote {options['plot_file']}")
+    if trust and options["trust_file"]:
+        from hsr_pin.blind.picture import draw_reliability
+
+        draw_reliability(trust, options["trust_file"])
+        say(f"wrote {options['trust_file']}")
 
 
 def main() -> None:

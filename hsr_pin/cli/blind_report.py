@@ -1,27 +1,62 @@
-"""What ``hsr-blind score`` prints: rates, the confusion matrix, every miss."""
+"""What ``hsr-blind score`` prints: rates, grades, calibration, the confusion matrix, every miss."""
 
 from __future__ import annotations
 
 from textwrap import wrap
 
-from hsr_pin.blind.scoring import FACTS, Outcome, Score
+from hsr_pin.blind.changes import ChangeScore
+from hsr_pin.blind.outcome import GRADES, Outcome
+from hsr_pin.blind.rate import Rate
+from hsr_pin.blind.reliability import Reliability
+from hsr_pin.blind.scoring import FACTS, Score
 
 
 def report(score: Score) -> str:
     """The whole text."""
-    parts = [f"{len(score.outcomes)} cases diagnosed" + _missing(score), _rates(score), _matrix(score), _misses(score)]
-    return "\n\n".join(parts)
+    parts = [f"{len(score.outcomes)} cases diagnosed" + _missing(score), _rates(score.rates)]
+    if set(score.tiers) - {"clean"}:
+        parts.append(_grades(score))
+    if trust := score.reliability():
+        parts.append(_calibration(trust))
+    return "\n\n".join([*parts, _matrix(score), _misses(score.misses)])
 
 
-def _missing(score: Score) -> str:
+def report_changes(score: ChangeScore) -> str:
+    """The whole text on pairs of recordings."""
+    wrong = tuple(
+        outcome for outcome, size in zip(score.outcomes, score.sizes, strict=True) if not outcome.exact or size is False
+    )
+    return "\n\n".join([f"{len(score.outcomes)} pairs diagnosed" + _missing(score), _rates(score.rates), _misses(wrong)])
+
+
+def _missing(score: Score | ChangeScore) -> str:
     return (
         f", {len(score.missing)} not: {', '.join(score.missing[:5])}{' ...' * (len(score.missing) > 5)}" if score.missing else ""
     )
 
 
-def _rates(score: Score) -> str:
-    width = max(map(len, score.rates))
-    return "\n".join(f"{name:<{width}}  {rate}" for name, rate in score.rates.items())
+def _rates(rates: dict[str, Rate]) -> str:
+    width = max(map(len, rates))
+    return "\n".join(f"{name:<{width}}  {rate}" for name, rate in rates.items())
+
+
+def _grades(score: Score) -> str:
+    """How each tier and kind of case came out."""
+    cases = dict.fromkeys((outcome.answer.tier, outcome.answer.kind) for outcome in score.outcomes)
+    lines = ["tier and kind of case".ljust(24) + "".join(f"{grade:>14}" for grade in GRADES)]
+    for tier, kind in sorted(cases):
+        counts = score.grades(tier, kind)
+        lines.append(f"{tier}, {kind}".ljust(24) + "".join(f"{counts[grade] or '.':>14}" for grade in GRADES))
+    return "\n".join(lines)
+
+
+def _calibration(found: Reliability) -> str:
+    low, high = found.interval
+    mean, most = found.by_chance
+    head = f"expected calibration error {found.error:.3f} (95 % interval {low:.3f} to {high:.3f});"
+    lines = [head, f"with perfect calibration these claims come to {mean:.3f}, and rarely to more than {most:.3f}"]
+    lines += [f"  stated {each.low:.1f} to {each.high:.1f} (mean {each.stated:.2f}): right {each.right}" for each in found.bins]
+    return "\n".join(lines)
 
 
 def _matrix(score: Score) -> str:
@@ -37,15 +72,17 @@ def _matrix(score: Score) -> str:
     return "\n".join([*lines, *wrap(legend, len(lines[0]))])
 
 
-def _misses(score: Score) -> str:
-    if not score.misses:
+def _misses(misses: tuple[Outcome, ...]) -> str:
+    if not misses:
         return "no misses"
-    return "\n".join([f"{len(score.misses)} misses:", *map(_miss, score.misses)])
+    return "\n".join([f"{len(misses)} misses:", *map(_miss, misses)])
 
 
 def _miss(outcome: Outcome) -> str:
     answer = outcome.answer
     truth = " + ".join(answer.effects) or "nothing"
-    about = ", ".join(filter(None, (answer.kind, answer.size, *(str(answer.facts.get(key, "")) for key in FACTS))))
-    wrong = "WRONG NAME, " * outcome.wrong_name
+    tier = answer.tier if answer.tier != "clean" else ""
+    about = ", ".join(filter(None, (tier, answer.kind, answer.size, *(str(answer.facts.get(key, "")) for key in FACTS))))
+    wrong = "WRONG NAME, " * outcome.wrong_name + "WRONG KIND, " * outcome.wrong_kind
+    wrong += "kind right, " * (outcome.grade == "kind")
     return f"{answer.name}  {truth} ({about})\n    {wrong}{outcome.status}: {outcome.sentence}"

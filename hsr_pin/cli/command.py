@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from signal import SIG_DFL, SIGINT, default_int_handler, getsignal, signal
 
 import click
 
-from hsr_pin.errors import HsrError
+from hsr_pin.errors import HsrError, one_line
 
 #: Exit code of a command that was given something it cannot use.
 BAD_INPUT = 2
@@ -27,6 +29,12 @@ def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
         0; 2 after bad input (usage, a :class:`~hsr_pin.errors.HsrError`, an unreadable or unwritable file);
         130 after Ctrl-C.
     """
+    _open_streams()
+    with _interruptible():
+        return _run(command, arguments)
+
+
+def _run(command: click.Command, arguments: Sequence[str] | None) -> int:
     try:
         given = list(sys.argv[1:] if arguments is None else arguments)
         with command.make_context(command.name, given) as context:
@@ -39,15 +47,51 @@ def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
     except HsrError as error:
         return _complain(command, str(error))
     except BrokenPipeError:  # the reader of our output has seen enough, e.g. `| head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        from hsr_pin.cli.console import silence
+
+        silence()
         return 0
     except (KeyboardInterrupt, click.Abort):
         return _complain(command, "interrupted", INTERRUPTED)
     except OSError as error:
         return _complain(command, f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    except Exception as error:
+        if _comes_of_interrupt(error):
+            return _complain(command, "interrupted", INTERRUPTED)
+        raise
     return code if isinstance(code, int) else 0
 
 
+def _comes_of_interrupt(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind an error: while modules are loaded, Python and they turn it into others."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
 def _complain(command: click.Command, message: str, code: int = BAD_INPUT) -> int:
-    click.echo(f"{command.name}: error: {' '.join(message.split())}", err=True)
+    click.echo(f"{command.name}: error: {one_line(message)}", err=True)
     return code
+
+
+def _open_streams() -> None:
+    """Let streams that were closed (``>&-``) lead nowhere, and let none fail over a sign that it does not have."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        stream = getattr(sys, name)
+        if stream is None:  # opened in this order, each gets its own number back, which a file could take otherwise
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+        elif mode == "w" and getattr(stream, "errors", "") == "strict" and hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Ctrl-C is an exception in here, where ``hsr_pin.cli`` has let it end the process so far, and again afterwards."""
+    if getsignal(SIGINT) is not SIG_DFL:
+        yield
+        return
+    signal(SIGINT, default_int_handler)
+    try:
+        yield
+    finally:
+        signal(SIGINT, SIG_DFL)

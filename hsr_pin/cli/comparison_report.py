@@ -16,18 +16,18 @@ def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
         trial: only this one.
     """
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    from hsr_pin.cli.console import console
+
+    screen = console()
     dataset = comparison.experiment.dataset
     arm = comparison.trials[0].arm
     links = "1 link" if arm.links == 1 else f"{arm.links} links"
-    console.print(
+    screen.print(
         f"{dataset.name}: {links}, joints at {arm.placement}, {arm.mount}, L {1e3 * arm.length:g} mm",
         style="bold",
         soft_wrap=True,
-        markup=False,
     )
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
     for column in ("trial\n", "marker\n"):
@@ -41,10 +41,10 @@ def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
     if trial is None and len(chosen) > 1:
         for number, error in enumerate(_several(comparison.errors)):
             table.add_row("" if number else "all trials", *_cells(error, arm.length), style="bold")
-    console.print(table)
-    console.print("distance from simulated to measured, no means aligned; a dash: no such part", style="dim")
+    screen.print(table)
+    screen.print("distance from simulated to measured, no means aligned; a dash: no such part", style="dim")
     for note in comparison.experiment.notes:
-        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
+        screen.print(f"note: {note}", style="yellow", soft_wrap=True)
 
 
 def comparison_facts(comparison: Comparison, trial: str | None = None) -> dict[str, Any]:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
+from hsr_pin.cli.trials import trial_options, trials_from
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import Diagnosis
@@ -27,11 +29,14 @@ _EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
 @click.argument("dataset", metavar="DATASET")
 @click.option("--effects", metavar="A,B,...", help="Candidates.  [default: the whole catalogue]")
 @click.option("--max-effects", type=click.IntRange(0, 19), default=3, show_default=True, help="At most this many together.")
-@click.option("--links", type=click.IntRange(1, 100), default=6, show_default=True, help="Links of the chain that is fitted.")
+@click.option("--links", type=click.IntRange(1, 100), default=16, show_default=True, help="Links of the chain that is fitted.")
+@trial_options
 @click.option("--jobs", type=click.IntRange(1, 1000), metavar="N", help="Processes.  [default: one per core]")
+@click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers do it, in place of processes here.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the resampling: same seed, same answer.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the diagnosis for programs; - for standard output.")
 @click.option("--html", "html_file", metavar="FILE", help="Write a self-contained report.")
+@force_option
 def command(dataset: str, **options: Any) -> None:
     """Diagnose the gap between a simulated and a recorded hybrid soft robot.
 
@@ -39,26 +44,37 @@ def command(dataset: str, **options: Any) -> None:
     trials that were not fitted, and says what the recordings support: which effects are missing, which cannot be told apart,
     that stiffness and damping explain it, or that nothing known does.
     """
-    _check_outputs(options)
+    files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
+    check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: processes, not threads, share the cores
-    diagnosis = _diagnosis(dataset, options)
-    written = _write(diagnosis, options)
-    if options["json_file"] != "-":
-        from hsr_pin.cli.diagnose_report import print_report
-
-        print_report(diagnosis, written)
+    _tell(_diagnosis(dataset, options), [name for name in files.values() if name not in (None, "-")], options)
 
 
-def _check_outputs(options: dict[str, Any]) -> None:
-    """Refuse what could not be written, before anything is computed."""
-    from hsr_pin.errors import OutputError
-    from hsr_pin.output import check_writable
+def _tell(diagnosis: Diagnosis, files: list[str], options: dict[str, Any]) -> None:
+    """Print the verdict, then write the files."""
+    from hsr_pin.cli.console import shown
+    from hsr_pin.cli.diagnose_report import print_report, print_written
 
-    files = [name for name in (options["json_file"], options["html_file"]) if name not in (None, "-")]
-    if len({os.path.realpath(name) for name in files}) < len(files):
-        raise OutputError("--json and --html", expected="two files", received=f"{files[0]} for both")
-    for name in files:
-        check_writable(name)
+    with shown():
+        if options["json_file"] == "-":
+            click.echo(_document(diagnosis))
+        else:
+            print_report(diagnosis, files)
+    written: list[str] = []
+    try:
+        for name in _write(diagnosis, options):
+            written.append(name)
+    finally:
+        if options["json_file"] != "-":
+            print_written(written)
+
+
+def _document(diagnosis: Diagnosis) -> str:
+    import json
+
+    from hsr_pin.diagnosis.document import to_json
+
+    return json.dumps(to_json(diagnosis), indent=2, allow_nan=False, ensure_ascii=False)
 
 
 def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
@@ -72,7 +88,7 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         for name in effects:  # before the recordings, which take longer
             effect_named(name)
     recordings = read_dataset(dataset)
-    given = {name: options[name] for name in ("max_effects", "links", "jobs", "seed")}
+    given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed")} | trials_from(options)
     with _progress(options["max_effects"]) as (tell, advance):
         return diagnose(recordings, effects=effects, **given, tell=tell, advance=advance)
 
@@ -83,12 +99,14 @@ def _progress(max_effects: int) -> Iterator[tuple[Callable[[str], None], Callabl
 
     How many fits a stage takes is not known before: each fills a fixed share of what its stage still lacks.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    from hsr_pin.cli.console import console
+
+    screen = console(stderr=True)
+    stage = TextColumn("{task.description}", markup=False)
+    columns = (stage, BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
         task = bar.add_task("starting", total=max_effects + _OTHER_STAGES)
         begun, fits = 0, 0
 
@@ -105,26 +123,18 @@ def _progress(max_effects: int) -> Iterator[tuple[Callable[[str], None], Callabl
         yield tell, advance
 
 
-def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> list[str]:
-    written = []
-    if options["json_file"] is not None:
-        import json
-
-        from hsr_pin.diagnosis.document import to_json
+def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:
+    """Write what was asked for, and name each file when it is there."""
+    if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
 
-        text = json.dumps(to_json(diagnosis), indent=2, allow_nan=False, ensure_ascii=False)
-        if options["json_file"] == "-":
-            click.echo(text)
-        else:
-            write_text(options["json_file"], text + "\n")
-            written.append(options["json_file"])
+        write_text(options["json_file"], _document(diagnosis) + "\n")
+        yield options["json_file"]
     if options["html_file"] is not None:
         from hsr_pin.diagnosis.report import write_report
 
         write_report(diagnosis, options["html_file"])
-        written.append(options["html_file"])
-    return written
+        yield options["html_file"]
 
 
 def main() -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from rich.console import Console
 from rich.text import Text
 
+from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
 from hsr_pin.diagnosis.search import mean_square
@@ -18,6 +18,7 @@ LINES = 23
 #: Verdict -> colour of its headline.
 _COLOURS = {
     "identified": "bold green",
+    "partly_identified": "bold green",
     "no_gap": "bold green",
     "parameters": "bold blue",
     "ambiguous": "bold yellow",
@@ -26,11 +27,18 @@ _COLOURS = {
 }
 
 
-def print_report(diagnosis: Diagnosis, written: Sequence[str] = ()) -> None:
-    """Print the verdict, the ladder, the best models, where the gap lies, what next, and the files written."""
-    console = Console(highlight=False)
-    for line in screen(diagnosis, console.width, written):
-        console.print(line, soft_wrap=True)
+def print_report(diagnosis: Diagnosis, files: Sequence[str] = ()) -> None:
+    """Print the verdict, the ladder, the best models, where the gap lies and what next, with room left to name files."""
+    to = console()
+    lines = screen(diagnosis, to.width, files)
+    for line in lines[:-1] if files else lines:
+        to.print(line, soft_wrap=True)
+
+
+def print_written(files: Sequence[str]) -> None:
+    """Print the line that names the files written, if there are any."""
+    if files:
+        console().print(_written(files), soft_wrap=True)
 
 
 def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -> list[Text]:
@@ -41,9 +49,11 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
     verdict += _wrapped(diagnosis.verdict.sentence, width)
     ladder = _ladder(diagnosis, width)
     rest = [] if diagnosis.where is None else _wrapped(f"where: {where_sentence(diagnosis.where)}", width)
+    if diagnosis.fingerprint is not None and diagnosis.fingerprint.kinds:
+        rest += _wrapped(f"data:  without a model the recordings point to {', '.join(diagnosis.fingerprint.kinds)}", width)
     rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
     rest += _notes(diagnosis, width)
-    rest += [Text(f"wrote {', '.join(written)}", style="green")] if written else []
+    rest += [_written(written)] if written else []
     models = _models(diagnosis, width, LINES - len(verdict) - len(ladder) - len(rest))
     spare = LINES - len(verdict) - len(ladder) - len(models) - len(rest)
     lines: list[Text] = []
@@ -52,6 +62,10 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
             lines, spare = [*lines, Text()], spare - 1
         lines += block
     return lines
+
+
+def _written(files: Sequence[str]) -> Text:
+    return Text(f"wrote {', '.join(files)}", style="green")
 
 
 def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
@@ -105,7 +119,7 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
 
 
 def _wrapped(text: str, width: int) -> list[Text]:
-    indent = " " * 7 if text.startswith(("where: ", "next:  ")) else ""
+    indent = " " * 7 if text.startswith(("where: ", "next:  ", "data:  ")) else ""
     lines = textwrap.wrap(text, width, subsequent_indent=indent, max_lines=5, placeholder=" \u2026")
     return [Text(line) for line in lines]
 

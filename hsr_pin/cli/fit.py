@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
+from hsr_pin.cli.trials import listed, trial_options, trials_from
 
 if TYPE_CHECKING:
     from hsr_pin.effects.effect import Effect
@@ -31,7 +33,7 @@ _STAGES = 4
     default="keq,damping",
     show_default=True,
     metavar="A,B,...",
-    help="What to fit: keq, damping, mass (factors on what is declared), an effect, or effect.parameter.",
+    help="What to fit: keq, damping, mass, gain (factors on what is declared), an effect, or effect.parameter.",
 )
 @click.option("--by-level", is_flag=True, help="A stiffness and a damping for each declared Keq instead of one factor for all.")
 @click.option(
@@ -41,40 +43,28 @@ _STAGES = 4
     metavar="NAME[:PARAM=VALUE]",
     help="Add an effect and fit all its parameters, from these values on; may be repeated.",
 )
-@click.option("--links", type=click.IntRange(1, 100), default=6, show_default=True, help="Links of the chain that is fitted.")
+@click.option("--links", type=click.IntRange(1, 100), default=16, show_default=True, help="Links of the chain that is fitted.")
 @click.option("--placement", type=click.Choice(["mid", "base"]), default="mid", show_default=True, help="Of its joints.")
-@click.option("--train", default="", metavar="A,B,...", help="Trials to fit: names or patterns, e.g. 'trial_0[12]'.")
-@click.option("--test", default="", metavar="A,B,...", help="Trials to predict instead.  [default: those not fitted]")
-@click.option(
-    "--delay",
-    type=click.FloatRange(0),
-    default=0.0,
-    show_default=True,
-    metavar="S",
-    help="Follow a release only from so long after its declared start [s]: while a hand still touches the arm.",
-)
+@trial_options
 @click.option("--profile", is_flag=True, help="Intervals by profile likelihood beside the usual ones.")
 @click.option("--paper", is_flag=True, help="Carry out the paper's own procedure (its chain, C by brute force) beside the fit.")
 @click.option("--links-study", "study", is_flag=True, help="Compare numbers of links, and recommend one.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the result for programs; - for standard output.")
 @click.option("--plot", "plot_file", metavar="FILE.png", help="Draw measured, declared and fitted motion (.png, .pdf or .svg).")
 @click.option("--urdf", "urdf_file", metavar="FILE.urdf", help="Write the fitted arm; one file for each stiffness level.")
+@force_option
 def command(dataset: str, **options: Any) -> None:
     """Fit the parameters of a hybrid soft robot to its recordings, with honest uncertainty.
 
     Prints every value with its 95 % interval, the error before and after, and the error on trials that were not fitted: those
     set aside, or else each trial predicted by a fit to the others.
     """
-    _check_outputs(options)
+    _check(dataset, options)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: its threads cost more than they bring here
     with _progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as tell:
         found = _identified(dataset, options, tell)
         profiles, paper, study = _more(found, options, tell)
-    written = _write(found, profiles, paper, study, options)
-    if options["json_file"] != "-":
-        from hsr_pin.cli.fit_report import print_fit
-
-        print_fit(found, profiles, paper, study, written)
+    _tell(found, profiles, paper, study, options)
 
 
 def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], None]) -> Identification:
@@ -82,7 +72,7 @@ def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], Non
     from hsr_pin.identification.identify import identify
     from hsr_pin.recordings.read import read_dataset
 
-    free, effects = _listed(options["free"]), [_effect(text) for text in options["effects"]]
+    free, effects = listed(options["free"]), [_effect(text) for text in options["effects"]]
     choose(
         [name.partition("@")[0] for name in free], effects, ()
     )  # refuses unknown names before the recordings, which take longer
@@ -90,9 +80,8 @@ def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], Non
         read_dataset(dataset),
         free=free,
         effects=effects,
-        **{name: options[name] for name in ("links", "placement", "by_level", "delay")},
-        train=_listed(options["train"]),
-        test=_listed(options["test"]),
+        **{name: options[name] for name in ("links", "placement", "by_level")},
+        **trials_from(options),
         tell=tell,
     )
 
@@ -120,10 +109,6 @@ def _more(
     return profiles, paper, study
 
 
-def _listed(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",") if part.strip()]
-
-
 def _effect(text: str) -> Effect:
     from hsr_pin.effects.catalogue import effect_named, parse_effect
     from hsr_pin.effects.effect import neutral
@@ -134,12 +119,13 @@ def _effect(text: str) -> Effect:
 @contextmanager
 def _progress(stages: int) -> Iterator[Callable[[str], None]]:
     """What to call at each stage: a bar on a terminal, nothing anywhere else."""
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    from hsr_pin.cli.console import console
+
+    screen = console(stderr=True)
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
         task = bar.add_task("starting", total=stages)
         begun = 0
 
@@ -151,66 +137,74 @@ def _progress(stages: int) -> Iterator[Callable[[str], None]]:
         yield tell
 
 
-def _check_outputs(options: dict[str, Any]) -> None:
-    """Refuse what could not be written, before anything is computed."""
-    from hsr_pin.errors import OutputError
-    from hsr_pin.output import check_writable
-
-    files = [options[name] for name in ("json_file", "plot_file", "urdf_file") if options[name] not in (None, "-")]
-    if len({os.path.realpath(name) for name in files}) < len(files):
-        raise OutputError("--json, --plot and --urdf", expected="different files", received=", ".join(files))
+def _check(dataset: str, options: dict[str, Any]) -> None:
+    """Refuse what could not or must not be written, before anything is computed."""
+    files = {f"--{name}": options[f"{name}_file"] for name in ("json", "plot", "urdf")}
     if options["plot_file"] is not None:
         from hsr_pin.replay.plots import picture_format
 
         picture_format(options["plot_file"])
-    for name in files:
-        check_writable(name)
+    check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
 
 
-def _write(
+def _tell(
     found: Identification,
     profiles: list[Profile],
     paper: PaperProcedure | None,
     study: LinksStudy | None,
     options: dict[str, Any],
-) -> list[str]:
-    written = []
-    if options["json_file"] is not None:
-        import json
+) -> None:
+    """Print what was found, then write the files."""
+    import json
 
-        from hsr_pin.identification.document import to_json
-        from hsr_pin.output import write_text
+    from hsr_pin.cli.console import say_written, shown
+    from hsr_pin.cli.fit_report import print_fit
+    from hsr_pin.identification.document import to_json
 
-        document = to_json(found, profiles=profiles, paper=paper, study=study)
-        text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+    document = to_json(found, profiles=profiles, paper=paper, study=study)
+    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+    with shown():
         if options["json_file"] == "-":
             click.echo(text)
         else:
-            write_text(options["json_file"], text + "\n")
-            written.append(options["json_file"])
+            print_fit(found, profiles, paper, study)
+    written: list[str] = []
+    try:
+        for path in _write(found, text, options):
+            written.append(path)
+    finally:
+        if options["json_file"] != "-":
+            say_written(written)
+
+
+def _write(found: Identification, document: str, options: dict[str, Any]) -> Iterator[str]:
+    """Write what was asked for, and name each file when it is there."""
+    if options["json_file"] not in (None, "-"):
+        from hsr_pin.output import write_text
+
+        write_text(options["json_file"], document + "\n")
+        yield options["json_file"]
     if options["plot_file"] is not None:
         from hsr_pin.identification.figure import fit_figure
         from hsr_pin.replay.plots import save
 
         save(fit_figure(found), options["plot_file"])
-        written.append(options["plot_file"])
+        yield options["plot_file"]
     if options["urdf_file"] is not None:
-        written += _write_arms(found, options["urdf_file"])
-    return written
+        yield from _write_arms(found, options)
 
 
-def _write_arms(found: Identification, path: str) -> list[str]:
+def _write_arms(found: Identification, options: dict[str, Any]) -> Iterator[str]:
     from hsr_pin.identification.fitted_arms import fitted_arms
     from hsr_pin.robot.urdf import save_urdf
 
     arms = fitted_arms(found.experiment, found.fit)
-    stem, ending = os.path.splitext(path)
-    written = []
+    stem, ending = os.path.splitext(options["urdf_file"])
     for keq, arm in arms.items():
-        name = path if len(arms) == 1 else f"{stem}_keq{keq:g}{ending}"
+        name = options["urdf_file"] if len(arms) == 1 else f"{stem}_keq{keq:g}{ending}"
+        check_outputs({"--urdf": name}, force=options["force"])  # one for each stiffness: only now is it known which
         save_urdf(arm, name)
-        written.append(name)
-    return written
+        yield name
 
 
 def main() -> None:

@@ -9,6 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from hsr_pin.cli.console import console
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.links_study import LinksStudy
@@ -22,27 +23,24 @@ def print_fit(
     profiles: Sequence[Profile] = (),
     paper: PaperProcedure | None = None,
     study: LinksStudy | None = None,
-    written: Sequence[str] = (),
 ) -> None:
-    """Print values with intervals, errors in and out of sample, doubts, what else was asked for, and the files written."""
-    console = Console(highlight=False)
+    """Print values with intervals, errors in and out of sample, doubts, and what else was asked for."""
+    screen = console()
     experiment, hypothesis = found.experiment, found.fit.hypothesis
     links = "1 link" if hypothesis.links == 1 else f"{hypothesis.links} links"
     trials = "1 trial" if len(experiment.runs) == 1 else f"{len(experiment.runs)} trials"
     title = f"{experiment.dataset.name}: {trials} fitted, {links}, joints at {hypothesis.placement}"
-    console.print(title, style="bold", soft_wrap=True, markup=False)
-    console.print(_values(found, profiles))
-    console.print(_errors(found))
+    screen.print(title, style="bold", soft_wrap=True)
+    screen.print(_values(found, profiles))
+    screen.print(_errors(found))
     for line in _doubts(found):
-        console.print(line, style="yellow", soft_wrap=True, markup=False)
+        screen.print(line, style="yellow", soft_wrap=True)
     if paper is not None:
-        _print_paper(console, paper, experiment.dataset.length)
+        _print_paper(screen, paper, experiment.dataset.length)
     if study is not None:
-        _print_study(console, study, experiment.dataset.length)
+        _print_study(screen, study, experiment.dataset.length)
     for note in experiment.notes:
-        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
-    for path in written:
-        console.print(f"wrote {path}", style="green", soft_wrap=True, markup=False)
+        screen.print(f"note: {note}", style="yellow", soft_wrap=True)
 
 
 def _table(*columns: str) -> Table:
@@ -80,8 +78,8 @@ def _errors(found: Identification) -> Table:
 
 
 def _cells(distances: Sequence[float], length: float) -> list[str]:
-    """Each distance [m] in mm and in % of the arm's length."""
-    return [f"{scale * distance:.2f}" for distance in distances for scale in (1e3, 100 / length)]
+    """Each distance [m] in mm and in % of the arm's length; a dash where it is not known."""
+    return [f"{scale * d:.2f}" if math.isfinite(d) else "-" for d in distances for scale in (1e3, 100 / length)]
 
 
 def _doubts(found: Identification) -> list[str]:
@@ -91,6 +89,7 @@ def _doubts(found: Identification) -> list[str]:
         for name in found.fit.on_bound()
     ]
     lines += [f"not told by these data: {words}." for words in found.uncertainty.weak]
+    lines += [f"{name} cannot be simulated with these values: is its input right?" for name in found.fit.failed]
     if not found.fit.converged:
         lines.append("The search stopped before it came to its end.")
     if not found.heldout:
@@ -98,29 +97,29 @@ def _doubts(found: Identification) -> list[str]:
     return lines
 
 
-def _print_paper(console: Console, paper: PaperProcedure, length: float) -> None:
+def _print_paper(screen: Console, paper: PaperProcedure, length: float) -> None:
     last = paper.last
-    console.print(f"The paper's procedure ({paper.links} links, joints at {paper.placement}), C by brute force:", style="bold")
+    screen.print(f"The paper's procedure ({paper.links} links, joints at {paper.placement}), C by brute force:", style="bold")
     table = _table("pass", "Keq times", "C times", "RMS, mm", "% of L")
     for number, step in enumerate(paper.passes):
         factors = (f"{step.keq_scale:.4f}", f"{step.damping_scale:.4f}")
         table.add_row(str(number) if number else "declared", *factors, *_cells([step.rms], length))
-    console.print(table)
-    console.print(
+    screen.print(table)
+    screen.print(
         f"Keq times {last.keq_scale:.4f}, C times {last.damping_scale:.4f} after {paper.simulations} simulations of the dataset.",
         style="dim",
         soft_wrap=True,
     )
 
 
-def _print_study(console: Console, study: LinksStudy, length: float) -> None:
-    console.print(f"How many links (joints at {study.placement}):", style="bold")
+def _print_study(screen: Console, study: LinksStudy, length: float) -> None:
+    screen.print(f"How many links (joints at {study.placement}):", style="bold")
     table = _table("N", "model error\nmm", "\n% of L", "data error\nmm", "\n% of L", "cost\nrelative")
     for row in study.rows:
         style = "bold" if row.links == study.recommended else ""
         table.add_row(str(row.links), *_cells([row.model_error, row.data_error], length), f"{row.cost:.0f}", style=style)
-    console.print(table)
-    console.print(study.sentence, soft_wrap=True)
+    screen.print(table)
+    screen.print(study.sentence, soft_wrap=True)
 
 
 def _places(interval: Sequence[float] | Array) -> int:

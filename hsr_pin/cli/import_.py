@@ -12,6 +12,7 @@ from hsr_pin.cli.command import run
 
 if TYPE_CHECKING:
     from hsr_pin.recordings.importers.assemble import Imported
+    from hsr_pin.recordings.importers.mapping import TableMapping
     from hsr_pin.recordings.importers.settings import ImportSettings
 
 _NEEDED = ("output", "mass", "diameter", "keq")
@@ -20,19 +21,20 @@ _NEEDED = ("output", "mass", "diameter", "keq")
 @click.command(name="hsr-import")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", metavar="DATASET", help="Folder to write the dataset into.")
-@click.option("--list", "list_points", is_flag=True, help="Only list the points in the files.")
+@click.option("--list", "list_points", is_flag=True, help="Only list the points in the files, with rate, unit and gaps.")
+@click.option("--map", "mapping", metavar="TOML", help="What stands where in a table of no known system (docs/importing.md).")
 @click.option(
     "-m",
     "--marker",
     "markers",
     multiple=True,
     metavar="NAME[@ARC]=POINT[+POINT...]",
-    help="A marker, its arc length from the base [m] (else estimated from the straight pose), and the points it is the mean of; "
-    "patterns (Tip*) allowed. Again for each marker.  [default: every named point]",
+    help="A marker, its arc length from the base [m] (else estimated from the straight pose), and the points it is the mean of, "
+    "or its labels, if never seen together; patterns (Tip*) allowed. Again for each marker.  [default: every named point]",
 )
 @click.option("--base", metavar="POINT[+POINT...]", help="The point or points at the base.  [default: one named base, if any]")
 @click.option("--origin", metavar="X,Y,Z", help="Place of the base in the laboratory [m].  [default: from the base points]")
-@click.option("--up", metavar="AXIS", help="Axis of the laboratory that is up: +z, -y, ...  [default: as the system has it]")
+@click.option("--up", metavar="AXIS", help="Axis of the laboratory that is up: +z, -y, ...  [default: as its maker has it]")
 @click.option("--mount", metavar="MOUNT", help="hanging, upright or horizontal.  [default: from the straight pose]")
 @click.option("--bending", metavar="AXIS", help="Axis that positive bending carries the tip towards.  [default: from the input]")
 @click.option("--own-plane", is_flag=True, help="Fit the bending plane to each file, not to all together.")
@@ -44,21 +46,22 @@ _NEEDED = ("output", "mass", "diameter", "keq")
 @click.option("--damping", type=float, multiple=True, metavar="NMS/RAD", help="Damping of the whole arm; likewise.")
 @click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; likewise.")
 @click.option("--t-start", type=float, multiple=True, metavar="S", help="Use the recording from here on; likewise.")
-@click.option("--input", "inputs", multiple=True, metavar="CSV", help="The input, t,P1,P2 or t,tau, held; likewise.")
+@click.option("--input", "inputs", multiple=True, metavar="CSV", help="The input, t,P1,P2 or t,tau, or as --map says; likewise.")
 @click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: of its folder]")
 @click.option("--description", default="", metavar="TEXT", help="One line.")
 def command(files: tuple[str, ...], list_points: bool, output: str | None, **options: Any) -> None:
     """Import motion capture as a dataset, one trial per FILE.
 
-    Reads CSV of Vicon Nexus and Tracker, CSV of OptiTrack Motive, and C3D. Units become metres, up becomes z, the base becomes
-    the origin, and the plane in which the arm bends becomes x-z.
+    Reads CSV of Vicon Nexus and Tracker and of OptiTrack Motive, TSV of Qualisys, TRC, C3D, bags of ROS 1 and 2, and any table
+    with a mapping. Units become metres, up becomes z, the base becomes the origin, and the plane in which the arm bends becomes
+    x-z.
 
     \b
     hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\
         --base Arm:base -m mid@0.12=Arm:m1+Arm:m2 -m tip@0.24=Arm:tip
     """  # noqa: D301 (click's mark for text as it stands is a backspace)
     if list_points:
-        _list(files, options["unit"])
+        _list(files, options["unit"], _mapping(options["mapping"]))
         return
     options["output"] = output
     for name in _NEEDED:
@@ -71,6 +74,8 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
     imported = import_recordings(files, _settings(options))
     write_dataset(imported.dataset, options["output"])
     _report(imported, files, options["output"])
+    for warning in imported.warnings:
+        click.echo(f"warning: {warning}", err=True)
 
 
 def _settings(options: dict[str, Any]) -> ImportSettings:
@@ -85,6 +90,7 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
         **{name: options[name] for name in (*same, "inputs", "description")},
         name=options["name"] or Path(options["output"]).resolve().name or "imported",
         markers=bodies,
+        mapping=_mapping(options["mapping"]),
         origin=None if options["origin"] is None else _point(options["origin"]),
     )
 
@@ -96,25 +102,38 @@ def _point(text: str) -> tuple[float, ...]:
         raise click.BadParameter(f"expected X,Y,Z in m, got {text!r}", param_hint="'--origin'") from None
 
 
-def _list(files: tuple[str, ...], unit: str | None) -> None:
+def _mapping(path: str | None) -> TableMapping | None:
+    from hsr_pin.recordings.importers.mapping import read_mapping
+
+    return None if path is None else read_mapping(path)
+
+
+def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None) -> None:
     import numpy as np
 
+    from hsr_pin.cli.console import say
     from hsr_pin.recordings.importers.detect import read_capture
 
     for path in files:
-        capture = read_capture(path, unit)
+        capture = read_capture(path, unit, mapping)
         rows = []
         for name, places in zip(capture.names, capture.positions.swapaxes(0, 1), strict=True):
-            seen = places[np.isfinite(places).all(axis=1)]
-            middle = [f"{value:.4f}" for value in np.median(seen, axis=0)] if len(seen) else ["", "", ""]
-            rows.append([name, f"{len(seen) / len(places):.0%}", *middle])
-        click.echo(f"{path}: {capture.system}, {len(capture.time)} frames, {capture.time[-1]:.3f} s, {capture.up} up")
-        _table(["point", "seen", "x [m]", "y [m]", "z [m]"], rows)
+            seen = np.isfinite(places).all(axis=1)
+            edges = np.flatnonzero(np.diff(np.concatenate([[True], seen, [True]])))
+            longest = max(edges[1::2] - edges[::2], default=0) / capture.rate
+            middle = [f"{value:.4f}" for value in np.median(places[seen], axis=0)] if seen.any() else ["", "", ""]
+            gaps = [str(len(edges) // 2), f"{longest:.3g}"] if len(edges) else ["", ""]
+            rows.append([name, f"{seen.mean():.0%}", *gaps, *middle])
+        up = f"{capture.up.axis} up {capture.up.why}" if capture.up.axis else f"up unknown: {capture.up.why}"
+        timing = f"{len(capture.time)} frames, {capture.time[-1]:.3f} s, {capture.rate:.6g} Hz"
+        say(f"{path}: {capture.system}, {timing}, in {capture.unit}, {up}")
+        _table(["point", "seen", "gaps", "longest s", "x [m]", "y [m]", "z [m]"], rows)
 
 
 def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
     import numpy as np
 
+    from hsr_pin.cli.console import say
     from hsr_pin.recordings.noise import noise_floor
 
     dataset, rows = imported.dataset, []
@@ -135,28 +154,28 @@ def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
                 f"{1e3 * out:.2f}",
             ]
         )
-    click.echo(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m")
-    click.echo("markers: " + ", ".join(f"{marker.name} at {marker.arc_length:.4g} m" for marker in dataset.markers))
+    say(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m")
+    say("markers: " + ", ".join(f"{marker.name} at {marker.arc_length:.4g} m" for marker in dataset.markers))
     _table(["trial", "file", "samples", "Hz", "missing", "noise mm", "in plane mm", "out of plane mm"], rows)
     for note in dataset.notes:
-        click.echo(f"  {note}")
+        say(f"  {note}")
     for trial in dataset.trials:
         for note in trial.trajectory.notes:
-            click.echo(f"  {trial.name}: {note}")
+            say(f"  {trial.name}: {note}")
 
 
 def _table(headings: list[str], rows: list[list[str]]) -> None:
-    from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
+
+    from hsr_pin.cli.console import console
 
     table = Table()
     words = {"point", "trial", "file"}
     for heading in headings:
-        table.add_column(Text(heading), justify="left" if heading in words else "right", overflow="fold")
+        table.add_column(heading, justify="left" if heading in words else "right", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    Console().print(table)
+        table.add_row(*row)
+    console().print(table)
 
 
 def main() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 
 if TYPE_CHECKING:
     from hsr_pin.identification.comparison import Comparison, TrialComparison
@@ -32,39 +34,52 @@ if TYPE_CHECKING:
 @click.option(
     "--live/--no-live", default=None, help="Open the animation in the browser.  [default: without --html, --plot, --json]"
 )
+@force_option
 def command(dataset: str, **options: Any) -> None:
     """Show a recording beside the simulation of the same input, mount, payload and start, and print the error.
 
     DATASET is a folder in the recording format. The error is the distance from simulated to measured markers.
     """
-    import json
-
-    from hsr_pin.cli.comparison_report import comparison_facts, print_comparison
     from hsr_pin.identification.comparison import compare
 
     asked = _checked(dataset, options)
     comparison = compare(**asked)
     chosen = _chosen(comparison, options["trial"])
-    shown = _drawn(comparison, chosen)
-    written = _write(shown, chosen, options)
-    only = chosen.name if options["trial"] is not None else None
-    if options["as_json"]:
-        click.echo(json.dumps({**comparison_facts(comparison, only), "written": written}, indent=2, allow_nan=False))
-    else:
-        print_comparison(comparison, only)
-        for path in written:
-            click.echo(f"wrote {path}")
+    drawn = _drawn(comparison, chosen)
+    written = _tell(comparison, chosen, drawn, options)
     wanted = options["live"]
     if wanted or (wanted is None and not written and not options["as_json"]):
         from hsr_pin.replay.live import show
 
-        show([shown])
+        show([drawn])
+
+
+def _tell(comparison: Comparison, chosen: TrialComparison, drawn: Drawn, options: dict[str, Any]) -> list[str]:
+    """Print the errors before anything is written, as one document after (it names the files); the files."""
+    import json
+
+    from hsr_pin.cli.comparison_report import comparison_facts, print_comparison
+    from hsr_pin.cli.console import say_written, shown
+
+    only = chosen.name if options["trial"] is not None else None
+    written: list[str] = []
+    try:
+        if not options["as_json"]:
+            with shown():
+                print_comparison(comparison, only)
+        for path in _write(drawn, chosen, options):
+            written.append(path)
+    finally:
+        if options["as_json"]:
+            click.echo(json.dumps({**comparison_facts(comparison, only), "written": written}, indent=2, allow_nan=False))
+        else:
+            say_written(written)
+    return written
 
 
 def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
     """What to compare, and a word now about what cannot be read, meant or written."""
     from hsr_pin.effects.catalogue import parse_effect
-    from hsr_pin.output import check_writable
     from hsr_pin.recordings.read import read_dataset
     from hsr_pin.robot.specification import ArmSpecification
 
@@ -74,9 +89,8 @@ def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
         from hsr_pin.replay.plots import picture_format
 
         picture_format(options["plot"])
-    for name in ("html", "plot"):
-        if options[name] is not None:
-            check_writable(options[name])
+    files = {f"--{name}": options[name] for name in ("html", "plot")}
+    check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
     return {"dataset": read_dataset(dataset), "links": arm.links, "placement": arm.placement, "effects": effects}
 
 
@@ -105,13 +119,13 @@ def _drawn(comparison: Comparison, trial: TrialComparison) -> Drawn:
     return Drawn(f"{comparison.experiment.dataset.name}, {trial.name}", trial.arm, trial.simulated, trial.measured)
 
 
-def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> list[str]:
-    written = []
+def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> Iterator[str]:
+    """Write what was asked for, and name each file when it is there."""
     if options["plot"] is not None:
         from hsr_pin.replay.plots import comparison_figure, save
 
         save(comparison_figure(shown), options["plot"])
-        written.append(options["plot"])
+        yield options["plot"]
     if options["html"] is not None:
         from hsr_pin.replay.page import write_page
 
@@ -119,8 +133,7 @@ def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> lis
         share = 100 * whole.rms / trial.arm.length
         text = f"Error, RMS over all markers: {1e3 * whole.rms:.2f} mm, {share:.2f} % of the arm's length"
         write_page([shown], options["html"], shown.label, [text])
-        written.append(options["html"])
-    return written
+        yield options["html"]
 
 
 def main() -> None:

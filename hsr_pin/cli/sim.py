@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import arm_options
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, force_option
 
 if TYPE_CHECKING:
     from hsr_pin.cli.sim_runs import Run
@@ -32,10 +34,9 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
 @click.option("--duration", type=float, metavar="T", help="Length of a run [s].  [default: 3, or that of --input]")
 @click.option(
     "--dynamics",
-    type=click.Choice(["aba", "rnea"]),
-    default="aba",
-    show_default=True,
-    help="Articulated bodies, or recursive Newton-Euler.",
+    type=click.Choice(["aba", "rnea", "compiled"]),
+    help="Pinocchio's articulated bodies or recursive Newton-Euler, or the compiled loops.  [default: aba; compiled beyond "
+    "64 links]",
 )
 @click.option(
     "--effect",
@@ -55,6 +56,7 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
 @click.option("--html", metavar="FILE.html", help="Write a self-contained animation.")
 @click.option("--replay", is_flag=True, help="Open the animation in the browser.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document, for programs (SI units).")
+@force_option
 def command(**options: Any) -> None:
     """Simulate a hybrid soft robot as a chain of rigid links.
 
@@ -64,17 +66,31 @@ def command(**options: Any) -> None:
     if options["against"] is not None:
         _compare(options)
         return
-    from hsr_pin.cli.sim_report import print_json, print_table
-    from hsr_pin.cli.sim_runs import planned, simulated
+    from hsr_pin.cli.sim_runs import planned, simulated, usual_dynamics
 
     runs = planned(options)
-    _check_outputs(options)
-    runs = simulated(runs, options["dynamics"])
-    written = _write(runs, options)
-    if options["as_json"]:
-        print_json(runs, options["dynamics"], written)
-    else:
-        print_table(runs, options["dynamics"], written)
+    _check(options)
+    options["dynamics"] = options["dynamics"] or usual_dynamics(runs)
+    _tell(simulated(runs, options["dynamics"]), options)
+
+
+def _tell(runs: list[Run], options: dict[str, Any]) -> None:
+    """Print what was found before it is written, as one document after (it names the files), and show it."""
+    from hsr_pin.cli.console import say_written, shown
+    from hsr_pin.cli.sim_report import print_json, print_table
+
+    written: list[str] = []
+    try:
+        if not options["as_json"]:
+            with shown():
+                print_table(runs, options["dynamics"])
+        for path in _write(runs, options):
+            written.append(path)
+    finally:
+        if options["as_json"]:
+            print_json(runs, options["dynamics"], written)
+        else:
+            say_written(written)
     if options["replay"]:
         from hsr_pin.replay.live import show
 
@@ -111,44 +127,39 @@ def _compare(options: dict[str, Any]) -> None:
         print_comparison(comparison)
 
 
-def _check_outputs(options: dict[str, Any]) -> None:
-    """Refuse what could not be written, before anything is computed."""
-    from hsr_pin.output import check_folder_writable, check_writable
-
+def _check(options: dict[str, Any]) -> None:
+    """Refuse what could not or must not be written, before anything is computed."""
     if options["plot"] is not None:
         from hsr_pin.replay.plots import picture_format
 
         picture_format(options["plot"])
-    for name in ("plot", "html"):
-        if options[name] is not None:
-            check_writable(options[name])
+    files = {f"--{name}": options[name] for name in ("plot", "html")}
+    check_outputs(files, read=[options["input_file"]], force=options["force"])
     if options["csv_folder"] is not None:
-        from hsr_pin.recordings.write import check_target
+        from hsr_pin.cli.sim_folder import check_folder
 
-        check_folder_writable(options["csv_folder"])
-        check_target(options["csv_folder"])
+        check_folder(options["csv_folder"], options["input_file"], options["force"])
 
 
-def _write(runs: list[Run], options: dict[str, Any]) -> list[str]:
-    written = []
+def _write(runs: list[Run], options: dict[str, Any]) -> Iterator[str]:
+    """Write what was asked for, and name each file when it is there."""
     if options["csv_folder"] is not None:
         from hsr_pin.cli.sim_runs import dataset
         from hsr_pin.recordings.write import write_dataset
 
         write_dataset(dataset(runs, options["dynamics"]), options["csv_folder"])
-        written.append(options["csv_folder"])
+        yield options["csv_folder"]
     if options["plot"] is not None:
         from hsr_pin.replay.plots import save, tip_figure
 
         save(tip_figure([run.drawn for run in runs]), options["plot"])
-        written.append(options["plot"])
+        yield options["plot"]
     if options["html"] is not None:
         from hsr_pin.cli.sim_report import title
         from hsr_pin.replay.page import write_page
 
         write_page([run.drawn for run in runs], options["html"], text=[title(runs, options["dynamics"])])
-        written.append(options["html"])
-    return written
+        yield options["html"]
 
 
 def main() -> None:

@@ -26,27 +26,26 @@ _COLUMNS = (
 )
 
 
-def print_table(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> None:
-    """Print one row per run, what the columns mean where it is not plain, notes, and the files written."""
+def print_table(runs: Sequence[Run], dynamics: str) -> None:
+    """Print one row per run, what the columns mean where it is not plain, and notes."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console(highlight=False)
+    from hsr_pin.cli.console import console
+
+    screen = console()
     several = len({run.arm.keq for run in runs}) > 1
-    console.print(title(runs, dynamics), style="bold", soft_wrap=True, markup=False)
+    screen.print(title(runs, dynamics), style="bold", soft_wrap=True)
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
     for column in ("Keq\n\nNm/rad", *_COLUMNS) if several else _COLUMNS:
         table.add_column(column, justify="right", no_wrap=True)
     for run in runs:
         table.add_row(*([f"{run.arm.keq:.4g}"] if several else []), *_cells(run))
-    console.print(table)
+    screen.print(table)
     for line in _footnotes(runs):
-        console.print(line, style="dim", markup=False)
+        screen.print(line, style="dim")
     for note in dict.fromkeys(note for run in runs for note in run.notes):
-        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
-    for path in written:
-        console.print(f"wrote {path}", style="green", soft_wrap=True, markup=False)
+        screen.print(f"note: {note}", style="yellow", soft_wrap=True)
 
 
 def print_json(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> None:

@@ -17,10 +17,15 @@ from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.drive import Drive, checked_duration, pressure_step, torque_step
 from hsr_pin.simulation.measures import TipMeasures, measure_tip
+from hsr_pin.simulation.motion import Dynamics
 from hsr_pin.simulation.simulate import simulate
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
 _DURATION = 3.0
+#: More links than these are simulated by the compiled loops.
+MANY_LINKS = 64
+#: How the description of every dataset that is written here begins.
+DESCRIPTION = "simulated by hsr-sim"
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +115,12 @@ def planned(options: dict[str, Any]) -> list[Run]:
     return runs
 
 
-def simulated(runs: list[Run], dynamics: str) -> list[Run]:
+def usual_dynamics(runs: list[Run]) -> Dynamics:
+    """Pinocchio for arms of few links; its memory grows with their cube, that of the compiled loops with their number."""
+    return "aba" if max(run.arm.links for run in runs) <= MANY_LINKS else "compiled"
+
+
+def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
     """The same runs with their motions, with a progress bar on a terminal.
 
     Raises:
@@ -122,7 +132,8 @@ def simulated(runs: list[Run], dynamics: str) -> list[Run]:
             result = simulate(run.drive.scenario(run.arm, run.effects), dynamics=dynamics)
         except SimulationFailure as failure:
             raise SimulationFailure(f"run {number} ({run.label}): {failure}", failure.result) from failure
-        done.append(replace(run, trajectory=run.drive.noted_in(result.trajectory)))
+        warnings = (result.warning,) if result.warning else ()
+        done.append(replace(run, trajectory=run.drive.noted_in(result.trajectory), notes=run.notes + warnings))
     return done
 
 
@@ -140,7 +151,7 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
             Trial(f"trial_{number:02d}", run.motion, run.arm.keq, run.arm.damping, run.arm.tip_mass)
             for number, run in enumerate(runs, 1)
         ),
-        description=f"simulated by hsr-sim: {arm.links} links, joints at {arm.placement}",
+        description=f"{DESCRIPTION}: {arm.links} links, joints at {arm.placement}",
         notes=(f"simulated: {arm.links} links, placement {arm.placement}, dynamics {dynamics}, effects {effects}",),
     )
 

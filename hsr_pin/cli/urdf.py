@@ -9,12 +9,14 @@ import click
 
 from hsr_pin.cli.arm import arm_from, arm_options
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, force_option
 
 
 @click.command(name="hsr-urdf")
 @arm_options
 @click.option("-o", "--output", metavar="FILE", help="Where to write it.  [default: standard output]")
-def command(output: str | None, **arm: Any) -> None:
+@force_option
+def command(output: str | None, force: bool, **arm: Any) -> None:
     """Write a hybrid soft robot as a URDF.
 
     It loads in Pinocchio and in every other reader of URDF; springs, dampers and all else that it takes to rebuild the very
@@ -26,6 +28,7 @@ def command(output: str | None, **arm: Any) -> None:
     if output is None:
         click.echo(arm_to_urdf(spec), nl=False)
     else:
+        check_outputs({"--output": output}, force=force)
         save_urdf(spec, output)
 
 

@@ -18,14 +18,15 @@ from numpy.typing import ArrayLike
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
+from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
 #: Where a known effect may act for the model to stay linear in springs, dampers and drive.
 _KNOWABLE = ("arm", "stiffness", "damping", "actuation")
-_HOOKS = (*_KNOWABLE, "command", "moment", "update", "observe")
+_HOOKS = (*_KNOWABLE, "respond", "late", "moment", "update", "observe")
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +63,7 @@ class ArmDynamics:
         effects: known ones, which change its bodies, or its stiffness, damping or actuation along the arm.
 
     Attributes:
+        columns: the arm with the effects, for the simulation.
         nominal: the arm without the effects.
         arm: the arm with what they make of its bodies.
         K: (N,) [Nm/rad] springs.
@@ -78,15 +80,11 @@ class ArmDynamics:
             expected = f"known ones that act through {', '.join(_KNOWABLE)} only"
             raise InputError("effects", expected=expected, received=", ".join(strange))
         scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
-        columns = Columns([scenario], shape_of(scenario, 1.0))
+        self.columns = columns = Columns.of([scenario])
         self.nominal, self.effects = arm, tuple(effects)
-        self.arm = columns.arms[0]
-        still = np.zeros((arm.links, 1))
-        self.K = -columns.torque(still + 1, still, ())[:, 0]
-        self.D = -columns.torque(still, still + 1, ())[:, 0]
-        self.b = np.ones(arm.links) * columns.drive[:, 0]
-        self._arm_model = columns.arm_models[0]
-        self._model = self._arm_model.model.copy()
+        self.arm = columns.arms.specification(0)
+        self.K, self.D, self.b = (rows[0].copy() for rows in (columns.arrays.spring, columns.arrays.damper, columns.arrays.share))
+        self._model = build_model(self.arm).model.copy()
         self._data = self._model.createData()
         self._tip = self.markers([self.arm.length])
 
@@ -149,7 +147,7 @@ class ArmDynamics:
 
     def markers(self, arc_lengths: ArrayLike) -> MarkerMap:
         """Positions and Jacobians of the points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
-        return marker_map(self._arm_model, np.asarray(arc_lengths, dtype=float))
+        return marker_map(self.arm, arc_lengths)
 
     def _vector(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=float)

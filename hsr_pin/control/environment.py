@@ -7,6 +7,7 @@ M. Towers et al., Gymnasium: a standard interface for reinforcement learning env
     register()
     env = gymnasium.make("hsr_pin/ReachTip-v0")
     env = gymnasium.make("hsr_pin/FollowTip-v0", arm=ArmSpecification(keq=2.33), effects=[parse_effect("tip_mass:mass=0.02")])
+    envs = gymnasium.make_vec("hsr_pin/ReachTip-v0", num_envs=1000)  # see hsr_pin.control.vector
 
 ======================  ===========  =========================================================================================
 action (1,)             1            torque on every joint over ``largest_torque``, from -1 to 1
@@ -25,20 +26,16 @@ sooner where the arm leaves its bending limit, at the price of the worst reward,
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hsr_pin.control.dynamics import ArmDynamics
-from hsr_pin.control.reach import rest_at_tip, static_pose
-from hsr_pin.control.stepping import ArmSimulator
+from hsr_pin.control.task import Episodes, Follow, Reach, TipTask
 from hsr_pin.effects.effect import Effect
-from hsr_pin.errors import InputError, MissingDependencyError, SimulationFailure
+from hsr_pin.errors import InputError, MissingDependencyError
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.trajectory import Array
 
 try:
     import gymnasium
@@ -46,16 +43,11 @@ try:
 except ImportError as error:
     raise MissingDependencyError("gymnasium", "gym") from error
 
-#: Bounds of observed rates: [m/s] and [rad/s].
-FASTEST, FASTEST_BENDING = 20.0, 200.0
-#: How far an observation looks ahead along the path [s].
-AHEAD = 0.1
-
 _Observation = NDArray[np.float64]
 
 
 class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
-    """What both tasks share.
+    """What both environments share.
 
     Args:
         arm: the arm; targets are places where its tip can rest.
@@ -63,10 +55,11 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         largest_torque: what an action of 1 gives [N m]; default: what bends the arm by one radian.
         dt: [s] that an action is held.
         duration: of an episode [s].
-        integrator: a name from ``hsr_pin.simulation.integrators``.
+        integrator: a name from ``hsr_pin.simulation.integrator``.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  # Gymnasium's own form
+    kind: ClassVar[type[TipTask]]
 
     def __init__(
         self,
@@ -79,26 +72,17 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         integrator: str = "extrapolated4",
     ) -> None:
         self.arm = arm or ArmSpecification()
-        self.largest_torque = self.arm.keq if largest_torque is None else float(largest_torque)
-        if not (0 < self.largest_torque < np.inf and 0 < dt <= duration < np.inf):
-            raise InputError(
-                "environment",
-                expected="largest_torque and dt above zero, duration at least dt",
-                received=f"{largest_torque}, {dt}, {duration}",
-            )
-        self.dt, self.steps = dt, round(duration / dt)
-        bound = self.largest_torque
-        self.simulator = ArmSimulator(self.arm, effects, integrator=integrator, torque_range=(-bound, bound))
-        self.dynamics = ArmDynamics(self.arm)
+        self.task = self.kind(
+            [self.arm], [effects], largest_torque=largest_torque, dt=dt, duration=duration, integrator=integrator
+        )
         self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float64)
-        place, bend = [1.5 * self.arm.length] * 2, self.arm.bending_limit
-        high = np.array([*place, FASTEST, FASTEST, bend, FASTEST_BENDING, *place, *place])
-        self.observation_space = spaces.Box(-high, high, dtype=np.float64)
-        self._count, self._targets = 0, np.zeros((self.steps + 1, 2))
+        self.observation_space = spaces.Box(-self.task.highest[0], self.task.highest[0], dtype=np.float64)
+        self._at: Episodes | None = None
 
-    @abstractmethod
-    def path(self, options: dict[str, Any]) -> Array:
-        """(steps + 1, 2) [m] x and z of the target at every step; drawn with ``np_random`` where ``options`` name none."""
+    @property
+    def steps(self) -> int:
+        """Of an episode."""
+        return self.task.steps
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[_Observation, dict[str, Any]]:
         """Settle the arm under no torque and draw a new target.
@@ -112,78 +96,42 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         """
         super().reset(seed=seed)
         chosen = dict(options or {})
-        torque = chosen.pop("torque", 0.0)
-        self._targets, self._count = self.path(chosen), 0
+        torque, one = chosen.pop("torque", 0.0), np.zeros(1, dtype=int)
+        targets = self.task.targets([self.np_random], one, chosen)
         if chosen:
             raise InputError("reset options", expected="torque, and target or path", received=", ".join(chosen))
-        self.simulator.reset(torque)
-        return self._observation(), self._facts()
+        self._at = self.task.episodes(self.task.settled(torque), one, targets)
+        return self.task.observations(self._at)[0], self._facts(self._at)
 
     def step(self, action: Any) -> tuple[_Observation, float, bool, bool, dict[str, Any]]:
         """Hold a torque (1,), as a share of ``largest_torque``, for ``dt``.
 
         Raises:
-            InputError: an action of another shape, not a number, or out of range.
+            InputError: an action of another shape, not a number, or out of range; or no reset came before.
         """
+        if self._at is None:
+            raise InputError("step", expected="a reset before the first", received="none")
         share = np.asarray(action, dtype=float)
         if share.shape != (1,) or not abs(share[0]) <= 1:
             raise InputError("action", expected="one number from -1 to 1, shape (1,)", received=share)
-        left = self.steps - self._count
-        self._count = min(self._count + 1, self.steps)
-        try:
-            self.simulator.step(share[0] * self.largest_torque, dt=self.dt)
-        except SimulationFailure as failure:
-            return self._observation(), -2.0 * left, True, False, self._facts() | {"failure": str(failure)}
-        facts = self._facts()
-        return self._observation(), -facts["distance"] / self.arm.length, False, self._count >= self.steps, facts
+        done = self.task.step(self._at, share)
+        self._at = done.episodes
+        facts = self._facts(self._at) | ({"failure": done.failures[0]} if done.failures else {})
+        seen = self.task.observations(self._at)[0]
+        return seen, float(done.rewards[0]), bool(done.terminated[0]), bool(done.truncated[0]), facts
 
-    def _observation(self) -> _Observation:
-        state = self.simulator.state
-        rate = self.dynamics.tip_jacobian(state.angles)[[0, 2]] @ state.rates
-        ahead = min(self._count + round(AHEAD / self.dt), self.steps)
-        seen = [self._tip(), rate, [state.angles.sum(), state.rates.sum()], self._targets[self._count], self._targets[ahead]]
-        space = self.observation_space
-        assert isinstance(space, spaces.Box)
-        return np.asarray(np.clip(np.concatenate(seen), space.low, space.high))
-
-    def _tip(self) -> Array:
-        return np.asarray(self.simulator.observe()[-1, [0, 2]])
-
-    def _facts(self) -> dict[str, Any]:
+    def _facts(self, at: Episodes) -> dict[str, Any]:
         """``distance`` [m] of the tip from the target, ``time`` [s]."""
-        distance = float(np.linalg.norm(self._tip() - self._targets[self._count]))
-        return {"distance": distance, "time": self._count * self.dt}
-
-    def _rest_tips(self, torques: Array) -> Array:
-        return np.asarray(self.dynamics.tip(static_pose(self.dynamics, torques))[:, [0, 2]])
+        return {"distance": float(at.distance[0]), "time": float(at.count[0] * self.task.dt)}
 
 
 class ReachTip(TipEnvironment):
     """Bring the tip to a place where it can rest, and hold it there."""
 
-    def path(self, options: dict[str, Any]) -> Array:
-        """One target: ``options["target"]`` (2,) [m], or the nearest place to it where the tip can rest."""
-        bound = self.largest_torque
-        if "target" in options:
-            target = rest_at_tip(self.dynamics, options.pop("target"), (-bound, bound)).tip[[0, 2]]
-        else:
-            target = self._rest_tips(self.np_random.uniform(-0.9 * bound, 0.9 * bound, 1))[0]
-        return np.tile(target, (self.steps + 1, 1))
+    kind = Reach
 
 
 class FollowTip(TipEnvironment):
     """Follow a target that wanders along the places where the tip can rest: three sines of up to 1 Hz, from rest."""
 
-    def path(self, options: dict[str, Any]) -> Array:
-        """``options["path"]`` (steps + 1, 2) [m] as it is, or a drawn one."""
-        if "path" in options:
-            path = np.asarray(options.pop("path"), dtype=float)
-            if path.shape != (self.steps + 1, 2) or not np.isfinite(path).all():
-                raise InputError(
-                    "path", expected=f"finite x and z [m], shape ({self.steps + 1}, 2)", received=f"shape {path.shape}"
-                )
-            return path
-        time = np.arange(self.steps + 1)[:, None] * self.dt
-        frequency, share = self.np_random.uniform(0.2, 1.0, 3), self.np_random.uniform(-1.0, 1.0, 3)
-        wave = np.sin(2 * np.pi * frequency * time) @ share / 3
-        return self._rest_tips(0.9 * self.largest_torque * wave)
+    kind = Follow

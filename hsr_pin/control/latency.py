@@ -8,7 +8,7 @@ from time import perf_counter_ns
 import numpy as np
 
 from hsr_pin.control.stepping import ArmSimulator
-from hsr_pin.simulation.batch import STEP
+from hsr_pin.simulation.integrator import STEP
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ model-predictive control, AIChE J. 49 (2003).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -16,16 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hsr_pin.control.dynamics import ArmDynamics
+from hsr_pin.control.fleet import ArmFleet
 from hsr_pin.control.reach import static_pose
 from hsr_pin.errors import InputError
-from hsr_pin.simulation.columns import Columns, shape_of
-from hsr_pin.simulation.integrators import integrator
-from hsr_pin.simulation.scenario import Scenario
-from hsr_pin.simulation.stepper import ChainState, Stepper
+from hsr_pin.robot.specification import RANGES
 from hsr_pin.trajectory import Array, Marker, read_only
 
-#: Substeps of the prediction are at most this long [s].
-_LONGEST = 0.005
+#: Steps of the prediction are at most this long [s].
+_LONGEST = 0.01
+_NO_LIMIT = RANGES["bending_limit"][2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +75,8 @@ class Observer:
         self.dynamics, self.markers, self.dt = dynamics, tuple(markers), dt
         self._noise, self._joint_torque, self._drift = noise, joint_torque, drift
         self._places = dynamics.markers([marker.arc_length for marker in markers])
-        scenario = Scenario(dynamics.nominal, np.array([0.0, dt]), np.zeros(2), effects=dynamics.effects)
-        columns = Columns([scenario], shape_of(scenario, _LONGEST))
-        self._stepper, self._substeps = Stepper(columns, integrator("ros2"), columns.step), columns.shape.substeps
+        unlimited = replace(dynamics.nominal, bending_limit=_NO_LIMIT)  # an estimate may be anywhere
+        self._fleet = ArmFleet([unlimited], [dynamics.effects], step=_LONGEST)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are built anew, with workspaces of their own."""
@@ -100,10 +98,9 @@ class Observer:
         Q = np.zeros_like(F)
         Q[:-1, :-1] = self._joint_torque**2 * linear.joints @ linear.joints.T
         Q[-1, -1] = self._drift**2 * self.dt
-        chain = ChainState(np.asfortranarray(estimate.q[:, None]), np.asfortranarray(estimate.v[:, None]), (), ())
-        for _ in range(self._substeps):
-            chain = self._stepper.advance(chain, np.array([u]))
-        return Estimate(chain.q[:, 0], chain.v[:, 0], estimate.disturbance, F @ estimate.covariance @ F.T + Q)
+        command = np.array([u])
+        ahead, _ = self._fleet.advance(self._fleet.placed(estimate.q[None], estimate.v[None], command), command, self.dt)
+        return Estimate(ahead.chain[0, 0], ahead.chain[1, 0], estimate.disturbance, F @ estimate.covariance @ F.T + Q)
 
     def correct(self, estimate: Estimate, positions: ArrayLike) -> Estimate:
         """With the markers' positions (M, 3) [m] in the world frame; NaN where one was not seen.

@@ -10,9 +10,8 @@ from scipy.optimize import brentq
 
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.errors import InputError
-from hsr_pin.simulation.columns import Columns, shape_of
-from hsr_pin.simulation.scenario import Scenario
-from hsr_pin.simulation.statics import equilibrium
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.motion import Engine
 from hsr_pin.trajectory import Array
 
 #: Torques at which the curve is looked at before the nearest stretch of it is searched.
@@ -45,13 +44,26 @@ def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
     torques = np.asarray(torque, dtype=float)
     if not np.isfinite(torques).all():
         raise InputError("torque", expected="finite [N m]", received=torque)
-    flat = torques.ravel()
-    scenario = Scenario(dynamics.nominal, np.array([0.0, 1.0]), np.zeros(2), effects=dynamics.effects)
-    columns = Columns([scenario] * len(flat), shape_of(scenario, 1.0))
-    q, found = equilibrium(columns, flat, np.ones(len(flat), dtype=bool))
-    if not found.all():
-        raise InputError("torque", expected="one that the arm can rest under", received=f"{flat[~found][0]:g} N m")
-    return np.asarray(q.T.reshape(*torques.shape, dynamics.links))
+    return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, dynamics.links)
+
+
+def static_poses(columns: Columns, torque: Array) -> Array:
+    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m].
+
+    Raises:
+        InputError: a torque under which there is no equilibrium.
+    """
+    engine, wanted, straight = (
+        Engine(columns, "compiled"),
+        np.ones(len(columns), dtype=bool),
+        np.zeros((len(columns), columns.links)),
+    )
+    poses = np.empty((*torque.shape, columns.links))
+    for row, pose in zip(torque, poses, strict=True):
+        pose[:], found = engine.settled(row, wanted, straight)
+        if not found.all():
+            raise InputError("torque", expected="one that the arm can rest under", received=f"{row[~found][0]:g} N m")
+    return poses
 
 
 def rest_under(dynamics: ArmDynamics, torque: float) -> Rest:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from hsr_pin.errors import MissingDependencyError
 
-#: Id -> where the environment is.
+#: Id -> where the environment is, and the one of many arms.
 ENVIRONMENTS = {
-    "hsr_pin/FollowTip-v0": "hsr_pin.control.environment:FollowTip",
-    "hsr_pin/ReachTip-v0": "hsr_pin.control.environment:ReachTip",
+    "hsr_pin/FollowTip-v0": ("hsr_pin.control.environment:FollowTip", "hsr_pin.control.vector:FollowTips"),
+    "hsr_pin/ReachTip-v0": ("hsr_pin.control.environment:ReachTip", "hsr_pin.control.vector:ReachTips"),
 }
 
 
 def register() -> None:
-    """Make ``gymnasium.make`` know the ids. A second call changes nothing.
+    """Make ``gymnasium.make`` and ``gymnasium.make_vec`` know the ids. A second call changes nothing.
 
     Raises:
         MissingDependencyError: Gymnasium is not installed.
@@ -21,6 +21,6 @@ def register() -> None:
         import gymnasium
     except ImportError as error:
         raise MissingDependencyError("gymnasium", "gym") from error
-    for name, place in ENVIRONMENTS.items():
+    for name, (single, many) in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
-            gymnasium.register(name, entry_point=place)
+            gymnasium.register(name, entry_point=single, vector_entry_point=many)

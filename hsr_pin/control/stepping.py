@@ -10,23 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hsr_pin.control.fleet import ArmFleet, FleetState, failed
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, PressureError, SimulationFailure
 from hsr_pin.robot.pressure import PAPER, PressureMap
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.batch import STEP
-from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns, shape_of
-from hsr_pin.simulation.integrators import integrator as integrator_named
-from hsr_pin.simulation.result import Outcome, furthest_joint, reason_of
-from hsr_pin.simulation.scenario import Pose, Scenario, Settled
-from hsr_pin.simulation.stepper import ChainState, Stepper, starting_state
+from hsr_pin.simulation.integrator import STEP
+from hsr_pin.simulation.motion import Dynamics
+from hsr_pin.simulation.result import Outcome
+from hsr_pin.simulation.scenario import Pose
 from hsr_pin.trajectory import Array, Marker
 
 #: Shortest and longest step [s] that can be asked for.
 SHORTEST, LONGEST = 1e-6, 60.0
-#: Step lengths whose integrators are kept.
-_KEPT = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -35,38 +31,42 @@ class ArmState:
 
     Attributes:
         time: [s] since the reset.
-        chain: the same for the integrator, with what the effects remember.
+        fleet: the same as of a fleet of one, with what the effects remember.
     """
 
     time: float
-    chain: ChainState
+    fleet: FleetState
 
     @property
     def angles(self) -> Array:
         """The joint angles q (N,) [rad], read-only."""
-        return np.asarray(self.chain.q[:, 0])
+        angles: Array = self.fleet.chain[0, 0]
+        return angles
 
     @property
     def rates(self) -> Array:
         """The joint rates v (N,) [rad/s], read-only."""
-        return np.asarray(self.chain.v[:, 0])
+        rates: Array = self.fleet.chain[1, 0]
+        return rates
 
     @property
-    def effect_states(self) -> tuple[Array, ...]:
-        """Internal states of the effects in the arm, (states, N) each, in the order of those effects."""
-        return tuple(law[:, :, 0] for law in self.chain.laws)
+    def effect_states(self) -> Array:
+        """(states, N) what the effects in the arm remember, in the order of those effects; read-only."""
+        states: Array = self.fleet.chain[2:, 0]
+        return states
 
 
 class ArmSimulator:
-    """One arm with its effects, step by step: exactly what :func:`hsr_pin.simulate` gives for the same commands.
+    """One arm with its effects, step by step: exactly what :func:`hsr_pin.simulate` gives for the same commands and steps.
 
-    ``state`` is all that changes. :meth:`advance` passes it explicitly instead; copies share nothing.
+    ``state`` is all that changes. :meth:`advance` passes it explicitly instead; copies share nothing. The first use on a machine
+    compiles for half a minute, once; ``dynamics="aba"`` starts at once and takes a hundred times as long for a step.
 
     Args:
         arm: the nominal arm.
         effects: what acts beside the nominal model, at most one of a kind.
-        dynamics: "aba" or "rnea".
-        integrator: a name from ``hsr_pin.simulation.integrators``.
+        dynamics: "compiled", or "aba" or "rnea" over Pinocchio.
+        integrator: a name from ``hsr_pin.simulation.integrator``.
         step: largest step of the integrator [s].
         markers: the points to follow; default: base, middle and tip.
         pressure_map: what pressures give, Eqs. (1), (4) and (5).
@@ -78,7 +78,7 @@ class ArmSimulator:
         arm: ArmSpecification,
         effects: Sequence[Effect] = (),
         *,
-        dynamics: str = "aba",
+        dynamics: Dynamics = "compiled",
         integrator: str = "extrapolated4",
         step: float = STEP,
         markers: tuple[Marker, ...] = (),
@@ -87,19 +87,14 @@ class ArmSimulator:
     ) -> None:
         self.arm, self.effects, self.pressure_map = arm, tuple(effects), pressure_map
         self.torque_range = torque_range or (-arm.keq * arm.bending_limit, arm.keq * arm.bending_limit)
-        self._dynamics, self._integrator, self._largest_step = dynamics, integrator, _checked_time("step", step)
-        self._method = integrator_named(integrator)
-        self._scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=self.effects, markers=markers)
-        self._columns = self._columns_from(Settled())
-        self._cameras = Cameras(self._columns.arm_models[0], self._scenario.markers, self._columns.effects)
-        self._limit = self._columns.arms[0].bending_limit
-        self._steppers: dict[float, tuple[Stepper, int]] = {}
+        self._options = {"dynamics": dynamics, "integrator": integrator, "step": _checked_time("step", step), "markers": markers}
+        self._fleet = ArmFleet([arm], [self.effects], **self._options)  # type: ignore[arg-type]  # each as it is declared above
         self.state = self.reset()
 
     @property
     def markers(self) -> tuple[Marker, ...]:
         """The points that :meth:`observe` follows."""
-        return self._scenario.markers
+        return self._fleet.markers[0]
 
     def reset(self, torque: float = 0.0, *, pose: Pose | None = None) -> ArmState:
         """Start anew at time 0.
@@ -112,15 +107,21 @@ class ArmSimulator:
             InputError: a torque out of range, or a pose of another number of joints.
             SimulationFailure: there is no equilibrium, or the arm is beyond its bending limit.
         """
-        torque = self._checked_torque(torque)
-        columns = self._columns_from(pose or Settled(torque))
-        chain, found = starting_state(columns, np.array([torque]))
-        self.state = _frozen(0.0, chain)
-        if not found[0]:
-            raise self._failure(self.state, chain.q[:, 0], Outcome.NO_EQUILIBRIUM)
-        if not abs(chain.q.sum()) <= self._limit:
-            raise self._failure(self.state, chain.q[:, 0], reason_of(chain.q[:, 0]))
-        return self.state
+        command = np.array([self._checked_torque(torque)])
+        if pose is None:
+            fleet, found = self._fleet.settled(command)
+            if not found[0]:
+                raise SimulationFailure(failed(0.0, fleet.chain[0, 0], Outcome.NO_EQUILIBRIUM), ArmState(0.0, fleet))
+        else:
+            if pose.angles.shape != (self.arm.links,):
+                raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {pose.angles.shape}")
+            assert pose.rates is not None
+            fleet = self._fleet.placed(pose.angles[None], pose.rates[None], command)
+        started = ArmState(0.0, fleet)
+        if not abs(started.angles.sum()) <= self._fleet.limit[0]:
+            raise SimulationFailure(failed(0.0, started.angles), started)
+        self.state = started
+        return started
 
     def step(self, torque: float | None = None, *, pressures: ArrayLike | None = None, dt: float = STEP) -> ArmState:
         """Hold a command for ``dt`` [s]: a ``torque`` [N m], or ``pressures`` (2,) [bar] at the arm's stiffness.
@@ -150,66 +151,29 @@ class ArmSimulator:
             InputError, SimulationFailure: as :meth:`step`.
         """
         command = np.array([self._checked_torque(torque)])
-        stepper, count = self._steppers.get(dt) or self._stepper(dt)
-        chain, limit = state.chain, self._limit
-        for _ in range(count):
-            chain = stepper.advance(chain, command)
-            if not abs(chain.q.sum()) <= limit:  # nan is beyond too
-                raise self._failure(state, chain.q[:, 0], reason_of(chain.q[:, 0]))
-        return _frozen(state.time + dt, chain)
+        fleet, lost = self._fleet.advance(state.fleet, command, _checked_time("dt", dt))
+        if lost:
+            raise SimulationFailure(failed(state.time, fleet.chain[0, 0]), state)
+        return ArmState(state.time + dt, fleet)
 
     def observe(self, state: ArmState | None = None) -> Array:
         """(M, 3) [m] where the markers are seen in the world frame, with what the effects make of it; without noise."""
-        chain = (state or self.state).chain
-        return np.asarray(self._cameras.positions(chain.q.T[None])[0, 0])
+        return np.asarray(self._fleet.observe((state or self.state).fleet)[0])
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are built anew from what was asked for, with workspaces of their own, and take the state along."""
-        options = {
-            "dynamics": self._dynamics,
-            "integrator": self._integrator,
-            "step": self._largest_step,
-            "markers": self.markers,
-            "pressure_map": self.pressure_map,
-            "torque_range": self.torque_range,
-        }
+        options = {**self._options, "pressure_map": self.pressure_map, "torque_range": self.torque_range}
         return _rebuilt, (type(self), self.arm, self.effects, options, self.state)
-
-    def _columns_from(self, start: Settled | Pose) -> Columns:
-        base = self._scenario
-        scenario = Scenario(base.arm, base.time, base.torque, start, base.effects, base.markers, implicit_as=base)
-        return Columns([scenario], shape_of(scenario, 1.0))
-
-    def _stepper(self, dt: float) -> tuple[Stepper, int]:
-        """The integrator for a step and how often it is called; built once for each length, by the rule of :func:`shape_of`."""
-        whole = round(_checked_time("dt", dt), 12)
-        count = max(1, math.ceil(whole / self._largest_step - 1e-6))
-        if len(self._steppers) >= _KEPT:
-            self._steppers.pop(next(iter(self._steppers)))
-        self._steppers[dt] = made = Stepper(self._columns, self._method, whole / count, self._dynamics), count
-        return made
 
     def _checked_torque(self, torque: float) -> float:
         low, high = self.torque_range
         try:
             value = float(torque)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             value = math.nan
         if not low <= value <= high:
             raise InputError("torque", expected=f"{low:.4g} to {high:.4g} N m", received=torque)
         return value
-
-    @staticmethod
-    def _failure(last: ArmState, q: Array, outcome: Outcome) -> SimulationFailure:
-        where = f"in the step from t = {last.time:.4g} s, joint {furthest_joint(q)}"
-        return SimulationFailure(f"simulation stopped {where}: {outcome.value}", last)
-
-
-def _frozen(time: float, chain: ChainState) -> ArmState:
-    chain.q.flags.writeable = chain.v.flags.writeable = False
-    for law in chain.laws:
-        law.flags.writeable = False
-    return ArmState(time, chain)
 
 
 def _checked_time(name: str, value: float) -> float:

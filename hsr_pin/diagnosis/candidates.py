@@ -1,20 +1,24 @@
-"""Every effect tried on an experiment: where its fit starts, where it ends, what it is worth on trials that were not fitted."""
+"""Every effect tried on an experiment: screening (where its fit starts), refinement (where it ends), cross-validation.
+
+A candidate is the arm with fitted stiffness and damping, with effects of the catalogue, or with another of its numbers open.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect, with_values
-from hsr_pin.identification.evaluation import Prediction, predict, residuals, rms
+from hsr_pin.identification.evaluation import PLANE, respond
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit, fit, stacked
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.nuisance import whitened
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -34,8 +38,8 @@ _ENOUGH = 8
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
-#: Links for the full fit of a local defect: a coarser chain hardly tells where within an element it is, and its fit gets stuck.
-_LOCAL_LINKS = 12
+#: Links and error of a step [m at the tip] of the chain that is screened.
+_LINKS, _TOLERANCE = 8, 5e-4
 #: No first guess goes further than this from neutral, over the parameter's scale.
 _FARTHEST = 6.0
 
@@ -46,7 +50,7 @@ class Candidate:
 
     Attributes:
         fit: of the nominal model with these effects, K and C.
-        heldout: for each run (T, M, 3) [m] predicted minus measured by a model fitted to the other runs.
+        heldout: for each run (T, M, 2) [m] predicted minus measured by a model fitted to the other runs.
     """
 
     fit: Fit
@@ -54,8 +58,25 @@ class Candidate:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of its effects, sorted."""
-        return tuple(sorted(effect.name for effect in self.fit.hypothesis.effects))
+        """Of its effects, and of the arm's numbers that are open beside stiffness and damping; sorted."""
+        return tuple(sorted(part.name for part in self.fit.hypothesis.parts))
+
+    @property
+    def nameable(self) -> bool:
+        """Whether all of them are causes, none the flexible law of a kind."""
+        return not any(part.flexible for part in self.fit.hypothesis.parts)
+
+    def contains(self, other: Candidate) -> bool:
+        """Whether the other model is a special case of this one: each of its parts is here too, or one that contains it."""
+        own, others = ({part.name: part for part in each.fit.hypothesis.parts} for each in (self, other))
+        return other.names != self.names and all(
+            name in own or any(mine.contains(part) for mine in own.values()) for name, part in others.items()
+        )
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of physics that they belong to, sorted."""
+        return tuple(sorted({part.kind for part in self.fit.hypothesis.parts}))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +94,7 @@ class Guess:
     gain: float
 
 
-def guesses(experiment: Experiment, base: Fit, effects: list[Effect]) -> list[Guess]:
+def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[Guess]:
     """First guesses for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
 
     Each effect is probed with a small amplitude at several values of its shape parameters, all in one batch. The change it makes
@@ -81,29 +102,38 @@ def guesses(experiment: Experiment, base: Fit, effects: list[Effect]) -> list[Gu
     derivatives, and the misfit that it should leave, follow from linear least squares.
     """
     experiment, base = _thinned(experiment, base)
-    nominal = predict(experiment, base.hypothesis, [(run, base.values) for run in experiment.runs])
-    return [guess for effect in effects for guess in _guess(experiment, base, effect, nominal)]
+    return [guess for effect in effects for guess in _guess(experiment, base, effect)]
 
 
-def _guess(experiment: Experiment, base: Fit, effect: Effect, nominal: list[Prediction]) -> list[Guess]:
-    probes = _probes(effect)
-    hypothesis = base.hypothesis.with_effects(effect)
-    names = [name.split(".")[1] for name in hypothesis.free[len(base.values) :]]
-    starts = [np.append(base.values, [getattr(probe, name) for name in names]) for probe in probes]
-    predictions = predict(experiment, hypothesis, [(run, start) for start in starts for run in experiment.runs])
+def _guess(experiment: Experiment, base: Fit, effect: Part) -> list[Guess]:
+    whole = base.hypothesis.with_part(effect)
+    new = whole.parameters[len(base.values) :]
+    probes = _probes(new)
+    neutral = np.array([fact.neutral for fact in new])
+    points = np.array([np.append(base.values, probe) for probe in (neutral, *probes)])
+    seen = _side_by_side(experiment, whole, points)
     residual, slopes = stacked(base)
-    count = len(experiment.runs)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
-    for k, start in enumerate(starts):
-        own = predictions[k * count : (k + 1) * count]
-        if any(p.failed for p in own):
+    for k, (start, probe) in enumerate(zip(points[1:], probes, strict=True), 1):
+        change = np.concatenate(
+            [
+                whitened(((each[:, k] - each[:, 0]) * w)[w > 0], (basis * w[..., None])[w > 0])
+                for each, w, basis in zip(seen, base.weights, base.nuisance, strict=True)
+            ]
+        )
+        if not np.isfinite(change).all():
             continue
-        change = [((p.positions - n.positions) * w)[w > 0] for p, n, w in zip(own, nominal, base.weights, strict=True)]
-        answer = _linear_guess(base, hypothesis, start, residual, slopes, np.concatenate(change))
-        shape = tuple(getattr(probes[k], fact.name) for fact in effect.parameters() if not fact.amplitude)
+        answer = _linear_guess(base, whole, start, residual, slopes, change)
+        shape = tuple(value for value, fact in zip(probe, new, strict=True) if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = _distinct(answers)[:_STARTS]
-    return [Guess(hypothesis, tuple(start for _, start in best), best[0][0])] if best else []
+    return [Guess(whole, tuple(start for _, start in best), best[0][0])] if best else []
+
+
+def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:
+    """For each run (T, C, M, 2) [m] about where the markers would be with each of the points (C, P)."""
+    rough = _rough(hypothesis)
+    return [respond(experiment, run, rough, points).positions[..., PLANE] for run in experiment.runs]
 
 
 def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:
@@ -114,16 +144,14 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
     return list(found.values())
 
 
-def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...]:
+def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
     """Of each of the guessed values, and those in the next valleys, the one that simulates best; then the best of the others."""
-    hypothesis = guess.hypothesis
-    points = [_moved(hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS]
-    predictions = predict(experiment, hypothesis, [(run, point) for point in points for run in experiment.runs])
-    count = len(experiment.runs)
-    sizes = []
-    for k in range(len(points)):
-        missed = residuals(experiment, predictions[k * count : (k + 1) * count])
-        sizes.append(rms([miss + defect for miss, defect in zip(missed, base.defects, strict=True)]))
+    points = np.array([_moved(guess.hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS])
+    squares = []
+    for run, seen in zip(experiment.runs, _side_by_side(experiment, guess.hypothesis, points), strict=True):
+        missed = np.nan_to_num(seen - run.in_plane[:, None], nan=experiment.dataset.length)
+        squares.append(np.where(np.isfinite(run.in_plane[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
+    sizes = np.sqrt(np.sum(squares, axis=0))
     order = [int(k) for k in np.argsort(sizes, kind="stable")]
     first: dict[int, int] = {}  # a local defect is looked for in two places, not twice in the one that looks best
     for k in order:
@@ -134,7 +162,7 @@ def _starts(experiment: Experiment, base: Fit, guess: Guess) -> tuple[Array, ...
 
 def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: float) -> Array:
     """Values (P,) with the damping times one factor, and how far amplitudes of the last effect are from neutral times another."""
-    moved, last = values.copy(), hypothesis.effects[-1].name
+    moved, last = values.copy(), hypothesis.parts[-1].name
     for index, fact in enumerate(hypothesis.parameters):
         if fact.name.partition("@")[0] == "damping_scale":
             moved[index] *= damping
@@ -147,18 +175,19 @@ def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: flo
 def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
     """A quick fit from the best of a guess's starts, to some of the runs; the best of them."""
     experiment, base = _thinned(experiment, base)
-    starts = _starts(experiment, base, guess)
-    answers = [fit(experiment, guess.hypothesis, start=start, after=base, quick=True) for start in starts]
-    return min(answers, key=lambda fitted: fitted.rms)
+    answers = [fit(experiment, _rough(guess.hypothesis), start=start, quick=True) for start in _starts(experiment, guess)]
+    return replace(min(answers, key=lambda fitted: fitted.rms), hypothesis=guess.hypothesis)
 
 
-def finish(experiment: Experiment, base: Fit, quick: Fit) -> Candidate:
+def finish(experiment: Experiment, start: Fit) -> Candidate:
     """The full fit after a quick one, and every run predicted from the others."""
-    hypothesis = quick.hypothesis.steadied()
-    if "soft_spot" in {effect.name for effect in hypothesis.effects}:
-        hypothesis = replace(hypothesis, links=max(_LOCAL_LINKS, hypothesis.links))
-    answer = fit(experiment, hypothesis, start=quick.values, after=base)
+    answer = fit(experiment, start.hypothesis, start=start.values)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
+
+
+def _rough(hypothesis: Hypothesis) -> Hypothesis:
+    """The same on the chain that is screened."""
+    return replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
 
 
 def glanced(runs: int) -> list[int]:
@@ -178,20 +207,20 @@ def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     fewer = replace(
         base,
         residuals=some(base.residuals),
+        missed=some(base.missed),
         slopes=some(base.slopes),
         weights=some(base.weights),
-        defects=some(base.defects),
+        nuisance=some(base.nuisance),
     )
     return replace(experiment, runs=some(experiment.runs)), fewer
 
 
-def _probes(effect: Effect) -> list[Effect]:
-    """The effect with a small amplitude, at a few values of each shape parameter."""
-    facts = effect.parameters()
-    shapes = [[(p.name, value) for value in _grid(p)] for p in facts if not p.amplitude]
-    sizes = _PROBES if shapes else (_PROBE,)
+def _probes(facts: Sequence[Parameter]) -> list[Array]:
+    """Values of an effect's parameters: a small amplitude, at a few values of each shape parameter."""
+    shapes = [_grid(fact) if not fact.amplitude else [0.0] for fact in facts]
+    sizes = _PROBES if any(not fact.amplitude for fact in facts) else (_PROBE,)
     return [
-        with_values(effect, **{p.name: p.neutral + size * p.scale for p in facts if p.amplitude}, **dict(shape))
+        np.array([f.neutral + size * f.scale if f.amplitude else at for f, at in zip(facts, shape, strict=True)])
         for size in sizes
         for shape in itertools.product(*shapes)
     ]

@@ -9,21 +9,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import structure
+from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
-from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
-from hsr_pin.diagnosis.verdict import Verdict, judge
+from hsr_pin.diagnosis.repeats import Repeats, repeats
+from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, tolerated, worth_having
+from hsr_pin.diagnosis.support import supports
+from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
 from hsr_pin.diagnosis.where import Where, locate
-from hsr_pin.diagnosis.workers import workers
-from hsr_pin.effects import EFFECTS, effect_named
-from hsr_pin.effects.effect import Effect, neutral
+from hsr_pin.effects import EFFECTS, Effect, effect_named
+from hsr_pin.effects.effect import neutral
+from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.evaluation import predict, residuals
 from hsr_pin.identification.experiment import Experiment, moves, prepare
-from hsr_pin.identification.fit import FINE_LINKS, FINE_STEP, fit
+from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import LINKS, PLAIN, Hypothesis, Part
+from hsr_pin.identification.identify import simulated, split
+from hsr_pin.parallel import workers
+from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
 
@@ -40,6 +46,8 @@ class Diagnosis:
         nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
         where: maps of the gap that fitted stiffness and damping leave; None where there was too little to fit.
         next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
+        fingerprint: what the recordings show without a model.
+        repeats: how far the arm is from itself; None where no trials repeat one another.
     """
 
     experiment: Experiment
@@ -50,6 +58,8 @@ class Diagnosis:
     nominal: tuple[Array, ...]
     where: Where | None = None
     next_experiment: tuple[Proposal, ...] = ()
+    fingerprint: Fingerprint | None = None
+    repeats: Repeats | None = None
 
 
 def diagnose(
@@ -57,9 +67,13 @@ def diagnose(
     *,
     effects: Sequence[str] | None = None,
     max_effects: int = 3,
-    links: int = 6,
+    links: int = LINKS,
     declared_links: int = 4,
+    delay: float = 0.0,
+    train: Sequence[str] = (),
+    test: Sequence[str] = (),
     jobs: int | None = None,
+    cluster: str | None = None,
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
     advance: Callable[[], None] = lambda: None,
@@ -70,9 +84,14 @@ def diagnose(
         dataset: at least two trials in which the arm moves.
         effects: names of the candidates; default: the whole catalogue.
         max_effects: at most this many together.
-        links: of the chain that is fitted (it is corrected for its coarseness).
+        links: of the chain that is fitted.
         declared_links: of the declared model, with joints at the links' ends as in the paper.
+        delay: trials that start from a pose are followed only from so long after their declared start [s].
+        train: names or patterns of the trials that the evidence comes from; default: all that are not set aside.
+        test: of the trials set aside, on which the ladder is told; default: those not among ``train``. Without any, each trial is
+            predicted by a fit to the others.
         jobs: processes; default: one per core.
+        cluster: address of a Dask scheduler whose workers do it instead.
         seed: of the resampling.
         tell: called with a line at each stage.
         advance: called after each fit.
@@ -81,19 +100,29 @@ def diagnose(
         IdentificationError: nothing in the dataset can be compared with a model, or an argument is out of range.
         EffectError: an unknown effect.
     """
-    candidates = _templates(effects)
+    kinds = (
+        [effect_named(name) for name in dict.fromkeys(effects)]
+        if effects is not None
+        else [*EFFECTS.values(), *FLEXIBLE.values()]
+    )
     if max_effects < 0:
         raise IdentificationError("max_effects", expected="zero or more", received=max_effects)
     tell("reading the recordings")
-    experiment = prepare(dataset)
+    experiment, aside = split(prepare(dataset, delay=delay), train, test)
+    if aside:
+        told = ", ".join(run.trial.name for run in aside.runs)
+        experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
+    parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
+    ready(kinds)
+    prints, own = fingerprint(experiment), repeats(experiment)
     thresholds = Thresholds.of(experiment.noise_rms, dataset.length)
     hypothesis = Hypothesis(links=links)
-    paper = replace(hypothesis, links=declared_links, placement="base", step=FINE_STEP)
+    paper = replace(hypothesis, links=declared_links, placement="base")
     nominal = _simulated(experiment, paper)
-    mended = _simulated(experiment, hypothesis.finer(FINE_LINKS, FINE_STEP))
+    mended = _simulated(experiment, hypothesis)
     first: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [
-        ("declared model", (), nominal),
-        ("finer discretisation", (), mended),
+        ("declared model", (), _simulated(aside, paper) if aside else nominal),
+        ("finer discretisation", (), _simulated(aside, hypothesis) if aside else mended),
     ]
     lacking = _insufficient(experiment)
     if lacking:
@@ -101,49 +130,65 @@ def diagnose(
         rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
         proposals = propose(experiment, rivals)
         rungs = ladder(first, thresholds.noise, seed)
-        return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals)
+        return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals, prints, own)
     tell("stiffness and damping")
     base_fit = fit(experiment, hypothesis)
     if not any(slopes.any() for slopes in base_fit.slopes):
         raise IdentificationError(
             "model", expected="an arm that can be simulated under the recorded input", received="one that fails in every trial"
         )
+    if base_fit.failed:
+        experiment = _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base_fit.failed)}")
     base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
     by_level = _by_level(experiment, base)
-    with workers(experiment, jobs, advance) as crew:
+    with workers(jobs, cluster) as executor:
+        crew = Crew(experiment, executor, advance)
 
         def searched(start: Candidate) -> Search:
-            return search(start, candidates, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
+            return search(start, parts, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
+
+        def judged(found: Search, by_level: Candidate | None) -> Verdict:
+            limit = tolerated(found.best, thresholds)
+            parts, kinds = supports(experiment, found.best, found.path[0], found.tried, limit, seed)
+            itself = own.moving if own else None
+            evidence = Evidence(structure(mended), parts, kinds, dataset.length, itself, by_level, seed)
+            return judge(found, thresholds, evidence)
 
         found = searched(base)
-        verdict = judge(structure(mended), found, thresholds, seed, by_level)
+        verdict = judged(found, by_level)
         if by_level and worth_having(base, by_level, thresholds, seed):
             if verdict.status == "parameters":
                 found = Search((by_level,), found.tried)
             elif verdict.status == "unexplained":
                 tell("stiffness and damping of each level")
                 found = searched(by_level)
-                verdict = judge(structure(mended), found, thresholds, seed)
+                verdict = judged(found, None)
     tell("where the gap lies")
     return Diagnosis(
         experiment,
         verdict,
-        ladder([*first, *_rungs(base, found)], thresholds.noise, seed),
+        ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, own.moving if own else None),
         found,
         thresholds,
         tuple(nominal),
         locate(experiment, base, found.best, seed),
         propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
+        prints,
+        own,
     )
 
 
-def _rungs(base: Candidate, found: Search) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-    """Name, effects and held-out residuals of the fitted models on the way down."""
-    rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), base.heldout)]
+def _rungs(base: Candidate, found: Search, aside: Experiment | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
+    """Name, effects and held-out residuals of the fitted models on the way down: on the trials set aside, if there are any."""
+
+    def heldout(model: Candidate) -> Sequence[Array]:
+        return model.heldout if aside is None else simulated(aside, model.fit.hypothesis, model.fit.values)
+
+    rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), heldout(base))]
     if found.path[0] is not base:
-        rungs.append(("stiffness and damping of each level", (), found.path[0].heldout))
+        rungs.append(("stiffness and damping of each level", (), heldout(found.path[0])))
     for before, after in itertools.pairwise(found.path):
-        rungs.append((" + ".join(sorted(set(after.names) - set(before.names))), after.names, after.heldout))
+        rungs.append((" + ".join(sorted(set(after.names) - set(before.names))), after.names, heldout(after)))
     return rungs
 
 
@@ -154,7 +199,7 @@ def _by_level(experiment: Experiment, base: Candidate) -> Candidate | None:
         return None
     free = tuple(f"{name}@{level:g}" for level in levels for name in base.fit.hypothesis.free)
     start = np.tile(base.fit.values, len(levels))
-    answer = fit(experiment, replace(base.fit.hypothesis, free=free), start=start, after=base.fit)
+    answer = fit(experiment, replace(base.fit.hypothesis, free=free), start=start)
     return Candidate(answer, tuple(leave_one_out(experiment, answer)))
 
 
@@ -165,13 +210,25 @@ def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str,
     return [(candidate.fit.hypothesis, candidate.fit.values) for candidate in best]
 
 
-def _templates(names: Sequence[str] | None) -> list[Effect]:
-    kinds = [effect_named(name) for name in names] if names is not None else list(EFFECTS.values())
-    return [neutral(kind, **options) for kind in dict.fromkeys(kinds) for options in kind.variants()]
+def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = tuple(PLAIN)) -> list[Part]:
+    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
+    parts = [Part(name) for name in plain]
+    driven = any(np.ptp(run.torque) > 0 or run.torque[0] != 0 for run in experiment.runs)
+    for kind in kinds:
+        for options in kind.variants():
+            effect = neutral(kind, **options)
+            parts.append(Part(kind.name, effect))
+            if kind.resizes and len(experiment.levels) > 1:
+                parts.append(Part(kind.name, effect, resized=True))
+    return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
+
+
+def _noted(experiment: Experiment, note: str) -> Experiment:
+    return replace(experiment, notes=(*experiment.notes, note))
 
 
 def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
-    return residuals(experiment, predict(experiment, hypothesis, [(run, hypothesis.start) for run in experiment.runs]))
+    return simulated(experiment, hypothesis, hypothesis.start)
 
 
 def _insufficient(experiment: Experiment) -> str:

@@ -1,11 +1,13 @@
 """A diagnosis as one JSON document, for programs.
 
-Lengths are in mm and shares from 0 to 1; what is not known is null. The fields of schema 1 stay; others may be added.
+Lengths are in mm (but for ``arm``: SI units) and shares from 0 to 1; what is not known is null. The fields of schema 1 stay;
+others may be added.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 from hsr_pin.diagnosis.candidates import Candidate
@@ -13,7 +15,9 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates
 from hsr_pin.diagnosis.ladder import Rung
 from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where
+from hsr_pin.identification.arm_document import arm_to_json
 
 SCHEMA = 1
 
@@ -30,7 +34,14 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "effects": sorted(verdict.effects),
             "alternatives": [sorted(names) for names in verdict.alternatives],
             "sentence": verdict.sentence,
+            "kinds": list(verdict.kinds),
+            "confidence": {name: _number(value) for name, value in sorted(verdict.confidence.items())},
+            "left": _left(verdict.left),
+            "support": [
+                {k: _number(v) if isinstance(v, float) else v for k, v in asdict(each).items()} for each in verdict.support
+            ],
         },
+        "arm": None if diagnosis.search is None else arm_to_json(diagnosis.experiment, diagnosis.search.best.fit),
         "ladder": [_rung(rung, length) for rung in diagnosis.ladder],
         "noise_floor_mm": _mm(diagnosis.experiment.noise_rms),
         "candidates": [_candidate(each) for each in sorted(tried, key=lambda each: (mean_square(each), each.names))],
@@ -41,7 +52,20 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "closed_mm": _mm(diagnosis.thresholds.closed),
             "explained": _number(diagnosis.thresholds.explained),
         },
+        "fingerprint": None if diagnosis.fingerprint is None else diagnosis.fingerprint.to_json(),
+        "repeats": None if diagnosis.repeats is None else diagnosis.repeats.to_json(),
         "notes": list(diagnosis.experiment.notes),
+    }
+
+
+def _left(left: Left | None) -> dict[str, float | None] | None:
+    if left is None:
+        return None
+    return {
+        "mm": _mm(left.rms),
+        "percent_of_length": _number(100 * left.rms / left.length),
+        "share": _number(left.share),
+        "not_repeatable_mm": None if left.not_repeatable is None else _mm(left.not_repeatable),
     }
 
 
@@ -60,6 +84,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
     effects = candidate.fit.hypothesis.effects
     return {
         "effects": list(candidate.names),
+        "resized": list(candidate.fit.hypothesis.resized),
         "options": dict(sorted((f"{effect.name}.{name}", value) for effect in effects for name, value in effect.options)),
         "parameters": {
             each.name: {"value": _number(each.value), "unit": each.unit, "ci95": [_number(bound) for bound in each.interval]}

@@ -36,7 +36,7 @@ class Squares:
 
 
 def squares(heldout: Sequence[Array], blocks: int = _FEW) -> Squares:
-    """Held-out residuals [m] (one (T, M, 3) per run) as blocks.
+    """Held-out residuals [m] (one (T, M, 2) per run) as blocks.
 
     A block is a trial; with fewer trials than ``blocks``, each is cut into pieces in time: there must be something to draw from.
     """
@@ -96,3 +96,10 @@ def certainly_better(better: Sequence[Array], worse: Sequence[Array], seed: int)
         gain_interval(squares([worse[k] for k in some], _PIECES), squares([better[k] for k in some], _PIECES), seed)[0] > 0
         for some in kept
     )
+
+
+def frequency_of_gain(better: Sequence[Array], worse: Sequence[Array], seed: int) -> float:
+    """In what share of resampled pieces of the trials one model's mean squared distance is lower than another's."""
+    one, other = squares(better, _PIECES), squares(worse, _PIECES)
+    drawn = draws(len(other.sums), seed)
+    return float(np.mean(drawn @ (other.sums - one.sums) > 0))

@@ -10,6 +10,7 @@ import numpy as np
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import ranked
+from hsr_pin.diagnosis.fingerprint.prints import Print
 from hsr_pin.diagnosis.inline_svg import ROLES, drawing
 from hsr_pin.diagnosis.search import mean_square
 from hsr_pin.diagnosis.where import Map, Where
@@ -144,6 +145,7 @@ def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
 def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
     """One run, by the declared model and by the best: path of the marker nearest to the tip, its motion, and the error."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatter
 
     run = diagnosis.experiment.runs[index]
     tip = farthest_seen(run, diagnosis)
@@ -152,29 +154,30 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
         best = diagnosis.search.best
         models.append((f"with {model_name(best)}", "model", "-", best.heldout[index]))
     paths = [_gapless(run, missed, tip) for *_, missed in models]
-    seen = run.measured[:: -(-len(run.time) // _DOTS), tip]
+    seen = run.in_plane[:: -(-len(run.time) // _DOTS), tip]
     time = run.time[:: -(-len(run.time) // _DOTS)]
-    axis = 0 if np.nanmax(np.ptp(paths[-1][:, 0])) >= np.ptp(paths[-1][:, 2]) else 2
+    axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
     with drawing():
         figure = Figure(figsize=(_WIDTH, 3.3), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.35))
         plane, motion, error = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
-        for axes, x, y in ((plane, seen[:, 0], seen[:, 2]), (motion, time, seen[:, axis])):
+        for axes, x, y in ((plane, seen[:, 0], seen[:, 1]), (motion, time, seen[:, axis])):
             scale = 1e3 if axes is plane else 1.0
             axes.plot(scale * x, 1e3 * y, ".", ms=6, mew=0, color=ROLES["measured"], label="measured")
         for (label, role, line, missed), path in zip(models, paths, strict=True):
             drawn: dict[str, Any] = {"color": ROLES[role], "ls": line, "lw": 1.3}
-            plane.plot(1e3 * path[:, 0], 1e3 * path[:, 2], label=label, **drawn)
+            plane.plot(1e3 * path[:, 0], 1e3 * path[:, 1], label=label, **drawn)
             motion.plot(run.time, 1e3 * path[:, axis], **drawn)
             error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
-        noise = 1e3 * 3**0.5 * float(diagnosis.experiment.noise[tip])
+        noise = 1e3 * 2**0.5 * float(diagnosis.experiment.noise[tip])
         error.set_yscale("log")
         error.yaxis.set_major_formatter("{x:g}")
+        error.yaxis.set_minor_formatter(LogFormatter())
         least = np.nanpercentile(np.linalg.norm(models[-1][-1][:, tip], axis=1), 5)
         error.set_ylim(bottom=max(0.2 * noise, 500 * float(least)))
         error.set_title(f"distance to the measurement (noise: {number(noise)} mm)")
         error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
-        _label(figure, (plane, motion, error), "xyz"[axis])
+        _label(figure, (plane, motion, error), "xz"[axis])
     return figure
 
 
@@ -200,7 +203,17 @@ def farthest_seen(run: Run, diagnosis: Diagnosis) -> int:
 
 
 def _gapless(run: Run, missed: Array, marker: int) -> Array:
-    """(T, 3) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
-    path = run.measured[:, marker] + missed[:, marker]
+    """(T, 2) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
+    path = run.in_plane[:, marker] + missed[:, marker]
     seen = np.isfinite(path).all(axis=1)
     return np.stack([np.interp(run.time, run.time[seen], column[seen]) for column in path.T], axis=1)
+
+
+def print_figure(shown: Print) -> Figure:
+    """One print of the recordings."""
+    from matplotlib.figure import Figure
+
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 2.4), layout="constrained")
+        shown.draw(figure.add_subplot())
+    return figure

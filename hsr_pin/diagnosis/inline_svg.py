@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import io
 import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ ROLES = {
 _STYLE: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "hsr_pin",
+    "text.parse_math": False,  # a name may hold any sign, dollars among them
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 8.5,
@@ -70,7 +72,8 @@ def inline(figure: Figure, name: str, description: str) -> str:
         description: what is seen, for those who cannot see it.
     """
     content = io.StringIO()
-    with drawing():
+    with drawing(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # the page's own font draws it
         figure.savefig(
             content, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,8 +18,9 @@ class Rung:
         name: what was mended here.
         effects: in the model, sorted.
         rms: [m] RMS marker distance on held-out trials.
-        share: of the squared gap between the declared model and the noise floor, what this rung takes away; on the last line,
-            what is left unexplained. All shares add up to one (the first rung has none).
+        share: of all that the ladder takes away and leaves beyond noise, in squares, what this rung takes away; on the row "not
+            repeatable" what the last model leaves above it; on the last line, what is left beyond noise by the row above it. A
+            rung that takes nothing away has no share. All shares add up to one.
         interval: (2,) [m] 95 % interval of ``rms`` from resampled trials.
     """
 
@@ -29,19 +31,26 @@ class Rung:
     interval: tuple[float, float]
 
 
-def ladder(models: Sequence[tuple[str, tuple[str, ...], Sequence[Array]]], noise: float, seed: int) -> tuple[Rung, ...]:
+def ladder(
+    models: Sequence[tuple[str, tuple[str, ...], Sequence[Array]]], noise: float, seed: int, not_repeatable: float | None = None
+) -> tuple[Rung, ...]:
     """The ladder.
 
     Args:
-        models: name, effects and held-out residuals [m] (one (T, M, 3) per run), from the declared model down.
+        models: name, effects and held-out residuals [m] (one (T, M, 2) per run), from the declared model down.
         noise: [m] RMS distance that noise alone leaves.
         seed: of the resampling.
+        not_repeatable: [m] how far the arm is from itself, beyond noise; None where no trials repeat one another.
     """
     means = [squares(heldout).mean for _, _, heldout in models]
-    whole = means[0] - noise**2
-    rungs = []
-    for k, (name, effects, heldout) in enumerate(models):
-        share = 0.0 if k == 0 or whole <= 0 else (means[k - 1] - means[k]) / whole
-        rungs.append(Rung(name, effects, means[k] ** 0.5, share, interval(squares(heldout), seed)))
-    rest = 0.0 if whole <= 0 else (means[-1] - noise**2) / whole
-    return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, rest, (noise, noise)))
+    floors = [noise**2] if not_repeatable is None else [noise**2 + not_repeatable**2, noise**2]
+    drops = [max(0.0, before - after) for before, after in itertools.pairwise([*means, *floors])]
+    whole = sum(drops) or 1.0
+    rungs = [
+        Rung(name, effects, mean**0.5, drop / whole, interval(squares(heldout), seed))
+        for (name, effects, heldout), mean, drop in zip(models, means, [0.0, *drops], strict=False)
+    ]
+    if not_repeatable is not None:
+        rms = floors[0] ** 0.5
+        rungs.append(Rung("not repeatable (no model is asked for less)", (), rms, drops[-2] / whole, (rms, rms)))
+    return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise)))

@@ -10,8 +10,10 @@ import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.simulation.batch import simulate_batch
-from hsr_pin.simulation.scenario import Pose, Scenario
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.integrator import Integrator
+from hsr_pin.simulation.motion import Engine
 from hsr_pin.trajectory import Array
 
 _STEP, _DURATION = 0.01, 4.0
@@ -35,17 +37,12 @@ class Proposal:
 def propose(experiment: Experiment, rivals: Sequence[tuple[Hypothesis, Array]]) -> tuple[Proposal, ...]:
     """The standard experiments, the most telling first, for at least two fitted rivals (model, values (P,))."""
     programs = _programs(experiment)
-    scenarios = [_scenario(experiment, model, values, changes) for _, changes in programs for model, values in rivals]
-    results = simulate_batch(scenarios, integrator="ros2")
     proposals = []
-    for k, (name, _) in enumerate(programs):
-        own = results[k * len(rivals) : (k + 1) * len(rivals)]
-        if not all(result.completed for result in own):
+    for name, changes in programs:
+        seen = [_predicted(experiment, model, values, changes) for model, values in rivals]
+        if not all(np.isfinite(positions).all() for positions in seen):
             continue
-        distances = [
-            float(np.sqrt(((a.trajectory.positions - b.trajectory.positions) ** 2).sum(axis=2).mean()))
-            for a, b in itertools.combinations(own, 2)
-        ]
+        distances = [float(np.sqrt(((a - b) ** 2).sum(axis=2).mean())) for a, b in itertools.combinations(seen, 2)]
         proposals.append(Proposal(name, min(distances) / experiment.noise_rms))
     return tuple(sorted(proposals, key=lambda proposal: -proposal.separation))
 
@@ -76,12 +73,19 @@ def _programs(experiment: Experiment) -> list[tuple[str, _Changes]]:
     ]
 
 
-def _scenario(experiment: Experiment, model: Hypothesis, values: Array, changes: _Changes) -> Scenario:
+def _predicted(experiment: Experiment, model: Hypothesis, values: Array, changes: _Changes) -> Array:
+    """(T, M, 3) [m] the markers in a standard experiment."""
     template = experiment.runs[0]
     time: Array = _STEP * np.arange(len(changes.torque), dtype=float)
-    blank = np.zeros((len(time), len(experiment.markers), 3))
-    run = Run(template.trial, time, changes.torque, blank, None, 0.0)
-    scenario = model.scenario(experiment, run, values)
-    arm = replace(scenario.arm, tip_mass=scenario.arm.tip_mass + changes.payload, tilt=scenario.arm.tilt + changes.tilt)
-    start = Pose(np.full(arm.links, 0.8 / arm.links)) if changes.released else scenario.start
-    return replace(scenario, arm=arm, start=start)
+    run = Run(template.trial, time, changes.torque, np.full((len(time), len(experiment.markers), 3), np.nan), None, 0.0)
+    plain = model.columns(experiment, run, values[None])
+    arms = replace(plain.nominal, tip_mass=plain.nominal.tip_mass + changes.payload, tilt=plain.nominal.tilt + changes.tilt)
+    columns = Columns(arms, plain.effects)
+    engine = Engine(columns, "compiled")
+    command = engine.deliver(run.torque[:, None], run.torque[:1], _STEP)
+    q, found = np.full((1, columns.links), 0.8 / columns.links), np.ones(1, dtype=bool)
+    if not changes.released:
+        q, found = engine.settled(command.initial, found, np.zeros_like(q))
+    motion = engine.run(engine.loaded(q, np.zeros_like(q)), command, len(time), Integrator(tolerance=model.tolerance), found)
+    positions = Cameras(columns, experiment.reach).positions(motion.angles)[:, 0]
+    return positions if np.isinf(motion.lost[0]) else np.full_like(positions, np.nan)

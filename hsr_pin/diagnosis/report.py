@@ -126,7 +126,12 @@ def _figures(diagnosis: Diagnosis) -> dict[str, Any]:
         "candidates_svg": (search and figures.candidates_figure(diagnosis), "candidates", "Error of each candidate"),
         "where_svg": (where and figures.where_figure(where), "where", "Maps of the gap"),
     }
-    return {key: figure and Markup(inline(figure, *words)) for key, (figure, *words) in drawn.items()} | {"motions": motions}
+    prints = [
+        (each, Markup(inline(figures.print_figure(each), f"print{k}", each.sentence)))
+        for k, each in enumerate(diagnosis.fingerprint.prints if diagnosis.fingerprint else ())
+    ]
+    svgs = {key: figure and Markup(inline(figure, *words)) for key, (figure, *words) in drawn.items()}
+    return svgs | {"motions": motions, "prints": prints}
 
 
 def _rungs(diagnosis: Diagnosis) -> list[dict[str, Any]]:

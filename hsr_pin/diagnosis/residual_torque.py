@@ -8,13 +8,12 @@ import numpy as np
 import pinocchio as pin
 from scipy.signal import savgol_filter
 
-from hsr_pin.identification.evaluation import at_samples
+from hsr_pin.identification.evaluation import Response, respond
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.robot.model import build_model
-from hsr_pin.simulation.batch import simulate_batch
-from hsr_pin.simulation.scenario import Scenario
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
 
 #: Window of the Savitzky-Golay filter [s], and its degree.
@@ -49,31 +48,25 @@ def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[Residu
     arm, as many as there are marker coordinates in the plane (four at most), with a Gaussian prior that shrinks what the markers
     do not tell (ridge regression). It is differentiated in time by a Savitzky-Golay filter.
     """
-    scenarios = [fit.hypothesis.scenario(experiment, run, fit.values) for run in experiment.runs]
-    results = simulate_batch(scenarios, integrator=fit.hypothesis.integrator, step=fit.hypothesis.step)
     generator = np.random.default_rng(seed)
     answers = []
-    for run, scenario, result, defect in zip(experiment.runs, scenarios, results, fit.defects, strict=True):
-        angles, rates = result.trajectory.joint_angles, result.trajectory.joint_rates
-        assert angles is not None and rates is not None
-        if len(angles) < len(scenario.time):
-            continue
-        measured = run.measured - defect  # what the coarse chain gets wrong is no torque
-        answers.append(_residual(experiment, run, measured, scenario, at_samples(run, angles), at_samples(run, rates), generator))
+    for run in experiment.runs:
+        model = respond(experiment, run, fit.hypothesis, fit.values[None])
+        if np.isfinite(model.positions).all():
+            answers.append(_residual(experiment, run, model, generator))
     return answers
 
 
-def _residual(
-    experiment: Experiment, run: Run, measured: Array, scenario: Scenario, q: Array, v: Array, generator: np.random.Generator
-) -> ResidualTorque:
-    arm = build_model(scenario.arm)
+def _residual(experiment: Experiment, run: Run, model: Response, generator: np.random.Generator) -> ResidualTorque:
+    arm, q, v = model.columns.arms.specification(0), model.angles[:, 0], model.rates[:, 0]
     places = marker_map(arm, np.array([marker.arc_length for marker in experiment.markers]))
-    gap = np.nan_to_num(measured - places.positions(q))
-    seen = np.isfinite(measured)
-    bend = _Bend(experiment, places, scenario, q, seen)
+    gap = np.nan_to_num(run.measured - model.positions[:, 0])
+    seen = np.isfinite(run.measured)
+    bend = _Bend(experiment, places, arm, q, seen)
+    rigid = build_model(arm).model
 
     def torque(miss: Array) -> Array:
-        return _missing(scenario, arm.model, q, v, bend.deviation(miss), run.step)
+        return _missing(arm, rigid, q, v, bend.deviation(miss), run.step)
 
     noise = [generator.normal(size=gap.shape) * experiment.noise[:, None] * seen for _ in range(_DRAWS)]
     zero = torque(np.zeros_like(gap))
@@ -84,13 +77,14 @@ def _residual(
 class _Bend:
     """From marker deviations (T, M, 3) [m] to joint angle deviations (T, N) [rad]."""
 
-    def __init__(self, experiment: Experiment, places: MarkerMap, scenario: Scenario, q: Array, seen: Array) -> None:
-        links = scenario.arm.links
+    def __init__(self, experiment: Experiment, places: MarkerMap, arm: ArmSpecification, q: Array, seen: Array) -> None:
+        links = arm.links
         modes = min(2 * len(experiment.markers), 4, links)
-        s = 2 * scenario.arm.element_arc_lengths - 1
+        s = 2 * arm.element_arc_lengths - 1
         self._shapes = np.polynomial.legendre.legvander(s, modes - 1) / links  # (N, K)
         theta = np.cumsum(q, axis=1)
-        turn = -np.sin(theta)[..., None] * places.cosine + np.cos(theta)[..., None] * places.sine  # (T, N, 3M) d p / d theta
+        way = np.cos(theta)[..., None] * places.normal[0] - np.sin(theta)[..., None] * places.direction[0]  # (T, N, 3)
+        turn = (places.spans[0][None, :, :, None] * way[:, :, None]).reshape(*theta.shape, -1)  # (T, N, 3M) d p / d theta
         summed = np.cumsum(self._shapes, axis=0)  # d theta / d mode
         jacobian = np.einsum("tnx,nk->txk", turn, summed)
         weight = (seen / experiment.noise[:, None]).reshape(len(q), -1)
@@ -104,7 +98,7 @@ class _Bend:
         return np.asarray(modes @ self._shapes.T)
 
 
-def _missing(scenario: Scenario, model: pin.Model, q: Array, v: Array, deviation: Array, step: float) -> Array:
+def _missing(arm: ArmSpecification, model: pin.Model, q: Array, v: Array, deviation: Array, step: float) -> Array:
     """(T, N) [N m] inverse dynamics of the deviated motion minus that of the model's own."""
     window = max(_DEGREE + 2, 2 * round(_WINDOW / step / 2) + 1)
     if window > len(q):
@@ -116,4 +110,4 @@ def _missing(scenario: Scenario, model: pin.Model, q: Array, v: Array, deviation
         pin.rnea(model, data, q_d, v_d, a_d) - pin.rnea(model, data, q_0, v_0, a_0)
         for q_d, v_d, a_d, q_0, v_0, a_0 in zip(q + dq, v + dv, a + da, q, v, a, strict=True)
     ]
-    return np.asarray(np.array(rigid) + scenario.arm.joint_stiffness * dq + scenario.arm.joint_damping * dv)
+    return np.asarray(np.array(rigid) + arm.joint_stiffness * dq + arm.joint_damping * dv)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess, glanced
+from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import certainly_better, squares, structure
-from hsr_pin.effects.effect import Effect
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.hypothesis import PLAIN, Hypothesis, Part
 from hsr_pin.identification.uncertainty import uncertainty
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
@@ -31,11 +31,15 @@ CORNER = 2.0
 #: An effect is named only if its amplitude is at least so many standard errors away from neutral. Fits are sure of a law that is
 #: in the recordings; one that is stretched over another's traces rests on a few samples.
 SURE = 8.0
+#: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
+FACTOR = 0.5
+#: ... plus the square of this share of the noise floor.
+MARGIN = 0.05
 #: Where two effects leave a larger share of the squared gap than this, no third is looked for.
 HOPELESS = 0.5
 
-#: The effects of a model, each with its options.
-Key = tuple[tuple[str, object], ...]
+#: What a model has beside stiffness and damping: name, options and size of each.
+Key = tuple[tuple[object, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -63,19 +67,6 @@ class Thresholds:
     def of(cls, noise: float, length: float) -> Thresholds:
         """For a noise floor [m] and an arm of this length [m]."""
         return cls(noise, worth=max(0.4 * noise, 1e-3 * length), closed=max(0.3 * noise, 0.75e-3 * length))
-
-
-class Workers(Protocol):
-    """Does the same to many things, perhaps side by side."""
-
-    def guess(self, base: Candidate, effects: Sequence[Effect]) -> list[Guess]:
-        """First guesses for adding each effect."""
-
-    def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
-        """A quick fit for each guess about a base fit."""
-
-    def finish(self, tasks: Sequence[tuple[Fit, Fit]]) -> list[Candidate]:
-        """A candidate for each quick fit, with the fit it is based on before it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +110,7 @@ def doubtful(candidate: Candidate, least: float = SURE) -> tuple[str, ...]:
     clear = {
         fact.name.split(".")[0]
         for fact, value, error in zip(facts, fit.values, errors, strict=True)
-        if fact.amplitude and abs(value - fact.neutral) >= least * error
+        if (fact.amplitude or fact.name in PLAIN) and abs(value - fact.neutral) >= least * error
     }
     return tuple(name for name in candidate.names if name not in clear)
 
@@ -130,11 +121,22 @@ def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, se
     return much and certainly_better(better.heldout, worse.heldout, seed)
 
 
+def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds, seed: int) -> bool:
+    """Whether a model's mean square is larger, certainly and by an amount that counts."""
+    much = mean_square(candidate) - mean_square(than) > tolerated(than, thresholds)
+    return much and certainly_better(than.heldout, candidate.heldout, seed)
+
+
+def tolerated(best: Candidate, thresholds: Thresholds) -> float:
+    """[m^2] difference of mean squares by which a model may be worse than the best and not be told from it: neither is exact."""
+    return FACTOR * left(best) + (MARGIN * thresholds.noise) ** 2
+
+
 def search(
     start: Candidate,
-    effects: Sequence[Effect],
+    parts: Sequence[Part],
     thresholds: Thresholds,
-    workers: Workers,
+    crew: Crew,
     *,
     max_effects: int = 3,
     seed: int = 0,
@@ -144,9 +146,9 @@ def search(
 
     Args:
         start: the model without effects, K and C fitted.
-        effects: the catalogue, each with the options it is to be tried with.
+        parts: the catalogue, each effect with the options it is to be tried with.
         thresholds: what counts.
-        workers: who does the fitting.
+        crew: who does the fitting.
         max_effects: at most this many.
         seed: of the resampling.
         tell: called at each rung.
@@ -154,8 +156,8 @@ def search(
     path, beam = [start], [start]
     tried: dict[Key, Candidate] = {(): start}
     while len(path) <= max_effects and _is_open(path, thresholds):
-        tell(f"effect {len(path)}: trying {len(effects)} candidates")
-        new = _extend(beam, effects, workers, tried, thresholds)
+        tell(f"effect {len(path)}: trying {len(parts)} candidates")
+        new = _extend(beam, parts, crew, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
         better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)
         good = [c for c in better if worth_having(path[-1], c, thresholds, seed)]
@@ -163,12 +165,22 @@ def search(
             break
         path.append(good[0])
         beam = _distinct(better)[:BEAM]  # one whose own gain is not certain may be half of a pair
-    best = _pruned(path[-1], start, tried, thresholds, workers, seed)
+    best = _pruned(path[-1], start, tried, thresholds, crew, seed)
     if len(best.names) > 1:
         tell("exchange: each effect found against the others")
-        other = _exchanged(best, effects, workers, tried, thresholds)
-        best = best if other is best else _pruned(other, start, tried, thresholds, workers, seed)
+        other = _exchanged(best, parts, crew, tried, thresholds)
+        best = best if other is best else _pruned(other, start, tried, thresholds, crew, seed)
+    best = _simplest(best, list(tried.values()), thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
+
+
+def _simplest(best: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
+    """In place of the best the best of its special cases with as many parts, if that is not clearly worse."""
+    inside = [other for other in tried if len(other.names) == len(best.names) and best.contains(other)]
+    for other in sorted(inside, key=mean_square):
+        if not clearly_worse(other, best, thresholds, seed):
+            return _simplest(other, tried, thresholds, seed)
+    return best
 
 
 def _is_open(path: Sequence[Candidate], thresholds: Thresholds) -> bool:
@@ -180,48 +192,42 @@ def _is_open(path: Sequence[Candidate], thresholds: Thresholds) -> bool:
 
 
 def key(candidate: Candidate) -> Key:
-    """The effects of a candidate and the options they were tried with."""
-    return _key(candidate.fit)
+    """What a candidate has beside stiffness and damping, in which reading."""
+    return _key(candidate.fit.hypothesis)
 
 
-def _key(fit: Fit) -> Key:
-    return tuple(sorted((effect.name, effect.options) for effect in fit.hypothesis.effects))
+def _key(hypothesis: Hypothesis) -> Key:
+    return tuple(sorted((part.reading for part in hypothesis.parts), key=repr))
 
 
 def _extend(
-    beam: Sequence[Candidate],
-    effects: Sequence[Effect],
-    workers: Workers,
-    tried: dict[Key, Candidate],
-    thresholds: Thresholds,
+    beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
     chosen: dict[Key, tuple[Fit, Guess]] = {}
     for base in beam:
-        open_effects = [effect for effect in effects if effect.name not in base.names]
-        ranked = _told_apart(sorted(workers.guess(base, open_effects), key=lambda guess: -guess.gain))
+        ranked = _told_apart(sorted(crew.guess(base, [p for p in parts if p.name not in base.names]), key=lambda g: -g.gain))
         for guess in ranked[: GLANCES if len(beam) == 1 else BEAM_GLANCES]:
             if guess.gain < PROMISING * ranked[0].gain:
                 break
-            name = tuple(sorted((effect.name, effect.options) for effect in guess.hypothesis.effects))
+            name = _key(guess.hypothesis)
             if name not in tried:
                 chosen.setdefault(name, (base.fit, guess))
-    tasks = list(chosen.values())
-    quick = sorted(zip((base for base, _ in tasks), workers.glance(tasks), strict=True), key=lambda pair: pair[1].rms)
+    quick = sorted(crew.glance(list(chosen.values())), key=lambda fitted: fitted.rms)
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
-    limit = min(CLOSE * quick[0][1].rms, hopeful) if quick else 0.0
-    return workers.finish(quick[:FINISHED] + [pair for pair in quick[FINISHED:AT_MOST] if pair[1].rms < limit])
+    limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
+    return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
 
 
 def _exchanged(
-    best: Candidate, effects: Sequence[Effect], workers: Workers, tried: dict[Key, Candidate], thresholds: Thresholds
+    best: Candidate, parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> Candidate:
     """The best of as many effects after each of them had to stand against all others beside the rest.
 
     One that was good alone may be a stand-in beside the other, whose partner was never tried with it.
     """
-    fewer = [tried[_key(_without(best.fit, effect))] for effect in best.fit.hypothesis.effects]
-    new = _extend(fewer, effects, workers, tried, thresholds)
+    fewer = [tried[_key(_without(best.fit, name).hypothesis)] for name in best.names]
+    new = _extend(fewer, parts, crew, tried, thresholds)
     tried |= {key(candidate): candidate for candidate in new}
     return min((best, *new), key=mean_square)
 
@@ -230,27 +236,27 @@ def _told_apart(guesses: Sequence[Guess]) -> list[Guess]:
     """The first of each reading of a law; the others make no difference, as where a law differs for torques that never came."""
     kept: list[Guess] = []
     for guess in guesses:
-        name = guess.hypothesis.effects[-1].name
-        if not any(other.hypothesis.effects[-1].name == name and abs(other.gain - guess.gain) < ALIKE for other in kept):
+        name = guess.hypothesis.parts[-1].name
+        if not any(other.hypothesis.parts[-1].name == name and abs(other.gain - guess.gain) < ALIKE for other in kept):
             kept.append(guess)
     return kept
 
 
 def _pruned(
-    best: Candidate, start: Candidate, tried: dict[Key, Candidate], thresholds: Thresholds, workers: Workers, seed: int
+    best: Candidate, start: Candidate, tried: dict[Key, Candidate], thresholds: Thresholds, crew: Crew, seed: int
 ) -> Candidate:
     """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
 
     Nor is one of doubtful size, nor one that takes a little of what the others leave: it mends what is wrong with another's law.
     """
     while len(best.names) > 1:
-        smaller = [_without(best.fit, effect) for effect in best.fit.hypothesis.effects]
-        new = workers.finish([(start.fit, fit) for fit in smaller if _key(fit) not in tried])
+        smaller = [_without(best.fit, name) for name in best.names]
+        new = crew.finish([fewer for fewer in smaller if _key(fewer.hypothesis) not in tried])
         tried |= {key(candidate): candidate for candidate in new}
         unsure = doubtful(best)
         spare = [
             fewer
-            for fewer in (tried[_key(fit)] for fit in smaller)
+            for fewer in (tried[_key(each.hypothesis)] for each in smaller)
             if not set(unsure) <= set(fewer.names)
             or not worth_having(fewer, best, thresholds, seed)
             or _patches(best, fewer, start, thresholds)
@@ -266,12 +272,9 @@ def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Th
     return little and left(best) > max(thresholds.closed**2, thresholds.substantial * left(fewer))
 
 
-def _without(fit: Fit, effect: Effect) -> Fit:
-    """A place to start from for the model without one of its effects."""
-    model = fit.hypothesis
-    kept = [k for k, name in enumerate(model.free) if not name.startswith(f"{effect.name}.")]
-    effects = tuple(other for other in model.effects if other.name != effect.name)
-    fewer = replace(model, effects=effects, free=tuple(model.free[k] for k in kept))
+def _without(fit: Fit, name: str) -> Fit:
+    """A place to start from for the model without one of its parts."""
+    fewer, kept = fit.hypothesis.without_part(name)
     return replace(fit, hypothesis=fewer, values=fit.values[kept])
 
 

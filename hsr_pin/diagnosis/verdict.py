@@ -2,24 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from math import sqrt
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import Search, Thresholds, doubtful, explains, left, mean_square
+from hsr_pin.diagnosis.confidence import KIND, NAME, probability
+from hsr_pin.diagnosis.search import FACTOR, Search, Thresholds, clearly_worse, doubtful, explains, left, mean_square
+from hsr_pin.diagnosis.support import Support
+from hsr_pin.effects.effect import KINDS
+from hsr_pin.identification.hypothesis import PLAIN
 
-#: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
-FACTOR = 0.5
-#: ... plus the square of this share of the noise floor.
-MARGIN = 0.05
+#: A name or a kind is certain from this probability on.
+CERTAIN = 0.8
+#: Alternatives are worth a word if one of their names or kinds has this probability.
+POSSIBLE = 0.5
+#: Models that leave most of the gap are not worth a word: the least share of the squared gap that one must take away.
+WORTH_A_WORD = 0.2
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
 #: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
 AWAY = 1.96
 
-STATUSES = ("identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient")
+STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
+
+
+@dataclass(frozen=True)
+class Left:
+    """What the best model leaves on held-out trials, beyond noise.
+
+    Attributes:
+        rms: [m].
+        share: of the squared gap that stiffness and damping left.
+        length: [m] of the arm.
+        not_repeatable: [m] how far the arm is from itself in trials that repeat one another; None where none do.
+    """
+
+    rms: float
+    share: float
+    length: float
+    not_repeatable: float | None = None
 
 
 @dataclass(frozen=True)
@@ -29,97 +51,143 @@ class Verdict:
     Attributes:
         status: one of :data:`STATUSES`.
         effects: the names that are certain, sorted (those that all alternatives share).
-        alternatives: sets of names that these recordings cannot tell apart, the best first; empty unless ambiguous.
+        alternatives: sets of names that these recordings cannot tell apart, the best first.
         sentence: the verdict as a person would say it.
+        kinds: of physics that are certain, sorted.
+        confidence: name or kind -> probability that it is right.
+        left: what is left; None where nothing was fitted.
+        support: what speaks for each part of the best model, then for each kind.
     """
 
     status: str
     effects: tuple[str, ...]
     alternatives: tuple[tuple[str, ...], ...]
     sentence: str
+    kinds: tuple[str, ...] = ()
+    confidence: Mapping[str, float] = field(default_factory=dict)
+    left: Left | None = None
+    support: tuple[Support, ...] = ()
 
 
-def judge(nominal_left: float, found: Search, thresholds: Thresholds, seed: int, by_level: Candidate | None = None) -> Verdict:
-    """The verdict.
+@dataclass(frozen=True)
+class Evidence:
+    """What a verdict rests on beside the models.
 
-    Args:
-        nominal_left: [m^2] mean square beyond noise of the declared model, finely discretised.
-        found: by the search.
-        thresholds: what counts.
-        seed: of the resampling.
+    Attributes:
+        nominal: [m^2] mean square beyond noise of the declared model, finely discretised.
+        parts, kinds: support for each part of the best model, and for each kind in it.
+        length: [m] of the arm.
+        not_repeatable: [m] as in :class:`Left`.
         by_level: without effects, but a stiffness and a damping for each declared Keq; None if one is declared.
+        seed: of the resampling.
     """
-    base, best = found.path[0], found.best
+
+    nominal: float
+    parts: tuple[Support, ...]
+    kinds: tuple[Support, ...]
+    length: float
+    not_repeatable: float | None
+    by_level: Candidate | None
+    seed: int
+
+
+def judge(found: Search, thresholds: Thresholds, evidence: Evidence) -> Verdict:
+    """The verdict on what a search found."""
+    base, best, closed = found.path[0], found.best, thresholds.closed
     gap, rest = sqrt(left(base)), sqrt(left(best))
-    closed = thresholds.closed
-    if sqrt(nominal_left) <= closed:
+    remains = Left(rest, left(best) / max(left(base), 1e-300), evidence.length, evidence.not_repeatable)
+    if sqrt(evidence.nominal) <= closed:
         return Verdict(
-            "no_gap", (), (), f"The declared model reproduces these recordings to within {_mm(closed)} of their noise."
+            "no_gap",
+            (),
+            (),
+            f"The declared model reproduces these recordings to within {_mm(closed)} of their noise.",
+            left=remains,
         )
     if gap <= closed or (best is base and gap <= STRUCTURE * closed):
-        return Verdict("parameters", (), (), _parameters(base, sqrt(nominal_left), gap))
-    levels = by_level if by_level is not None and sqrt(left(by_level)) <= closed else None
-    named = explains(best, base, thresholds) and not doubtful(best)
-    if levels is not None and (not named or clearly_worse(best, levels, thresholds, seed)):
-        return Verdict("parameters", (), (), _parameters(levels, sqrt(nominal_left), sqrt(left(levels))))
+        return Verdict("parameters", (), (), _parameters(base, sqrt(evidence.nominal), gap), left=remains)
+    levels = evidence.by_level if evidence.by_level is not None and sqrt(left(evidence.by_level)) <= closed else None
+    closes = explains(best, base, thresholds) and not doubtful(best)
+    if levels is not None and (not closes or clearly_worse(best, levels, thresholds, evidence.seed)):
+        return Verdict("parameters", (), (), _parameters(levels, sqrt(evidence.nominal), sqrt(left(levels))), left=remains)
     if best is base:
         return Verdict(
-            "unexplained", (), (), f"A gap of {_mm(gap)} beyond noise is left, and no effect of the catalogue is worth having."
-        )
-    if not explains(best, base, thresholds):
-        helps = " and ".join(best.names)
-        return Verdict(
-            "unexplained",
-            (),
-            (),
-            f"Of the gap of {_mm(gap)} beyond noise, {_mm(rest)} is left with the best that the catalogue offers ({helps}): "
-            "something else is at work.",
-        )
-    if not named:
-        return Verdict(
-            "unexplained",
-            (),
-            (),
-            f"With {_listed(best.names)}, {_mm(rest)} of the gap of {_mm(gap)} beyond noise is left, but these recordings hardly "
-            f"tell how large {_listed(doubtful(best))} would be: another law may be at work.",
-        )
-    sets = [best.names, *rivals(best, base, found.tried, thresholds, seed)]
-    if levels is not None and not clearly_worse(levels, best, thresholds, seed):
+            "unexplained", (), (), f"A gap of {_mm(gap)} beyond noise is left, and no effect of the catalogue is worth having.",
+            left=remains,
+        )  # fmt: skip
+    sets = [best.names, *rivals(best, base, found.tried, thresholds, evidence.seed, closes)]
+    if levels is not None and closes and not clearly_worse(levels, best, thresholds, evidence.seed):
         sets.append(())
-    if len(sets) > 1:
-        common = sorted(set.intersection(*map(set, sets)))
-        sure = f"{' and '.join(common)} is certain; " if common else ""
-        listed = ", or ".join(" with ".join(names) or "another stiffness and damping at each level" for names in sets)
-        return Verdict("ambiguous", tuple(common), tuple(sets), f"{sure}these recordings cannot tell apart: {listed}.")
-    share = 100 * (1 - left(best) / left(base))
-    are, them = ("is", "it") if len(best.names) == 1 else ("are", "them")
-    sentence = (
-        f"{_listed(best.names)} {are} missing from the model: with {them} {share:.0f} % of the squared gap is gone, "
-        f"{_mm(rest)} beyond noise is left."
-    )
-    return Verdict("identified", best.names, (), sentence)
+    return _graded(found, sets, closes, remains, gap, evidence)
+
+
+def _graded(found: Search, sets: list[tuple[str, ...]], closes: bool, remains: Left, gap: float, evidence: Evidence) -> Verdict:
+    """What of the best model may be named."""
+    best = found.best
+    names = {each.name: probability(each, NAME) for each in evidence.parts}
+    kinds = {each.name: probability(each, KIND) for each in evidence.kinds}
+    common = set.intersection(*map(set, sets))
+    flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
+    sure = tuple(sorted(name for name in common - flexible if names[name] >= CERTAIN))
+    of_kind = tuple(sorted(kind for kind, value in kinds.items() if value >= CERTAIN and _in_all(kind, sets, found.tried)))
+    confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
+
+    def said(status: str, sentence: str, alternatives: Sequence[tuple[str, ...]] = (), named: tuple[str, ...] = ()) -> Verdict:
+        certain = () if status == "unexplained" else of_kind
+        support = (*evidence.parts, *evidence.kinds)
+        return Verdict(status, named, tuple(alternatives), sentence, certain, confidence, remains, support)
+
+    effects = tuple(name for name in sure if name not in PLAIN)
+    share = 100 * (1 - remains.share)
+    goes = f"{share:.0f} % of the squared gap is gone, {_mm(remains.rms)} beyond noise is left"
+    if closes and len(sets) == 1 and sure == best.names:
+        are, them = ("is", "it") if len(sure) == 1 else ("are", "them")
+        if not effects:
+            return said("parameters", f"Another {_listed(sure)} explains it: with {them} {goes}.")
+        return said("identified", f"{_listed(sure)} {are} missing from the model: with {them} {goes}.", named=effects)
+    if closes and len(sets) > 1:
+        known = f"{_listed(effects)} {'is' if len(effects) == 1 else 'are'} certain; " if effects else ""
+        listed = ", or ".join(" with ".join(each) or "another stiffness and damping at each level" for each in sets)
+        return said("ambiguous", f"{known}these recordings cannot tell apart: {listed}.", sets, effects)
+    if sure or of_kind:
+        what = _listed(sure) if sure else f"something of the kind {_listed(of_kind)} ({'; '.join(KINDS[k] for k in of_kind)})"
+        verb = "are" if len(sure) > 1 else "is"
+        tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
+        others = sets if len(sets) > 1 else ()
+        return said("partly_identified", f"{what} {verb} certain, though something else is left{tail}.", others, effects)
+    possible = max((*names.values(), *kinds.values())) >= POSSIBLE
+    if len(sets) > 1 and 1 - remains.share >= WORTH_A_WORD and all(sets) and possible:
+        listed = ", or ".join(" with ".join(each) for each in sets)
+        return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)
+    hint = "no effect of the catalogue takes away a fifth of it"
+    if 1 - remains.share >= WORTH_A_WORD:
+        hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
+    return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
+
+
+def _in_all(kind: str, sets: Sequence[tuple[str, ...]], tried: Sequence[Candidate]) -> bool:
+    kinds = {candidate.names: candidate.kinds for candidate in tried}
+    return all(kind in kinds.get(names, ()) for names in sets)
 
 
 def rivals(
-    best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
+    best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int, closes: bool
 ) -> list[tuple[str, ...]]:
     """Other sets of effects, no larger than the best, that explain the recordings as well; the best of them first."""
     answers: list[tuple[str, ...]] = []
     for rival in sorted(tried, key=mean_square):
         names = rival.names
-        if not names or names == best.names or len(names) > len(best.names) or names in answers:
+        if not names or names == best.names or len(names) > len(best.names) or names in answers or not rival.nameable:
             continue
-        if not explains(rival, base, thresholds) or doubtful(rival, AWAY):
+        if rival.contains(best):
+            continue
+        if (closes and not explains(rival, base, thresholds)) or doubtful(rival, AWAY):
+            continue
+        if not closes and left(base) - left(rival) < FACTOR * (left(base) - left(best)):
             continue
         if not clearly_worse(rival, best, thresholds, seed):
             answers.append(names)
     return answers
-
-
-def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds, seed: int) -> bool:
-    """Whether a model's mean square is larger, certainly and by an amount that counts."""
-    much = mean_square(candidate) - mean_square(than) > FACTOR * left(than) + (MARGIN * thresholds.noise) ** 2
-    return much and certainly_better(than.heldout, candidate.heldout, seed)
 
 
 def _parameters(base: Candidate, before: float, after: float) -> str:

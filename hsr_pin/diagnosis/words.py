@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
-from hsr_pin.diagnosis.search import doubtful, explains
+from hsr_pin.diagnosis.search import doubtful
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.fit import Fit
@@ -15,12 +15,17 @@ from hsr_pin.identification.fit import Fit
 #: Verdict -> what it comes down to.
 HEADLINES = {
     "identified": "Missing physics identified",
+    "partly_identified": "Missing physics identified in part",
     "ambiguous": "More than one explanation",
     "parameters": "Stiffness and damping explain it",
     "no_gap": "No gap",
     "unexplained": "Not explained by any known effect",
     "insufficient": "Too little to go on",
+    "unchanged": "Nothing has changed",
 }
+
+#: A damping this many times the declared one is seldom damping alone.
+_MUCH = 5.0
 
 #: Standard experiment -> how to carry it out.
 EXPERIMENTS = {
@@ -68,15 +73,21 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
     if status in ("identified", "parameters") and search is not None:
         sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
-    if status == "unexplained" and search is not None and explains(search.best, search.path[0], diagnosis.thresholds):
+    if status == "unexplained" and search is not None and doubtful(search.best):
         sentences.append(
             f"Record more trials in which {readable(doubtful(search.best))} would act, to both sides: they would pin down a law "
             "of the catalogue, but not what only looks like it here."
         )
     elif status == "unexplained":
+        sentences.append("Do not trust the values of a model that does not explain the gap; the maps say where and when it lies.")
+    if status == "partly_identified":
+        sentences.append("Simulate with what is certain; its values hold as far as what is left lets them.")
+    if search is not None and (bounds := search.best.fit.on_bound()):
+        sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond, or something else stands behind it.")
+    if search is not None and "damping_scale" in search.best.fit.named and search.best.fit.named["damping_scale"] > _MUCH:
         sentences.append(
-            "What is missing is none of the catalogue's laws, alone or together: the maps of where and when the gap lies narrow "
-            "down what to look for. Do not trust the values of a model that does not explain the gap."
+            f"The damping came out {number(search.best.fit.named['damping_scale'])} times the declared one: a torque that comes "
+            "slowly looks like that too; decays after a release would tell the two apart."
         )
     if status == "no_gap":
         sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
@@ -90,7 +101,7 @@ def where_sentence(where: Where) -> str:
 
 def scales(fit: Fit) -> str:
     """The fitted factors on what was declared of the arm: ``Keq times 1.07, C times 1.1``."""
-    counterparts = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass"}
+    counterparts = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass", "torque_gain": "the torque"}
     return ", ".join(f"{what} times {number(fit.named[name])}" for name, what in counterparts.items() if name in fit.named)
 
 

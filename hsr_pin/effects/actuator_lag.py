@@ -9,7 +9,6 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
-from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -19,14 +18,14 @@ class ActuatorLag(Effect):
     name = "actuator_lag"
     lacks = "the torque follows the command as a first-order lag"
     cause = "filling of the muscles, regulators"
+    memories = 1
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
+    kind = "actuation_time"
 
-    time_constant: float = parameter(0.0, lower=0.0, upper=1.0, unit="s", scale=0.05, amplitude=True, description="of the lag")
+    time_constant: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of the lag")
 
-    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
-        if past is None:
-            return torque, torque
-        lag = np.asarray(self.time_constant)
-        kept = np.exp(-step / np.maximum(lag, 1e-3 * step))  # 0 where there is no lag
-        y = torque + (past - torque) * kept
-        return torque - lag / step * (y - past), y
+    @staticmethod
+    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+        kept = np.exp(-step / np.maximum(p.time_constant, 1e-3 * step))  # 0 where there is no lag
+        y = torque + (memory[0] - torque) * kept
+        return torque - p.time_constant / step * (y - memory[0]), (y,)

@@ -17,6 +17,7 @@ class AddedMass(Effect):
     lacks = "extra mass along the arm"
     cause = "pneumatic tubes"
     citation = "R. D. Blevins, Formulas for Natural Frequency and Mode Shape, Van Nostrand Reinhold (1979)"
+    kind = "mass_gravity"
     passive = True
 
     mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.1, amplitude=True, description="spread over the arm")

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import numpy as np
+from typing import Any
 
 from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
-from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -19,6 +18,7 @@ class Backlash(Effect):
     lacks = "no restoring torque inside a gap"
     cause = "play between backbone links"
     citation = "M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash - a survey, Automatica 38 (2002)"
+    kind = "elastic"
     passive = True
 
     gap: float = parameter(
@@ -31,6 +31,6 @@ class Backlash(Effect):
         description="bending of the whole arm, from end to end of the play",
     )
 
-    def moment(self, bending: Bending) -> Array:
-        half = np.asarray(self.gap) / 2
-        return np.asarray(-bending.keq * bending.stiffness * np.clip(bending.angle, -half, half))
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return -bending.keq * bending.stiffness * limited(bending.angle, p.gap / 2)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
+from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -20,6 +19,8 @@ class BendingStop(Effect):
     lacks = "stiffness jumps beyond an angle"
     cause = "the cable carrier's links lock"
     citation = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)"
+    kind = "elastic"
+    resizes = -1
     passive = True
 
     ratio: float = parameter(
@@ -27,9 +28,9 @@ class BendingStop(Effect):
     )
     angle: float = parameter(0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
 
-    def moment(self, bending: Bending) -> Array:
-        beyond = bending.angle - np.clip(bending.angle, -self.angle, self.angle)
-        return np.asarray(bending.keq * self.ratio * beyond)
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return bending.keq * p.ratio * (bending.angle - limited(bending.angle, p.angle))
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return keq * self.ratio / 2, 0.0
+        return IMPLICIT * keq * self.ratio, 0.0

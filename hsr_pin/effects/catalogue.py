@@ -13,9 +13,11 @@ from hsr_pin.effects.damping_gradient import DampingGradient
 from hsr_pin.effects.dead_time import DeadTime
 from hsr_pin.effects.dry_friction import DryFriction
 from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.effects.hysteresis import Hysteresis
 from hsr_pin.effects.marker_offset import MarkerOffset
+from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.soft_spot import SoftSpot
 from hsr_pin.effects.stiffening import Stiffening
@@ -24,6 +26,7 @@ from hsr_pin.effects.tip_mass import TipMass
 from hsr_pin.effects.torque_bias import TorqueBias
 from hsr_pin.effects.torque_decay import TorqueDecay
 from hsr_pin.effects.torque_map import TorqueMap
+from hsr_pin.effects.unequal_lag import UnequalLag
 from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.errors import EffectError
 
@@ -33,6 +36,7 @@ EFFECTS: dict[str, type[Effect]] = {
     for effect in (
         StiffnessGradient,
         SoftSpot,
+        PresetBend,
         Stiffening,
         BendingStop,
         Backlash,
@@ -42,6 +46,7 @@ EFFECTS: dict[str, type[Effect]] = {
         QuadraticDamping,
         DampingGradient,
         ActuatorLag,
+        UnequalLag,
         DeadTime,
         TorqueBias,
         TorqueMap,
@@ -55,14 +60,15 @@ EFFECTS: dict[str, type[Effect]] = {
 
 
 def effect_named(name: str) -> type[Effect]:
-    """An effect by its name.
+    """An effect by its name, or the flexible law of a kind.
 
     Raises:
         EffectError: listing the names there are, and the nearest.
     """
-    if name not in EFFECTS:
-        raise EffectError("effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, EFFECTS))
-    return EFFECTS[name]
+    every = EFFECTS | FLEXIBLE
+    if name not in every:
+        raise EffectError("effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, every))
+    return every[name]
 
 
 def parse_effect(text: str) -> Effect:

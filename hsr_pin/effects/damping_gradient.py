@@ -17,6 +17,7 @@ class DampingGradient(Effect):
     lacks = "damping varies from base to tip"
     cause = "tubes, muscle ends"
     citation = "H. T. Banks, D. J. Inman, On damping mechanisms in beams, J. Appl. Mech. 58 (1991)"
+    kind = "damping"
     passive = True
 
     slope: float = parameter(

@@ -5,15 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
+from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
 #: Stuck links deflect by SHORTEST [rad of the whole arm] and by level / CONTACT before they slide. Found by trial, as short as a
-#: step of 10 ms allows: for torque steps of 0.5 Nm within 0.7 mm (extrapolated4) and 1.6 mm (ros2) at every level, N = 4 to 32.
+#: step of 10 ms allows.
 SHORTEST, CONTACT = 0.005, 25.0
+
+
+def presliding(level: Any) -> Any:
+    """Bending angle d of the whole arm [rad] over which stuck links deflect before they slide."""
+    return SHORTEST + level / CONTACT
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,8 @@ class DryFriction(Effect):
     lacks = "rate-independent friction at the joints, sticking"
     cause = "backbone links rubbing"
     citation = "L. Prandtl, ZAMM 8 (1928); P. Dupont et al., Single state elastoplastic friction models, IEEE TAC 47 (2002)"
+    kind = "friction"
+    resizes = -1
     states = 1
     passive = True
 
@@ -34,16 +40,13 @@ class DryFriction(Effect):
         0.0, lower=0.0, upper=1.0, unit="rad", scale=0.05, amplitude=True, description="friction moment over Keq"
     )
 
-    @property
-    def presliding(self) -> Array:
-        """Bending angle d of the whole arm [rad] over which stuck links deflect before they slide."""
-        return np.asarray(SHORTEST + np.asarray(self.level) / CONTACT)
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return p.level * bending.keq * bending.memory[0] / presliding(p.level)
 
-    def moment(self, bending: Bending) -> Array:
-        return np.asarray(self.level * bending.keq * bending.state[0] / self.presliding)
+    @staticmethod
+    def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
+        return limited(memory + (end - start), presliding(p.level))
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return self.level * keq / self.presliding / 2, 0.0
-
-    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
-        return np.clip(state + (end - start), -self.presliding, self.presliding)
+        return IMPLICIT * self.level * keq / presliding(self.level), 0.0

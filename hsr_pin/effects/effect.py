@@ -2,8 +2,17 @@
 
 A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the bending angle that the whole arm would have if it
 were curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for
-every number of links. Angles, rates and states have the shape (N, B): N joints, B columns simulated side by side. A parameter is
-a number, or (B,) when each column has its own.
+every number of links.
+
+The laws of joints and of the command (``moment``, ``update``, ``respond``) are static methods, written once, for one joint or one
+command: the compiled loop calls them with numbers, the loop over Pinocchio with arrays, (B, N) or (B,) for B arms side by side.
+So they are made of arithmetic, NumPy's elementwise functions (``np.where`` and ``np.minimum``, not ``if`` and ``min``, on
+angles, torques and parameters), constants of their module and plain functions of the same kind; an ``if`` may ask for an option,
+or ``k``. They take their parameters as ``p``, a tuple with the names of the effect's fields; an option is its index in the list
+of choices. Nothing is registered with the compiler: a law is compiled when it is first called, and again when its text changes.
+
+Angles are treated as vectors of one component: a law uses ``abs`` for their length and
+:func:`hsr_pin.effects.vector.limited` for their limits, never a sign, so that it holds for bending about two axes too.
 """
 
 from __future__ import annotations
@@ -11,33 +20,53 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from abc import ABC
+from collections import namedtuple
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from hsr_pin.errors import EffectError
+from hsr_pin.errors import EffectError, quoted
 from hsr_pin.parameters import Parameter, parameters_of
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
 
+#: Share of a law's steepest slope that must be implicit for steps of any length to be stable (by the extrapolation of order 4
+#: 0.77, if there were no spring beside it).
+IMPLICIT = 0.75
+
+
+#: Kinds of physics that laws belong to.
+KINDS = {
+    "elastic": "elasticity: how the moment depends on bending, or along the arm",
+    "damping": "damping: a moment that depends on the rate of bending",
+    "friction": "friction: a moment that depends on the path of bending, not on its rate",
+    "creep": "creep: bending that goes on under a constant load",
+    "actuation_time": "actuation in time: the torque comes late or slowly",
+    "actuation_map": "the map from command to torque",
+    "mass_gravity": "mass and gravity",
+    "contact": "contact with something beside the arm",
+    "measurement": "measurement: where the markers are and how the cameras see them",
+}
+
 
 class Bending(NamedTuple):
-    """How the arm is bent now, as a law sees it.
+    """How the arm is bent at a joint, as a law sees it; numbers, or arrays that broadcast to (B, N).
 
     Attributes:
-        angle: (N, B) [rad] bending angle of a whole arm with this curvature.
-        rate: (N, B) [rad/s] its rate.
-        keq: (B,) [Nm/rad] bending stiffness of the whole arm.
-        stiffness: (N, 1) or (N, B) stiffness along the arm, relative to keq.
-        state: (states, N, B) the law's internal state.
+        angle: [rad] bending angle of a whole arm with this curvature.
+        rate: [rad/s] its rate.
+        keq: [Nm/rad] bending stiffness of the whole arm.
+        stiffness: stiffness there, relative to keq.
+        memory: the law's internal state, one entry for each of its ``states``.
     """
 
-    angle: Array
-    rate: Array
-    keq: Array
-    stiffness: Array
-    state: Array
+    angle: Any
+    rate: Any
+    keq: Any
+    stiffness: Any
+    memory: tuple[Any, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +76,7 @@ class View:
     Attributes:
         positions: (T, B, M, 3) [m] of the markers, in the world frame.
         normals: (T, B, M, 3) across the backbone there, towards positive bending.
-        arc_lengths: (M,) [m].
+        arc_lengths: (M,) or (B, M) [m].
         axis: (3,) the joint axis, in the world frame.
     """
 
@@ -75,21 +104,34 @@ class Effect(ABC):
     lacks: ClassVar[str]
     cause: ClassVar[str]
     citation: ClassVar[str]
+    #: One of :data:`KINDS`.
+    kind: ClassVar[str]
+    #: Numbers that a law of the joints remembers, of each joint.
     states: ClassVar[int] = 0
+    #: Numbers that a law of the command remembers; an arm that has settled remembers the torque in each of them.
+    memories: ClassVar[int] = 0
+    #: Power of the stiffness level by which an amplitude grows where it does not do as its law says: -1 for a law in proportion
+    #: to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where neither makes
+    #: sense.
+    resizes: ClassVar[int] = 0
     passive: ClassVar[bool] = False
-    #: Whether the true tangent often lies far below what :meth:`tangent` gives: a two-stage method (ros2) then rings.
-    loosely_bounded: ClassVar[bool] = False
+    #: Whether it stands for its kind of physics only, and is never named as a cause.
+    flexible: ClassVar[bool] = False
+    #: Names of simpler effects that are special cases of this one.
+    contains: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         for fact in self.parameters():
-            value = getattr(self, fact.name)
-            if not np.all((np.asarray(value) >= fact.lower) & (np.asarray(value) <= fact.upper)):
+            value = np.asarray(getattr(self, fact.name))
+            if value.dtype.kind not in "fiu" or not np.all((value >= fact.lower) & (value <= fact.upper)):
+                received = quoted(getattr(self, fact.name))
                 raise EffectError(
-                    f"{self.name}.{fact.name}", expected=f"{fact.lower:g} to {fact.upper:g} [{fact.unit}]", received=value
+                    f"{self.name}.{fact.name}", expected=f"{fact.lower:g} to {fact.upper:g} [{fact.unit}]", received=received
                 )
         for name, choices in self.choices().items():
-            if getattr(self, name) not in choices:
-                raise EffectError(f"{self.name}.{name}", expected=" or ".join(choices), received=repr(getattr(self, name)))
+            word = getattr(self, name)
+            if not isinstance(word, str) or word not in choices:
+                raise EffectError(f"{self.name}.{name}", expected=" or ".join(choices), received=quoted(word))
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
@@ -112,6 +154,13 @@ class Effect(ABC):
         """The options and their values here."""
         return tuple((name, getattr(self, name)) for name in self.choices())
 
+    @property
+    def p(self) -> Any:
+        """The parameters as its laws take them: a tuple with the names of the fields, options as indices."""
+        choices = self.choices()
+        values = ((choices[f].index(getattr(self, f)) if f in choices else getattr(self, f)) for f in fields_of(type(self)))
+        return parameter_tuple(type(self))(*values)
+
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         """The arm with this effect, where it changes the rigid bodies or the mount."""
         return specification
@@ -128,37 +177,46 @@ class Effect(ABC):
         """Torque that arrives at arc length s (..., 1) in [0, 1], relative to the command; None: all of it."""
         return None
 
-    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
-        """What the muscles make of a command held over one step, and what they will remember of it.
+    def late(self) -> Any:
+        """[s] by which the torque comes late."""
+        return 0.0
+
+    @staticmethod
+    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+        """What the muscles make of a command held over one step.
 
         Args:
-            torque: (B,) [N m] commanded.
-            past: what they remember of the steps before, as this method gave it; None: the command has always been this torque.
+            p: the parameters.
+            torque: [N m] commanded.
+            memory: what they remember of the steps before.
             step: [s].
-            keq: (B,) [Nm/rad].
+            keq: [Nm/rad].
 
         Returns:
-            (B,) [N m] the mean over the step, and the next ``past`` (None for a law without a memory).
+            [N m] the mean over the step, and what they remember then.
         """
-        return torque, None
+        return torque, memory
 
-    def moment(self, bending: Bending) -> Array | None:
-        """(N, B) [N m] further moment with which the arm resists bending; None: nothing."""
-        return None
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        """[N m] further moment with which the arm resists bending."""
+        return 0.0 * bending.angle
+
+    @staticmethod
+    def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
+        """The k-th internal state after the angle went evenly from ``start`` to ``end`` [rad] in ``elapsed`` [s].
+
+        ``elapsed`` is infinite when the arm was settled at ``end`` before the simulation began.
+        """
+        return memory
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
         """Of d moment / d angle [Nm/rad] and d moment / d rate [Nm s/rad], what the integrator treats implicitly.
 
-        Half of the upper bound: less, and a step may be unstable; more, and a law that seldom reaches its bound loses accuracy.
+        The bound times :data:`IMPLICIT` for a law at whose steepest an arm may stay: less, and it trembles there, in ever shorter
+        steps, or is driven away. Half of the bound for one that is seldom near it: more, and it loses accuracy.
         """
         return 0.0, 0.0
-
-    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
-        """The internal state (states, N, B) after the angle went evenly from ``start`` to ``end`` (N, B) in ``elapsed`` [s].
-
-        ``elapsed`` is infinite when the arm was settled at ``end`` before the simulation began.
-        """
-        return state
 
     def observe(self, view: View) -> Array:
         """(T, B, M, 3) [m] marker positions as they are seen."""
@@ -169,6 +227,17 @@ class Effect(ABC):
         return getattr(type(self), hook) is not getattr(Effect, hook)
 
 
+def fields_of(kind: type[Effect]) -> tuple[str, ...]:
+    """Names of the parameters and options of an effect."""
+    return (*(fact.name for fact in kind.parameters()), *kind.choices())
+
+
+@cache
+def parameter_tuple(kind: type[Effect]) -> Any:
+    """The tuple in which the laws of an effect take its parameters."""
+    return namedtuple(kind.__name__ + "Parameters", fields_of(kind))
+
+
 def stack(effects: list[Effect]) -> Effect:
     """One effect whose parameters are (B,) arrays, from B effects of the same type and options."""
     return dataclasses.replace(
@@ -176,8 +245,8 @@ def stack(effects: list[Effect]) -> Effect:
     )
 
 
-def columns_of(effect: Effect, members: list[int]) -> Effect:
-    """Some columns of a stacked effect."""
+def columns_of(effect: Effect, members: Any) -> Effect:
+    """Some columns (indices or a slice) of a stacked effect."""
     return dataclasses.replace(effect, **{fact.name: getattr(effect, fact.name)[members] for fact in effect.parameters()})
 
 

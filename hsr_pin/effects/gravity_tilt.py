@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +24,7 @@ class GravityTilt(Effect):
     lacks = "the base is not mounted as declared"
     cause = "mounting"
     citation = "B. W. Mooring, Z. S. Roth, M. R. Driels, Fundamentals of Manipulator Calibration, Wiley (1991)"
+    kind = "mass_gravity"
     passive = True
 
     angle: float = parameter(
@@ -33,7 +33,7 @@ class GravityTilt(Effect):
     frame: str = option("world", "base", description="what the markers' frame is fixed to")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
-        return replace(specification, tilt=math.remainder(specification.tilt + self.angle, 2 * math.pi))
+        return replace(specification, tilt=np.mod(specification.tilt + self.angle + np.pi, 2 * np.pi) - np.pi)
 
     def observe(self, view: View) -> Array:
         if self.frame == "world":

@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Bending, Effect, option
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect, option
+from hsr_pin.effects.vector import limited, unit
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
 #: Where the sliders slip, over the yield angle.
 SLIDERS = np.array([0.2, 0.6, 1.0, 1.4, 1.8])
+#: Index of the first form.
+DAHL = 0
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Hysteresis(Effect):
         "Y.-K. Wen, Method for random vibration of hysteretic systems, J. Eng. Mech. Div. ASCE 102 (1976); P. R. Dahl (1968); "
         "W. D. Iwan, A distributed-element model for hysteresis, J. Appl. Mech. 33 (1966)"
     )
+    kind = "friction"
+    resizes = -1
     states = len(SLIDERS)
     passive = True
 
@@ -44,16 +49,19 @@ class Hysteresis(Effect):
 
     form: str = option("dahl", "maxwell_slip", description="exponential approach to the loop, or sliders that slip one by one")
 
-    def moment(self, bending: Bending) -> Array:
-        loop = bending.state[0] if self.form == "dahl" else bending.state.mean(axis=0)
-        return np.asarray(self.amplitude * bending.keq * loop)
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        z = bending.memory
+        loop = z[0] if p.form == DAHL else (z[0] + z[1] + z[2] + z[3] + z[4]) / 5
+        return p.amplitude * bending.keq * loop
+
+    @staticmethod
+    def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
+        way = (end - start) / p.yield_angle
+        if p.form == DAHL:
+            return memory - (unit(way) - memory) * np.expm1(-np.abs(way))
+        return limited(memory + way, SLIDERS[k])
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return self.amplitude * keq / self.yield_angle, 0.0
-
-    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
-        way = (end - start) / self.yield_angle
-        if self.form == "dahl":
-            return state - (np.sign(way) - state) * np.expm1(-np.abs(way))
-        slip = SLIDERS.reshape(-1, *[1] * np.ndim(way))
-        return np.clip(state + way, -slip, slip)
+        steepest = 2 if self.form == "dahl" else 1  # where Dahl's law turns back
+        return IMPLICIT * steepest * self.amplitude * keq / self.yield_angle, 0.0

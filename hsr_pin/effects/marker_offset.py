@@ -13,12 +13,17 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class MarkerOffset(Effect):
-    """p_seen = p + offset n, n across the backbone towards positive bending. ``base`` "kept": not the marker at s = 0."""
+    """p_seen = p + offset n, n across the backbone towards positive bending.
+
+    ``base`` "kept": not the marker at s = 0; "zeroed": the cameras were zeroed with the arm as it is first seen, and only what
+    changes from there on shows: p + offset (n - n_first).
+    """
 
     name = "marker_offset"
     lacks = "markers sit off the backbone's neutral line"
     cause = "marker plates"
     citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
+    kind = "measurement"
     passive = True
 
     offset: float = parameter(
@@ -30,8 +35,10 @@ class MarkerOffset(Effect):
         amplitude=True,
         description="from the neutral line, towards positive bending",
     )
-    base: str = option("moved", "kept", description="whether the marker at the base is off the line too")
+    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base is off the line too")
 
     def observe(self, view: View) -> Array:
+        if self.base == "zeroed":
+            return np.asarray(view.positions + np.asarray(self.offset)[..., None, None] * (view.normals - view.normals[:1]))
         moved = (view.arc_lengths > 0) | (self.base == "moved")
-        return np.asarray(view.positions + np.asarray(self.offset)[..., None, None] * moved[:, None] * view.normals)
+        return np.asarray(view.positions + np.asarray(self.offset)[..., None, None] * moved[..., None] * view.normals)

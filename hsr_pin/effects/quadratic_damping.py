@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
+from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -26,8 +27,9 @@ class QuadraticDamping(Effect):
     lacks = "damping grows with rate"
     cause = "air, fluid in the muscles"
     citation = "J. R. Morison et al., The force exerted by surface waves on piles, J. Pet. Technol. 2 (1950)"
+    kind = "damping"
+    resizes = 1
     passive = True
-    loosely_bounded = True
 
     coefficient: float = parameter(
         0.0,
@@ -39,9 +41,10 @@ class QuadraticDamping(Effect):
         description="of the whole arm, per rate squared",
     )
 
-    def moment(self, bending: Bending) -> Array:
-        rate = np.clip(bending.rate, -FASTEST, FASTEST)
-        return np.asarray(self.coefficient * np.abs(rate) * (2 * bending.rate - rate))
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        rate = limited(bending.rate, FASTEST)
+        return p.coefficient * np.abs(rate) * (2 * bending.rate - rate)
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
-        return 0.0, 2 * self.coefficient * FASTEST  # all of it: half would let ros2 overshoot at large rates
+        return 0.0, IMPLICIT * 2 * self.coefficient * FASTEST

@@ -21,6 +21,7 @@ class SoftSpot(Effect):
     citation = (
         "S. Christides, A. D. S. Barr, One-dimensional theory of cracked Bernoulli-Euler beams, Int. J. Mech. Sci. 26 (1984)"
     )
+    kind = "elastic"
     passive = True
 
     depth: float = parameter(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -25,18 +26,20 @@ class Stiffening(Effect):
     lacks = "stiffness grows (or falls) with bending"
     cause = "braid geometry, silicone"
     citation = "I. Kovacic, M. J. Brennan (eds.), The Duffing Equation, Wiley (2011)"
+    kind = "elastic"
     passive = True
 
     cubic: float = parameter(
         0.0, lower=-1.0, upper=5.0, unit="1/rad^2", scale=0.1, amplitude=True, description="relative gain of stiffness at 1 rad"
     )
 
-    def moment(self, bending: Bending) -> Array:
-        limit = np.where(np.asarray(self.cubic) < 0, SOFTEST, STIFFEST)
-        last = np.sqrt(limit / (3 * np.maximum(np.abs(self.cubic), 1e-9)))  # [rad] where the tangent reaches its limit
-        angle = np.clip(bending.angle, -last, last)
-        relative = self.cubic * angle**2 * (angle + 3 * (bending.angle - angle))
-        return np.asarray(bending.keq * bending.stiffness * relative)
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        limit = np.where(p.cubic < 0, SOFTEST, STIFFEST)
+        last = np.sqrt(limit / (3 * np.maximum(np.abs(p.cubic), 1e-9)))  # [rad] where the tangent reaches its limit
+        angle = limited(bending.angle, last)
+        relative = p.cubic * np.abs(angle) ** 2 * (angle + 3 * (bending.angle - angle))
+        return bending.keq * bending.stiffness * relative
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
         cubic = np.maximum(self.cubic, 0.0)

@@ -22,6 +22,7 @@ class StiffnessGradient(Effect):
     lacks = "bending stiffness varies linearly from base to tip, series stiffness kept"
     cause = "muscles taper, tubes"
     citation = "I. Elishakoff, Eigenvalues of Inhomogeneous Structures, CRC Press (2005)"
+    kind = "elastic"
     passive = True
 
     slope: float = parameter(

@@ -17,6 +17,7 @@ class TipMass(Effect):
     lacks = "an extra mass at the tip"
     cause = "marker plate, connectors"
     citation = "C. G. Atkeson et al., Estimation of inertial parameters of manipulator loads and links, IJRR 5 (1986)"
+    kind = "mass_gravity"
     passive = True
 
     mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="at the tip")

@@ -17,6 +17,7 @@ class TorqueDecay(Effect):
     lacks = "actuation falls (or grows) along the arm"
     cause = "friction of the muscle along the backbone"
     citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
+    kind = "actuation_map"
 
     decay: float = parameter(
         0.0,

@@ -9,7 +9,9 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect, option
 from hsr_pin.parameters import parameter
-from hsr_pin.trajectory import Array
+
+#: Index of the first parity.
+ODD = 0
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class TorqueMap(Effect):
     lacks = "torque is not linear in the commanded bending"
     cause = "the fit of Eqs. (1) and (4)"
     citation = "C.-P. Chou, B. Hannaford, Measurement and modeling of McKibben pneumatic artificial muscles, IEEE TRA 12 (1996)"
+    kind = "actuation_map"
 
     quadratic: float = parameter(
         0.0,
@@ -36,6 +39,7 @@ class TorqueMap(Effect):
     )
     parity: str = option("odd", "even", description="of the quadratic term")
 
-    def command(self, torque: Array, past: Any, step: float, keq: Array) -> tuple[Array, Any]:
-        weight = np.abs(torque) if self.parity == "odd" else torque
-        return torque + self.quadratic * torque * weight / keq, None
+    @staticmethod
+    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+        weight = np.abs(torque) if p.parity == ODD else torque
+        return torque + p.quadratic * torque * weight / keq, memory

@@ -23,6 +23,8 @@ class Viscoelastic(Effect):
     lacks = "creep and relaxation"
     cause = "silicone"
     citation = "J. D. Ferry, Viscoelastic Properties of Polymers, 3rd ed., Wiley (1980)"
+    kind = "creep"
+    resizes = -1
     states = 1
     passive = True
 
@@ -31,12 +33,14 @@ class Viscoelastic(Effect):
     )
     time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="of relaxation")
 
-    def moment(self, bending: Bending) -> Array:
-        return np.asarray(self.ratio * bending.keq * bending.state[0])
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return p.ratio * bending.keq * bending.memory[0]
+
+    @staticmethod
+    def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
+        x = elapsed / p.time_constant
+        return memory * np.exp(-x) - (end - start) * np.expm1(-x) / x
 
     def tangent(self, keq: Array) -> tuple[Any, Any]:
         return self.ratio * keq / 2, 0.0
-
-    def update(self, state: Array, start: Array, end: Array, elapsed: float) -> Array:
-        x = elapsed / np.asarray(self.time_constant)
-        return np.asarray(state * np.exp(-x) - (end - start) * np.expm1(-x) / x)

@@ -12,11 +12,11 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import Effect, neutral, with_values
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Run
-from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.identification.hypothesis import ARM, LINKS, Hypothesis
 from hsr_pin.robot.specification import Placement
 
 #: Short for the factors on what was declared.
-SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale"}
+SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "gain": "torque_gain"}
 #: Those that differ between stiffness levels.
 _BY_LEVEL = ("keq_scale", "damping_scale")
 #: Amplitude from which the fit of an effect starts, over its parameter's scale: on the neutral value its other parameters tell
@@ -29,7 +29,7 @@ def choose(
     effects: Sequence[Effect],
     runs: Sequence[Run],
     *,
-    links: int = 6,
+    links: int = LINKS,
     placement: Placement = "mid",
     by_level: bool = False,
 ) -> Hypothesis:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.identification.evaluation import at_samples
+from hsr_pin.errors import SimulationFailure
+from hsr_pin.identification.evaluation import respond
 from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.phases import PHASES, phases
 from hsr_pin.robot.specification import ArmSpecification, Placement
-from hsr_pin.simulation.batch import simulate_batch
+from hsr_pin.simulation.integrator import TOLERANCE as SIMULATION_TOLERANCE
 from hsr_pin.trajectory import Array, Dataset, Trajectory
 
 
@@ -92,27 +93,28 @@ def compare(
         SimulationFailure: a simulation ended early.
     """
     experiment = prepare(dataset)
-    hypothesis = Hypothesis(tuple(effects), links=links, placement=placement, integrator="extrapolated4")
-    values = np.array([keq_scale, damping_scale])
-    scenarios = [hypothesis.scenario(experiment, run, values) for run in experiment.runs]
-    results = [result.raise_on_failure() for result in simulate_batch(scenarios)]
+    hypothesis = Hypothesis(tuple(effects), links=links, placement=placement, tolerance=SIMULATION_TOLERANCE)
+    values = np.array([[keq_scale, damping_scale]])
     trials, every = [], []
-    for run, result in zip(experiment.runs, results, strict=True):
-        motion = result.trajectory
-        assert motion.joint_angles is not None and motion.joint_rates is not None
-        simulated = replace(
-            motion,
-            time=run.time,
+    for run in experiment.runs:
+        answer = respond(experiment, run, hypothesis, values)
+        arm = answer.columns.arms.specification(0)
+        if not np.isfinite(answer.positions).all():
+            failed = float(run.time[int(np.isfinite(answer.positions).all(axis=(1, 2, 3)).sum())])
+            raise SimulationFailure(f"{run.trial.name}: the simulation ends early, at t = {failed:.4g} s", answer)
+        simulated = Trajectory(
+            run.time,
+            experiment.markers,
+            answer.positions[:, 0],
             torque=run.torque,
-            positions=at_samples(run, motion.positions),
-            joint_angles=at_samples(run, motion.joint_angles),
-            joint_rates=at_samples(run, motion.joint_rates),
+            joint_angles=answer.angles[:, 0],
+            joint_rates=answer.rates[:, 0],
         )
         measured = Trajectory(run.time, experiment.markers, run.measured, torque=run.torque, notes=run.trial.trajectory.notes)
         distance, phase = np.linalg.norm(simulated.positions - run.measured, axis=2), phases(run, simulated.positions)
         every.append((distance, phase))
         errors = _errors(experiment, distance, phase)
-        trials.append(TrialComparison(run.trial.name, result.scenario.arm, simulated, measured, errors))
+        trials.append(TrialComparison(run.trial.name, arm, simulated, measured, errors))
     whole = _errors(experiment, *(np.concatenate(parts) for parts in zip(*every, strict=True)))
     return Comparison(experiment, tuple(trials), whole)
 

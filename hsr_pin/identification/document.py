@@ -1,6 +1,8 @@
 """An identification as one JSON document, for programs.
 
-Lengths are in mm; what is not known is null. The fields of schema 1 stay; others may be added.
+Lengths are in mm, but for ``arm``, which is in SI units; what is not known is null. The fields of schema 1 stay.
+
+Others may be added.
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.links_study import LinksStudy
@@ -45,10 +48,12 @@ def to_json(
         "condition": _number(sure.condition),
         "not_told": list(sure.weak),
         "converged": answer.converged,
+        "failed": list(answer.failed),
         "evaluations": answer.evaluations,
         "paper_procedure": None if paper is None else _paper(paper),
         "links_study": None if study is None else _study(study),
         "notes": list(found.experiment.notes),
+        "arm": arm_to_json(found.experiment, answer),
     }
 
 
@@ -132,7 +137,6 @@ def _study(study: LinksStudy) -> dict[str, Any]:
                 "links": row.links,
                 "model_error_mm": _mm(row.model_error),
                 "data_error_mm": _mm(row.data_error),
-                "evaluations": row.evaluations,
                 "cost": _number(row.cost),
             }
             for row in study.rows

@@ -1,4 +1,4 @@
-"""What a hypothesis predicts for an experiment, and how far that is from what was measured."""
+"""What a hypothesis predicts for an experiment, and how far that is from what was measured, in the plane of bending."""
 
 from __future__ import annotations
 
@@ -9,12 +9,36 @@ import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.simulation.batch import simulate_batch
-from hsr_pin.simulation.sensitivity import sensitivities
+from hsr_pin.identification.nuisance import HELD, INSTANT
+from hsr_pin.identification.pose import pose_from_markers
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.integrator import Integrator
+from hsr_pin.simulation.motion import Dynamics, Engine
 from hsr_pin.trajectory import Array
 
 #: Difference for derivatives over a parameter's scale: wide enough to average over the corners of sticking and stopping laws.
 FRACTION = 0.02
+#: Difference for derivatives to what belongs to a trial [rad of the whole arm].
+_WIDTH = 0.01
+#: The coordinates of the plane in which the arm bends.
+PLANE = [0, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Arms that differ in their parameters, all under the input of one run, at its measured times.
+
+    Attributes:
+        columns: the C arms.
+        positions: (T, C, M, 3) [m] of the markers; NaN from a failure on.
+        angles, rates: (T, C, N) [rad], [rad/s].
+    """
+
+    columns: Columns
+    positions: Array
+    angles: Array
+    rates: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +46,14 @@ class Prediction:
     """Marker positions of one run.
 
     Attributes:
-        positions: (T, M, 3) [m] at the measured times; NaN where the simulation failed.
-        slopes: (T, M, 3, P) [m per unit] derivatives to the open parameters; None if not asked for.
+        positions: (T, M, 2) [m], x and z at the measured times; NaN where the simulation failed.
+        slopes: (T, M, 2, P) [m per unit] derivatives to the open parameters; None if not asked for.
+        nuisance: (T, M, 2, K) [m] what one standard deviation of each number that belongs to the trial makes of them.
     """
 
     positions: Array
     slopes: Array | None = None
+    nuisance: Array | None = None
 
     @property
     def failed(self) -> bool:
@@ -35,68 +61,135 @@ class Prediction:
         return not bool(np.isfinite(self.positions).all())
 
 
+def respond(
+    experiment: Experiment,
+    run: Run,
+    hypothesis: Hypothesis,
+    values: Array,
+    *,
+    bent: Array | None = None,
+    dynamics: Dynamics = "compiled",
+) -> Response:
+    """Simulate one run with the open parameters at each of ``values`` (C, P); all take the steps that the first needs.
+
+    ``bent`` (C,) [rad]: how much further than the markers show the arm was held before its release.
+    """
+    columns = hypothesis.columns(experiment, run, values)
+    engine = Engine(columns, dynamics)
+    cameras = Cameras(columns, experiment.reach)
+    torque = run.torque if run.lead == 0 else np.append(run.torque[:1], run.torque)
+    gain = hypothesis.factor("torque_gain", run, values)
+    flow = torque[:, None] * gain
+    command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated)
+    found = np.ones(len(values), dtype=bool)
+    q, v = _start(experiment, run, hypothesis, columns, cameras)
+    if run.start_pose is None:
+        q, found = engine.settled(command.initial, found, q)
+    elif bent is not None:
+        q = q + bent[:, None] / columns.links
+    motion = engine.run(engine.loaded(q, v), command, len(torque), Integrator(tolerance=hypothesis.tolerance), found)
+    positions = cameras.positions(motion.angles)
+    for column in np.flatnonzero(np.isfinite(motion.lost)):
+        positions[int(motion.lost[column] / run.step) :, column] = np.nan
+    return Response(columns, *(at_samples(run, part) for part in (positions, motion.angles, motion.rates)))
+
+
+def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
+    """(C, N) each: the pose and its rate in which the markers are seen at the start; for a run at rest, about there."""
+    noise = float(experiment.noise.max())
+    known = (hypothesis.links, hypothesis.placement, hypothesis.effects, hypothesis.free)
+    pose, velocity = (run.rest, np.zeros_like(run.rest)) if run.start_pose is None else (run.start_pose, run.start_velocity)
+    assert velocity is not None
+    if known not in run.found_poses:  # of the model as its fit starts: the same whatever was asked before
+        first = hypothesis.columns(experiment, run, hypothesis.start[None])
+        run.found_poses[known] = pose_from_markers(first, Cameras(first, experiment.reach), pose, velocity, noise)
+    q, _, modes = run.found_poses[known]
+    if run.start_pose is not None:
+        return pose_from_markers(columns, cameras, pose, velocity, noise, modes)[:2]
+    return np.tile(q, (len(columns), 1)), np.zeros((len(columns), columns.links))
+
+
 def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
-    """Simulate runs, each with its own values (P,) of the open parameters, in one batch."""
-    scenarios = [hypothesis.scenario(experiment, run, values) for run, values in cases]
-    results = simulate_batch(scenarios, integrator=hypothesis.integrator, step=hypothesis.step)
-    return [
-        Prediction(at_samples(run, _padded(result.trajectory.positions, len(result.scenario.time))))
-        for (run, _), result in zip(cases, results, strict=True)
-    ]
+    """Simulate runs, each with its own values (P,) of the open parameters."""
+    return [Prediction(respond(experiment, run, hypothesis, values[None]).positions[:, 0][..., PLANE]) for run, values in cases]
+
+
+def predict_all(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Prediction]:
+    """Simulate every run at ``values`` (P,)."""
+    return predict(experiment, hypothesis, [(run, values) for run in experiment.runs])
 
 
 def predict_with_slopes(
     experiment: Experiment, hypothesis: Hypothesis, values: Array, *, central: bool = False
 ) -> list[Prediction]:
-    """Simulate every run at ``values`` (P,), with the derivatives to the open parameters, in one batch.
+    """Simulate every run at ``values`` (P,), with the derivatives to the open parameters.
 
-    Forward differences, or ``central`` ones at twice the price.
+    One-sided differences, or ``central`` ones at twice the price.
     """
-    scenarios = [hypothesis.scenario(experiment, run, values) for run in experiment.runs]
-    names: dict[str, None] = {}
-    for run in experiment.runs:
-        for name in hypothesis.free:
-            counterpart = hypothesis.counterpart(name, experiment, run)
-            if counterpart:
-                names[counterpart[0]] = None
-    results, slopes = sensitivities(
-        scenarios, list(names), fraction=FRACTION, central=central, integrator=hypothesis.integrator, step=hypothesis.step
+    lower, upper = hypothesis.bounds
+    width = FRACTION * hypothesis.scale
+    width = np.where(
+        [name.partition("@")[0].endswith("_scale") for name in hypothesis.free], np.minimum(width, width * values), width
     )
+    ahead = np.where(values + width <= upper, width, -width)
+    behind = np.where(values - ahead < lower, 2 * ahead, np.where(values - ahead > upper, 2 * ahead, -ahead))
     predictions = []
-    for run, result, slope in zip(experiment.runs, results, slopes, strict=True):
-        positions = _padded(result.trajectory.positions, len(result.scenario.time))
-        chained = np.zeros((*positions.shape, len(hypothesis.free)))
-        for p, name in enumerate(hypothesis.free):
-            counterpart = hypothesis.counterpart(name, experiment, run)
-            if counterpart:
-                chained[..., p] = counterpart[1] * slope[..., list(names).index(counterpart[0])]
-        predictions.append(Prediction(at_samples(run, positions), at_samples(run, np.nan_to_num(chained))))
+    for run in experiment.runs:
+        acting = [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
+        sides = (ahead, behind) if central else (ahead,)
+        released = run.start_pose is not None
+        points = np.array([values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting)])
+        bent = np.zeros(len(points) + released)
+        if released:
+            points, bent[-1] = np.vstack([points, values]), _WIDTH
+        answer = respond(experiment, run, hypothesis, points, bent=bent)
+        seen = answer.positions[..., PLANE]
+        slopes = np.zeros((*seen[:, 0].shape, len(values)))
+        for place, p in enumerate(acting):
+            chord = (seen[:, 1 + place] - seen[:, 0]) / ahead[p]
+            if central:
+                other = (seen[:, 1 + len(acting) + place] - seen[:, 0]) / behind[p]
+                chord = (ahead[p] * other - behind[p] * chord) / (ahead[p] - behind[p])
+            slopes[..., p] = chord
+        predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), _nuisance(experiment, run, answer)))
     return predictions
 
 
+def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
+    """(T, M, 2, K) [m] for the first of the columns; the last was held further aside."""
+    length, seen = experiment.dataset.length, answer.positions[..., PLANE]
+    columns = []
+    if experiment.rest_scatter > 0:
+        first = Cameras(answer.columns.members(slice(0, 1)), experiment.reach)
+        turned = answer.angles[:, :1] + _WIDTH / answer.columns.links
+        change = (first.positions(turned)[:, 0] - first.positions(answer.angles[:, :1])[:, 0])[..., PLANE] / _WIDTH
+        columns.append(change * 2 * experiment.rest_scatter / length)
+    if run.start_pose is not None:
+        held = np.hypot(HELD * length, float(experiment.noise.max()))
+        columns.append((seen[:, -1] - seen[:, 0]) / _WIDTH * 2 * held / length)
+        columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT)
+    return np.nan_to_num(np.stack(columns, axis=-1)) if columns else np.zeros((*seen[:, 0].shape, 0))
+
+
 def residuals(experiment: Experiment, predictions: Sequence[Prediction]) -> list[Array]:
-    """For each run (T, M, 3) [m] predicted minus measured; NaN in gaps, the arm's length where a simulation failed."""
+    """For each run (T, M, 2) [m] predicted minus measured; NaN in gaps, the arm's length where a simulation failed."""
     worst = experiment.dataset.length
     return [
-        np.where(np.isfinite(run.measured), np.nan_to_num(p.positions - run.measured, nan=worst), np.nan)
+        np.where(np.isfinite(run.in_plane), np.nan_to_num(p.positions - run.in_plane, nan=worst), np.nan)
         for run, p in zip(experiment.runs, predictions, strict=True)
     ]
 
 
 def rms(residual: Sequence[Array]) -> float:
-    """RMS distance [m] over all runs, samples and markers."""
-    return float(np.sqrt(np.concatenate([squared_distance(r) for r in residual]).mean()))
+    """RMS distance [m] over all runs, samples and markers; NaN where none was seen."""
+    squares = np.concatenate([squared_distance(r) for r in residual])
+    return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
 
 
 def squared_distance(residual: Array) -> Array:
     """(n,) [m^2] of every marker at every sample at which it was seen."""
     squares = (residual**2).sum(axis=-1).ravel()
     return np.asarray(squares[np.isfinite(squares)])
-
-
-def _padded(positions: Array, samples: int) -> Array:
-    missing = samples - len(positions)
-    return np.concatenate([positions, np.full((missing, *positions.shape[1:]), np.nan)]) if missing else positions
 
 
 def at_samples(run: Run, values: Array) -> Array:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.release import start_of
-from hsr_pin.recordings.clean import clean, noise_floor
+from hsr_pin.identification.nuisance import rest_scatter
+from hsr_pin.identification.release import median, start_of
+from hsr_pin.recordings.clean import clean
+from hsr_pin.recordings.noise import noise_per_axis
 from hsr_pin.robot.pressure import PAPER
+from hsr_pin.robot.specification import ArmSpecification, mount_frame
 from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
 
 #: Markers nearer to the base than this share of the length do not tell anything about bending.
@@ -19,6 +24,10 @@ _STILL = (10.0, 0.002)
 #: The backbone does not stretch: a marker farther from the base than this times its arc length plus this [m] is no marker of this
 #: arm. A trial with more than this share of such positions is none of this arm's.
 _REACH, _OFF, _FEW = 1.1, 0.05, 0.01
+#: Samples at most over which the pose at rest is averaged.
+_REST = 20
+#: Standard deviation of a median over that of a mean.
+_MEDIAN = 1.25
 #: No recording is less noisy than this [m].
 _QUIETEST = 1e-6
 
@@ -35,6 +44,9 @@ class Run:
         start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
         lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
         start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
+        interpolated: the torque goes straight from sample to sample instead of being held.
+        found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
+        declared: the arm as the trial declares it, by chain.
     """
 
     trial: Trial
@@ -44,6 +56,25 @@ class Run:
     start_pose: Array | None
     lead: float
     start_velocity: Array | None = None
+    interpolated: bool = False
+    found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
+    declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def in_plane(self) -> Array:
+        """(T, M, 2) [m] x and z of what was measured: the arm bends in this plane."""
+        return np.asarray(self.measured[..., [0, 2]])
+
+    @cached_property
+    def rest(self) -> Array:
+        """(M, 3) [m] where the markers are before the first change of command; NaN for one that is not seen."""
+        return median(self.measured[: self.resting])
+
+    @property
+    def resting(self) -> int:
+        """Samples before the first change of command, twenty at most."""
+        changes = np.flatnonzero(np.diff(self.torque))
+        return min(int(changes[0]) + 1 if len(changes) else _REST, _REST)
 
     @property
     def step(self) -> float:
@@ -59,8 +90,9 @@ class Experiment:
         dataset: cleaned.
         runs: one per usable trial.
         markers: (M,) those that tell about bending (not the base's).
-        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates.
+        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates in the plane.
         notes: what was left out and why.
+        rest_scatter: [m] standard deviation, over the trials, of where the farthest marker rests.
     """
 
     dataset: Dataset
@@ -68,11 +100,22 @@ class Experiment:
     markers: tuple[Marker, ...]
     noise: Array
     notes: tuple[str, ...] = ()
+    rest_scatter: float = 0.0
+
+    @cached_property
+    def reach(self) -> Array:
+        """(M,) [m] arc lengths of the markers."""
+        return np.array([marker.arc_length for marker in self.markers])
+
+    @cached_property
+    def levels(self) -> tuple[float, ...]:
+        """The declared stiffnesses [Nm/rad], the softest first."""
+        return tuple(sorted({trial.keq for trial in self.dataset.trials}))
 
     @property
     def noise_rms(self) -> float:
-        """RMS distance [m] that noise alone leaves between model and markers."""
-        return float(np.sqrt(3 * np.mean(self.noise**2)))
+        """RMS distance [m] in the plane that noise alone leaves between model and markers."""
+        return float(np.sqrt(2 * np.mean(self.noise**2)))
 
 
 def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
@@ -102,7 +145,37 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     if not runs:
         raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
     markers = tuple(dataset.markers[i] for i in moving)
-    return Experiment(dataset, tuple(runs), markers, noise, tuple(notes))
+    return restricted(Experiment(dataset, tuple(runs), markers, noise, tuple(notes)), [run.trial.name for run in runs])
+
+
+def restricted(experiment: Experiment, names: Collection[str]) -> Experiment:
+    """The named trials alone: what trials tell only together, how far apart they rest, is told by these."""
+    noise, runs = experiment.noise, tuple(run for run in experiment.runs if run.trial.name in names)
+    far, sigma = int(np.argmax([marker.arc_length for marker in experiment.markers])), float(noise.max())
+    places = [place for run in runs if (place := _resting(run, experiment.dataset, far, sigma))]
+    samples = min((run.resting for run in runs if run.start_pose is None), default=_REST)
+    scatter = rest_scatter(places, _MEDIAN * sigma / samples**0.5)
+    notes = [note for note in experiment.notes if note != _scattered(experiment.rest_scatter)]
+    return replace(experiment, runs=runs, rest_scatter=scatter, notes=(*notes, _scattered(scatter)) if scatter else tuple(notes))
+
+
+def _scattered(scatter: float) -> str:
+    return f"the arm rests within {1e3 * scatter:.1f} mm (standard deviation) of one place, anew in every trial"
+
+
+def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object, float, float] | None:
+    """Which trials should rest where this one does, where that is [m], and whence it came [m]; None where it does not rest."""
+    across = int(np.argmax(np.abs(mount_frame(dataset.mount)[1])))
+    conditions = (run.trial.keq, run.trial.tip_mass, round(float(run.torque[0]) / run.trial.keq, 4))
+    if run.start_pose is None:
+        place = float(run.rest[far, across])
+        return (conditions, place, 0.0) if np.isfinite(place) else None
+    last = run.measured[-max(10, len(run.time) // 20) :, far, across]
+    seen = last[np.isfinite(last)]
+    if run.trial.trajectory.has_input or len(seen) < 5 or np.ptp(seen) > max(10 * noise, 1e-3):
+        return None
+    origin = float(run.start_pose[far, across])
+    return (conditions, float(seen.mean()), origin) if np.isfinite(origin) else None
 
 
 def _bending_markers(dataset: Dataset) -> list[int]:
@@ -122,7 +195,7 @@ def _bending_markers(dataset: Dataset) -> list[int]:
 
 def moves(run: Run, noise: Array) -> bool:
     """Whether any marker of a run moves by more than its noise."""
-    seen = np.isfinite(run.measured[..., 0]).any(axis=0)
+    seen = np.all(np.isfinite(run.measured).any(axis=0), axis=1)
     low, high = (np.nanpercentile(run.measured[:, seen], p, axis=0) for p in (2, 98))
     span = np.linalg.norm(high - low, axis=1)
     return bool(np.any(span > np.maximum(_STILL[0] * noise[seen], _STILL[1])))
@@ -130,7 +203,7 @@ def moves(run: Run, noise: Array) -> bool:
 
 def _noise(dataset: Dataset, moving: list[int]) -> Array:
     """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
-    floors = np.array([noise_floor(trial)[moving] for trial in dataset.trials])
+    floors = np.array([np.sqrt(np.mean(noise_per_axis(trial)[moving][:, [0, 2]] ** 2, axis=1)) for trial in dataset.trials])
     known = [column[np.isfinite(column)] for column in floors.T]
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,15 +11,14 @@ from scipy.optimize import least_squares
 from hsr_pin.identification.evaluation import predict_with_slopes, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.misfit import FINE_LINKS, FINE_STEP, Misfit
+from hsr_pin.identification.misfit import Misfit
+from hsr_pin.identification.nuisance import taken_out, whitened
 from hsr_pin.trajectory import Array
 
-__all__ = ["FINE_LINKS", "FINE_STEP", "Fit", "fit", "stacked"]
-
-#: Of the two rounds: the first need not be exact, the defect changes its answer anyway.
-_TOLERANCES = (1e-3, 1e-4)
-#: Tolerance and evaluations of a quick look.
-_QUICK = (1e-2, 7)
+#: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
+_FULL, _QUICK = (1e-4, 25), (1e-2, 7)
+#: Searches in a fit at most, and the change [over the scales] that needs no other.
+_PASSES, _SETTLED = 4, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,22 +28,26 @@ class Fit:
     Attributes:
         hypothesis: what was fitted.
         values: (P,) of its open parameters.
-        residuals: for each run (T, M, 3) [m] predicted (by the fine chain) minus measured.
-        slopes: for each run (T, M, 3, P) derivatives of the prediction there.
-        weights: for each run (T, M, 3) [1/m] with which the residuals counted; zero in gaps.
-        defects: for each run (T, M, 3) [m] what the coarse chain gets wrong, as far as known.
+        residuals: for each run (T, M, 2) [m] predicted minus measured, in the plane, without what belongs to the trial.
+        missed: for each run the same with it.
+        slopes: for each run (T, M, 2, P) derivatives of the prediction there.
+        weights: for each run (T, M, 2) [1/m] with which the residuals counted; zero in gaps.
+        nuisance: for each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
+        failed: names of the trials whose simulation ends early there.
     """
 
     hypothesis: Hypothesis
     values: Array
     residuals: tuple[Array, ...]
+    missed: tuple[Array, ...]
     slopes: tuple[Array, ...]
     weights: tuple[Array, ...]
-    defects: tuple[Array, ...]
+    nuisance: tuple[Array, ...]
     converged: bool
     evaluations: int
+    failed: tuple[str, ...] = ()
 
     @property
     def rms(self) -> float:
@@ -70,88 +73,83 @@ def fit(
     hypothesis: Hypothesis,
     *,
     start: Array | None = None,
-    after: Fit | None = None,
     quick: bool = False,
-    corrected: bool = True,
     spread: float | None = None,
-    max_evaluations: int = 12,
-    tell: Callable[[str], None] | None = None,
 ) -> Fit:
     """Fit the open parameters of a hypothesis to an experiment.
-
-    The search runs on the hypothesis' own, coarse chain. What that chain and its step get wrong at the optimum (fine minus coarse
-    prediction) is then added as a constant and the search goes on from there (defect correction): so the values belong to the
-    continuous arm.
 
     Args:
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
-        after: the fit of a like model, whose defect is a first guess of this one's if it has the same chain.
-        quick: stop early, and leave the defect at that guess: enough to see which of many models are worth a full fit.
-        corrected: False fits the coarse chain as it is: the values then belong to that chain.
+        quick: stop early: enough to see which of many models are worth a full fit.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
-        max_evaluations: of each of the two rounds.
-        tell: called with a line now and then.
     """
-    misfit = Misfit(experiment, hypothesis, after.defects if after and _same_chain(after.hypothesis, hypothesis) else None)
+    misfit = Misfit(experiment, hypothesis)
     lower, upper = misfit.lower, misfit.upper
     x = np.clip((hypothesis.start if start is None else np.asarray(start)) / misfit.scale, lower, upper)
     if spread is None:
         spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
-    for tolerance in _QUICK[:1] if quick else _TOLERANCES if corrected else _TOLERANCES[1:]:
+    if len(x):
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
-        answer = least_squares(
-            misfit.residual,
-            x,
-            jac=misfit.jacobian,
-            bounds=(lower, upper),
-            loss="soft_l1",
-            f_scale=spread,
-            ftol=tolerance,
-            xtol=tolerance,
-            max_nfev=_QUICK[1] if quick else max_evaluations,
-        )
-        x, converged = answer.x, answer.status > 0
-        if corrected and not quick:
-            misfit.correct(x)
-        if tell:
-            tell(f"cost {answer.cost:.6g}")
-    return _at(misfit, x, spread, converged, central=not quick)
-
-
-def _same_chain(one: Hypothesis, other: Hypothesis) -> bool:
-    return all(getattr(one, name) == getattr(other, name) for name in ("links", "placement", "integrator", "step"))
-
-
-def _at(misfit: Misfit, x: Array, spread: float, converged: bool, central: bool) -> Fit:
-    predictions = misfit.predictions(x)
-    if central:  # a search is steered well enough by forward differences; intervals and null directions want better ones
-        predictions = predict_with_slopes(misfit.experiment, misfit.hypothesis, x * misfit.scale, central=True)
-    missed = misfit.missed(x)
+        x, converged = _searched(misfit, x, spread, quick)
+    predictions, plain = misfit.predictions(x), misfit.missed(x)
+    nuisance = [p.nuisance for p in predictions if p.nuisance is not None]
+    missed = taken_out(plain, misfit.weights, nuisance, int(experiment.rest_scatter > 0))
+    if not quick:  # a search is steered well enough by one-sided differences; intervals and null directions want better ones
+        predictions = predict_with_slopes(experiment, hypothesis, x * misfit.scale, central=True)
     weights = [
         w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25 for r, w in zip(missed, misfit.weights, strict=True)
     ]  # of the soft-L1 loss at the optimum
     return Fit(
-        hypothesis=misfit.hypothesis,
+        hypothesis=hypothesis,
         values=x * misfit.scale,
         residuals=tuple(missed),
+        missed=tuple(plain),
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
-        defects=tuple(misfit.defects),
+        nuisance=tuple(nuisance),
         converged=converged,
         evaluations=misfit.evaluations,
+        failed=tuple(run.trial.name for run, p in zip(experiment.runs, predictions, strict=True) if p.failed),
     )
 
 
+def _searched(misfit: Misfit, x: Array, spread: float, quick: bool) -> tuple[Array, bool]:
+    """Where a search from ``x`` (P,) ends, and whether it came to its end.
+
+    What the numbers of the trials make of the residuals is held within a search; a full one is carried on until that is settled.
+    """
+    tolerance, evaluations = _QUICK if quick else _FULL
+    for _ in range(1 if quick else _PASSES):
+        own = misfit.hold(x)
+        answer = least_squares(
+            misfit.residual,
+            x,
+            jac=misfit.jacobian,
+            bounds=(misfit.lower, misfit.upper),
+            loss="soft_l1",
+            f_scale=spread,
+            ftol=tolerance,
+            xtol=tolerance,
+            max_nfev=evaluations,
+        )
+        moved = float(np.abs(answer.x - x).max())
+        x = answer.x
+        if not own or moved < _SETTLED:
+            break
+    return x, answer.status > 0
+
+
 def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:
-    """Weighted residuals (n,) and derivatives (n, P) of some runs (default: all), without gaps."""
+    """Weighted residuals (n,) and derivatives (n, P) of some runs (default: all), without gaps and what belongs to the trials."""
     chosen = range(len(fit.residuals)) if runs is None else runs
     rows, slopes = [], []
     for k in chosen:
-        mask = fit.weights[k] > 0
-        rows.append((np.nan_to_num(fit.residuals[k]) * fit.weights[k])[mask])
-        slopes.append((fit.slopes[k] * fit.weights[k][..., None])[mask])
+        mask, weights = fit.weights[k] > 0, fit.weights[k]
+        basis = (fit.nuisance[k] * weights[..., None])[mask]
+        rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[mask], basis))
+        slopes.append(whitened((fit.slopes[k] * weights[..., None])[mask], basis))
     return np.concatenate(rows), np.concatenate(slopes)

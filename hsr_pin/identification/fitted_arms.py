@@ -7,7 +7,6 @@ from dataclasses import replace
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import arm_of
 
 
 def fitted_arms(experiment: Experiment, fit: Fit) -> dict[float, ArmSpecification]:
@@ -18,6 +17,6 @@ def fitted_arms(experiment: Experiment, fit: Fit) -> dict[float, ArmSpecificatio
     arms: dict[float, ArmSpecification] = {}
     for run in experiment.runs:
         if run.trial.keq not in arms:
-            arm = arm_of(fit.hypothesis.scenario(experiment, run, fit.values))
+            arm = fit.hypothesis.columns(experiment, run, fit.values[None]).arms.specification(0)
             arms[run.trial.keq] = replace(arm, bending_limit=ArmSpecification.bending_limit)
     return arms

@@ -6,33 +6,33 @@ import numpy as np
 
 from hsr_pin.identification.evaluation import predict, residuals
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import FINE_LINKS, FINE_STEP, Fit, stacked
+from hsr_pin.identification.fit import Fit, stacked
+from hsr_pin.identification.nuisance import taken_out
+from hsr_pin.identification.step import damped_step
 from hsr_pin.trajectory import Array
+
+#: Share of the diagonal of the normal matrix that is added to it.
+_DAMPING = 0.02
 
 
 def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
-    """For each run (T, M, 3) [m] predicted minus measured, with parameters fitted to the other runs.
+    """For each run (T, M, 2) [m] predicted minus measured, with parameters fitted to the other runs.
 
     The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit
-    is repeated, every run is simulated once more, by the fine chain.
+    is repeated, every run is simulated once more.
     """
-    values = [_without(fit, run) for run in range(len(experiment.runs))]
-    fine = fit.hypothesis.finer(FINE_LINKS, FINE_STEP)
-    cases = list(zip(experiment.runs, values, strict=True))
-    return residuals(experiment, predict(experiment, fine, cases))
+    values = [without(fit, run) for run in range(len(experiment.runs))]
+    missed = residuals(experiment, predict(experiment, fit.hypothesis, list(zip(experiment.runs, values, strict=True))))
+    return taken_out(missed, fit.weights, fit.nuisance, int(experiment.rest_scatter > 0))
 
 
-def _without(fit: Fit, run: int) -> Array:
+def without(fit: Fit, run: int) -> Array:
     """(P,) parameters fitted to all runs but one; with a single run, the hypothesis' start."""
     others = [k for k in range(len(fit.residuals)) if k != run]
     if not others:
         return fit.hypothesis.start
-    facts = fit.hypothesis.parameters
-    scale = np.array([fact.scale for fact in facts])
+    scale, (lower, upper) = fit.hypothesis.scale, fit.hypothesis.bounds
     residual, slopes = stacked(fit, others)
-    normal = (slopes * scale).T @ (slopes * scale)
-    # damped as Marquardt does: along directions that the other runs cannot tell, the parameters stay where they were
-    normal += 0.02 * np.diag(np.diag(normal)) + 1e-12 * np.trace(normal) * np.eye(len(scale))
-    step = np.clip(-np.linalg.solve(normal, (slopes * scale).T @ residual), -2.0, 2.0)
-    lower, upper = np.array([fact.lower for fact in facts]), np.array([fact.upper for fact in facts])
+    # along directions that the other runs cannot tell, the parameters stay where they were
+    step = np.clip(damped_step(slopes * scale, residual, _DAMPING), -2.0, 2.0)
     return np.asarray(np.clip(fit.values + scale * step, lower, upper))

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, with_values
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.identification.release import state_from_markers
 from hsr_pin.parameters import Parameter
-from hsr_pin.robot.model import build_model
+from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification, Placement
-from hsr_pin.simulation.columns import along
-from hsr_pin.simulation.scenario import Pose, Scenario, Settled
+from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
 #: Open numbers of the arm itself.
@@ -23,11 +22,53 @@ ARM = {
     "keq_scale": Parameter("keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness over the declared one"),
     "damping_scale": Parameter("damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping over the declared one"),
     "mass_scale": Parameter("mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm over the declared one"),
+    "torque_gain": Parameter("torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "torque that arrives over the commanded one"),
 }
-#: Their counterparts in a scenario.
-_SCENARIO_NAME = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
-#: Samples at most over which the pose at rest is averaged.
-_REST = 20
+#: Those that are factors on a number of the arm.
+_FACTORS = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
+#: What stiffness and damping may leave open, as candidates beside the effects.
+PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity"}
+#: Links of the chain that is fitted: its tip is within 0.05 % of the length of the continuous arm's.
+LINKS = 16
+#: Error of a step in fits [m at the tip].
+TOLERANCE = 2e-4
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a model may have more than stiffness and damping: an effect, or another open number of the arm.
+
+    Attributes:
+        name: of the effect, or of the number: one of :data:`PLAIN`.
+        effect: with its options; None for a number.
+        resized: whether the effect's amplitude goes with the stiffness level where its law says that it stays, and stays
+            where its law says that it goes with it.
+    """
+
+    name: str
+    effect: Effect | None = None
+    resized: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Of physics that it belongs to."""
+        return self.effect.kind if self.effect else PLAIN[self.name]
+
+    @property
+    def flexible(self) -> bool:
+        """Whether it stands for its kind only."""
+        return self.effect is not None and self.effect.flexible
+
+    def contains(self, other: Part) -> bool:
+        """Whether the other is a special case of this one, which has more numbers to bend."""
+        if self.effect is None:
+            return False
+        return (self.flexible and not other.flexible and other.kind == self.kind) or other.name in self.effect.contains
+
+    @property
+    def reading(self) -> tuple[object, ...]:
+        """Name, options and size: what tells it from other readings of the same law."""
+        return self.name, self.effect.options if self.effect else (), self.resized
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,18 +77,19 @@ class Hypothesis:
 
     Attributes:
         effects: what acts beside the nominal model; their values are where a fit starts.
-        free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale" (with "@1.11" behind it: for the trials
-            declared with that Keq only), "effect.parameter".
+        free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale", "torque_gain" (with "@1.11" behind it: for
+            the trials declared with that Keq only), "effect.parameter".
         links, placement: the chain.
-        integrator, step: how it is integrated; step [s].
+        tolerance: error of a step [m at the tip].
+        resized: names of effects whose amplitude is that of the softest level, and changes with the level against their law.
     """
 
     effects: tuple[Effect, ...] = ()
     free: tuple[str, ...] = ("keq_scale", "damping_scale")
-    links: int = 6
+    links: int = LINKS
     placement: Placement = "mid"
-    integrator: str = "ros2"
-    step: float = 0.01
+    tolerance: float = TOLERANCE
+    resized: tuple[str, ...] = ()
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -72,69 +114,92 @@ class Hypothesis:
         own = {f"{e.name}.{p.name}": float(getattr(e, p.name)) for e in self.effects for p in e.parameters()}
         return np.array([own.get(fact.name, fact.neutral) for fact in self.parameters])
 
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """(P,) each: lowest and highest values."""
+        return np.array([fact.lower for fact in self.parameters]), np.array([fact.upper for fact in self.parameters])
+
+    @cached_property
+    def scale(self) -> Array:
+        """(P,) changes of practical size."""
+        return np.array([fact.scale for fact in self.parameters])
+
     def with_effects(self, *effects: Effect) -> Hypothesis:
         """The same with further effects, all their parameters open."""
         names = tuple(f"{e.name}.{p.name}" for e in effects for p in e.parameters())
         return replace(self, effects=(*self.effects, *effects), free=(*self.free, *names))
 
-    def finer(self, links: int, step: float) -> Hypothesis:
-        """The same model, discretised more finely in space and time."""
-        fine = replace(self, links=max(links, self.links), step=min(step, self.step))
-        return replace(fine, integrator="extrapolated4", step=fine.step / 2) if self._rings else fine
-
-    def steadied(self) -> Hypothesis:
-        """The same model, with an integrator that none of its effects makes ring."""
-        return replace(self, integrator="extrapolated3") if self._rings and self.integrator == "ros2" else self
-
     @property
-    def _rings(self) -> bool:
-        return any(effect.loosely_bounded for effect in self.effects)
+    def parts(self) -> tuple[Part, ...]:
+        """The effects, and the open numbers of the arm beside stiffness and damping."""
+        effects = tuple(Part(effect.name, effect, effect.name in self.resized) for effect in self.effects)
+        return (*(Part(name) for name in PLAIN if name in self.free), *effects)
 
-    def with_chain(self, links: int, step: float) -> Hypothesis:
-        """The same model with another number of links and step [s]."""
-        return replace(self, links=links, step=step)
+    def with_part(self, part: Part) -> Hypothesis:
+        """The same with one more."""
+        if part.effect is None:
+            return replace(self, free=(*self.free, part.name))
+        more = self.with_effects(part.effect)
+        return replace(more, resized=(*self.resized, part.name)) if part.resized else more
 
-    def effects_at(self, values: Array) -> tuple[Effect, ...]:
-        """The effects with the open parameters at ``values`` (P,)."""
-        named = dict(zip(self.free, values, strict=True))
-        return tuple(
-            with_values(e, **{p.name: float(named.get(f"{e.name}.{p.name}", getattr(e, p.name))) for p in e.parameters()})
-            for e in self.effects
+    def without_part(self, name: str) -> tuple[Hypothesis, list[int]]:
+        """The same with one less, and which of the open parameters are left."""
+        kept = [k for k, free in enumerate(self.free) if free != name and not free.startswith(f"{name}.")]
+        fewer = replace(
+            self,
+            effects=tuple(effect for effect in self.effects if effect.name != name),
+            free=tuple(self.free[k] for k in kept),
+            resized=tuple(other for other in self.resized if other != name),
+        )
+        return fewer, kept
+
+    def effects_at(self, values: Array, level: float = 1.0) -> tuple[Effect, ...]:
+        """The effects with the open parameters at ``values`` (P,), or stacked for (C, P).
+
+        ``level``: declared Keq of the run over that of the softest.
+        """
+        named = dict(zip(self.free, np.moveaxis(values, -1, 0), strict=True))
+
+        def numbers(effect: Effect) -> dict[str, Any]:
+            found = {}
+            for fact in effect.parameters():
+                value = np.broadcast_to(named.get(f"{effect.name}.{fact.name}", getattr(effect, fact.name)), values.shape[:-1])
+                if fact.amplitude and effect.name in self.resized:
+                    value = np.clip(value * level**effect.resizes, fact.lower, fact.upper)
+                found[fact.name] = np.array(value) if value.ndim else float(value)
+            return found
+
+        return tuple(with_values(effect, **numbers(effect)) for effect in self.effects)
+
+    def acts(self, name: str, run: Run) -> bool:
+        """Whether an open parameter plays a part in a run."""
+        level = name.partition("@")[2]
+        return not level or bool(np.isclose(float(level), run.trial.keq))
+
+    def factor(self, base: str, run: Run, values: Array) -> Array:
+        """(C,) the value of an open number of the arm in a run, for values (C, P); 1 where it is not open."""
+        columns = [k for k, name in enumerate(self.free) if name.partition("@")[0] == base and self.acts(name, run)]
+        return values[:, columns[0]] if columns else np.ones(len(values))
+
+    def columns(self, experiment: Experiment, run: Run, values: Array) -> Columns:
+        """The arms of one run with the open parameters at ``values`` (C, P)."""
+        declared = self.declared(experiment, run)
+        numbers = {name: np.full(len(values), float(getattr(declared, name))) for name in Arms.NUMBERS}
+        for name, number in _FACTORS.items():
+            numbers[number] = numbers[number] * self.factor(name, run, values)
+        return Columns(
+            Arms(declared.links, declared.placement, declared.mount, **numbers),
+            self.effects_at(values, run.trial.keq / experiment.levels[0]),
         )
 
-    def scenario(self, experiment: Experiment, run: Run, values: Array) -> Scenario:
-        """What to simulate for one run with the open parameters at ``values`` (P,)."""
-        scales = {
-            name.partition("@")[0]: float(value)
-            for name, value in zip(self.free, values, strict=True)
-            if name.partition("@")[0] in ARM and self.counterpart(name, experiment, run) is not None
-        }
-        arm = _declared(experiment, run, self)
-        arm = replace(
-            arm,
-            keq=arm.keq * scales.get("keq_scale", 1.0),
-            damping=arm.damping * scales.get("damping_scale", 1.0),
-            mass=arm.mass * scales.get("mass_scale", 1.0),
-        )
-        time, torque = run.time, run.torque
-        if run.lead > 0:  # one sample more, so that the measured ones lie between simulated ones
-            time = run.time[0] + run.step * (np.arange(len(run.time) + 1) - run.lead)
-            torque = np.append(run.torque[:1], run.torque)
-        effects = self.effects_at(values)
-        start: Settled | Pose = Settled(float(run.torque[0]), _resting_angles(experiment, run, self.links, self.placement))
-        if run.start_pose is not None:
-            stiffness = tuple(along(effects, "stiffness", self.links)[:, 0].round(4).tolist())
-            start = Pose(*_start_state(experiment, run, self.links, self.placement, stiffness))
-        return Scenario(arm, time, torque, start, effects, experiment.markers)
-
-    def counterpart(self, name: str, experiment: Experiment, run: Run) -> tuple[str, float] | None:
-        """The scenario's parameter that an open one moves in a run, and by how much per unit; None: it does not act there."""
-        base, _, level = name.partition("@")
-        if level and not np.isclose(float(level), run.trial.keq):
-            return None
-        if base not in ARM:
-            return base, 1.0
-        return _SCENARIO_NAME[base], float(getattr(_declared(experiment, run, self), _SCENARIO_NAME[base]))
+    def declared(self, experiment: Experiment, run: Run) -> ArmSpecification:
+        """The arm as a run declares it, on this chain; fits may bend it further than an arm should be."""
+        chain = (self.links, self.placement)
+        if chain not in run.declared:
+            run.declared[chain] = ArmSpecification.from_trial(
+                experiment.dataset, run.trial, links=self.links, placement=self.placement, bending_limit=2 * np.pi
+            )
+        return run.declared[chain]
 
 
 def _is_number(text: str) -> bool:
@@ -142,34 +207,3 @@ def _is_number(text: str) -> bool:
         return bool(np.isfinite(float(text)))
     except ValueError:
         return False
-
-
-def _declared(experiment: Experiment, run: Run, hypothesis: Hypothesis) -> ArmSpecification:
-    return ArmSpecification.from_trial(
-        experiment.dataset, run.trial, links=hypothesis.links, placement=hypothesis.placement, bending_limit=2 * np.pi
-    )
-
-
-@lru_cache(maxsize=256)
-def _resting_angles(experiment: Experiment, run: Run, links: int, placement: Placement) -> Array | None:
-    """(N,) [rad] about where a run rests before its first change of command, as the markers show; None where they do not."""
-    changes = np.flatnonzero(np.diff(run.torque))
-    window = run.measured[: min(int(changes[0]) + 1 if len(changes) else _REST, _REST)]
-    if not np.isfinite(window).any(axis=0).all():
-        return None
-    arm = build_model(ArmSpecification.from_trial(experiment.dataset, run.trial, links=links, placement=placement))
-    reach = np.array([marker.arc_length for marker in experiment.markers])
-    pose = np.nanmedian(window, axis=0)
-    return state_from_markers(arm, reach, pose, np.zeros_like(pose), float(experiment.noise.max()))[0]
-
-
-@lru_cache(maxsize=1024)
-def _start_state(
-    experiment: Experiment, run: Run, links: int, placement: Placement, stiffness: tuple[float, ...]
-) -> tuple[Array, Array]:
-    """(N,) [rad], [rad/s] the state a run starts from: of what is fitted, only how stiffness varies along the arm matters."""
-    assert run.start_pose is not None
-    arm = build_model(ArmSpecification.from_trial(experiment.dataset, run.trial, links=links, placement=placement))
-    reach = np.array([marker.arc_length for marker in experiment.markers])
-    velocity = np.zeros_like(run.start_pose) if run.start_velocity is None else run.start_velocity
-    return state_from_markers(arm, reach, run.start_pose, velocity, float(experiment.noise.max()), np.array(stiffness))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -11,11 +11,11 @@ import numpy as np
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.choice import choose, without_effects
-from hsr_pin.identification.evaluation import predict, residuals, rms
-from hsr_pin.identification.experiment import Experiment, prepare
-from hsr_pin.identification.fit import FINE_LINKS, FINE_STEP, Fit, fit
+from hsr_pin.identification.evaluation import predict_all, residuals, rms
+from hsr_pin.identification.experiment import Experiment, prepare, restricted
+from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis
 from hsr_pin.identification.starts import starts
 from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
 from hsr_pin.robot.specification import Placement
@@ -32,7 +32,7 @@ class Identification:
         set_aside: whether they were set aside.
         fit: of the open parameters.
         uncertainty: of its values.
-        before: for each fitted trial (T, M, 3) [m] predicted minus measured by the arm as declared, finely discretised.
+        before: for each fitted trial (T, M, 2) [m] predicted minus measured by the arm as declared, finely discretised.
         heldout_before: likewise for each predicted trial.
         heldout: for each predicted trial, by the fitted model. Empty for a single trial: nothing was held out.
     """
@@ -48,7 +48,7 @@ class Identification:
 
     @property
     def after(self) -> tuple[Array, ...]:
-        """For each fitted trial (T, M, 3) [m] predicted minus measured by the fitted model."""
+        """For each fitted trial (T, M, 2) [m] predicted minus measured by the fitted model."""
         return self.fit.residuals
 
     @property
@@ -66,7 +66,7 @@ def identify(
     *,
     free: Sequence[str] = ("keq_scale", "damping_scale"),
     effects: Sequence[Effect] = (),
-    links: int = 6,
+    links: int = LINKS,
     placement: Placement = "mid",
     by_level: bool = False,
     train: Sequence[str] = (),
@@ -80,7 +80,7 @@ def identify(
         dataset: as read.
         free: names of the parameters, as :func:`hsr_pin.identification.choice.choose` takes them.
         effects: act beside the nominal model, all their parameters open.
-        links: of the chain that is fitted; it is corrected for its coarseness, so that the values belong to the continuous arm.
+        links: of the chain that is fitted.
         placement: of its joints.
         by_level: a stiffness and a damping for each declared Keq instead of one factor for all.
         train: names or patterns ("trial_0[12]") of the trials to fit; default: all that are not set aside.
@@ -101,11 +101,11 @@ def identify(
     tell("fitting")
     answer = fit_from(fitted, hypothesis, points)
     tell("predicting held-out trials")
-    fine = hypothesis.finer(FINE_LINKS, FINE_STEP)
-    before = simulated(fitted, without_effects(fine), np.empty(0))
+    plain = without_effects(hypothesis)
+    before = simulated(fitted, plain, np.empty(0))
     if predicted is not None:
-        heldout = simulated(predicted, fine, answer.values)
-        heldout_before = simulated(predicted, without_effects(fine), np.empty(0))
+        heldout = simulated(predicted, hypothesis, answer.values)
+        heldout_before = simulated(predicted, plain, np.empty(0))
     elif len(fitted.runs) > 1:
         heldout, heldout_before = leave_one_out(fitted, answer), before
     else:
@@ -135,8 +135,7 @@ def split(experiment: Experiment, train: Sequence[str], test: Sequence[str]) -> 
     if fitted & aside:
         both = ", ".join(sorted(fitted & aside))
         raise IdentificationError("trials", expected="each fitted or set aside", received=f"{both} in both")
-    parts = [replace(experiment, runs=tuple(r for r in experiment.runs if r.trial.name in part)) for part in (fitted, aside)]
-    return parts[0], parts[1] if aside else None
+    return restricted(experiment, fitted), restricted(experiment, aside) if aside else None
 
 
 def _matching(names: Sequence[str], patterns: Sequence[str]) -> set[str]:
@@ -155,9 +154,9 @@ def fit_from(experiment: Experiment, hypothesis: Hypothesis, points: Sequence[Ar
         return fit(experiment, hypothesis, start=points[0])
     quick = [fit(experiment, hypothesis, start=point, quick=True) for point in points]
     best = min(quick, key=lambda answer: answer.rms)
-    return fit(experiment, hypothesis, start=best.values, after=best)
+    return fit(experiment, hypothesis, start=best.values)
 
 
 def simulated(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Array]:
-    """For each run (T, M, 3) [m] predicted minus measured, with the open parameters at ``values`` (P,)."""
-    return residuals(experiment, predict(experiment, hypothesis, [(run, values) for run in experiment.runs]))
+    """For each run (T, M, 2) [m] predicted minus measured, with the open parameters at ``values`` (P,)."""
+    return residuals(experiment, predict_all(experiment, hypothesis, values))

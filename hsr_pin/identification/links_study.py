@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import predict, rms, squared_distance
+from hsr_pin.identification.evaluation import predict_all, rms, squared_distance
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
@@ -15,9 +15,8 @@ from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array
 
 LINKS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
-#: The chain and step taken as converged; the study's own simulations are exact in time to well below their differences.
-CONVERGED_LINKS, CONVERGED_STEP = 40, 0.005
-_STEP = 0.005
+#: The chain taken as converged, and the error of a step [m at the tip]: well below the differences between chains.
+CONVERGED_LINKS, TOLERANCE = 40, 5e-5
 
 
 @dataclass(frozen=True)
@@ -28,14 +27,12 @@ class LinksRow:
         links: N.
         model_error: [m] RMS distance of its markers from those of the converged chain, with the same parameters.
         data_error: [m] RMS distance from the measured ones, with parameters fitted on this very chain.
-        evaluations: articulated-body passes of one simulation of the dataset, times N: what it costs, in links advanced.
-        cost: that, over the cheapest's.
+        cost: of a simulation, over that of the smallest number of links: they grow with N.
     """
 
     links: int
     model_error: float
     data_error: float
-    evaluations: int
     cost: float
 
 
@@ -71,27 +68,24 @@ def links_study(
     Args:
         experiment: the dataset.
         hypothesis: the model; its own number of links does not matter.
-        values: (P,) of its open parameters, fitted with correction for the coarse chain.
+        values: (P,) of its open parameters, fitted.
         links: the numbers to try.
         tell: called with a line for each.
     """
-    converged = _positions(experiment, hypothesis.finer(CONVERGED_LINKS, CONVERGED_STEP), values)
+    converged = _positions(experiment, replace(hypothesis, links=CONVERGED_LINKS, tolerance=TOLERANCE), values)
     rows: list[LinksRow] = []
-    steps = sum(len(run.time) * max(1, round(run.step / _STEP)) for run in experiment.runs)
     for count in sorted(set(links)):
         tell(f"{count} links")
-        chain = hypothesis.with_chain(count, _STEP)
+        chain = replace(hypothesis, links=count, tolerance=TOLERANCE)
         away = [own - fine for own, fine in zip(_positions(experiment, chain, values), converged, strict=True)]
-        fitted = fit(experiment, chain, start=values, corrected=False)
-        evaluations = 2 * steps * count
-        cost = evaluations / rows[0].evaluations if rows else 1.0
-        rows.append(LinksRow(count, _distance(away), rms(fitted.residuals), evaluations, cost))
+        fitted = fit(experiment, chain, start=values)
+        rows.append(LinksRow(count, _distance(away), rms(fitted.residuals), count / min(links)))
     recommended, sentence = _recommend(rows, experiment.noise_rms, experiment.dataset.length)
     return LinksStudy(tuple(rows), hypothesis.placement, experiment.noise_rms, recommended, sentence)
 
 
 def _positions(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Array]:
-    return [p.positions for p in predict(experiment, hypothesis, [(run, values) for run in experiment.runs])]
+    return [p.positions for p in predict_all(experiment, hypothesis, values)]
 
 
 def _distance(away: Sequence[Array]) -> float:

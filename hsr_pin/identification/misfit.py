@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import Prediction, predict, predict_with_slopes, residuals
+from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.nuisance import whitened
 from hsr_pin.trajectory import Array
-
-#: The chain and step that stand for the continuous arm: against them the fitted, coarser chain is corrected.
-FINE_LINKS, FINE_STEP = 20, 0.005
 
 
 class Misfit:
@@ -21,31 +19,22 @@ class Misfit:
     Args:
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
-        defects: for each run (T, M, 3) [m] what the hypothesis' coarse chain is known to get wrong; default: nothing.
-        weights: for each run (T, M, 3) [1/m], zero in gaps; default: one over the noise floor.
+        weights: for each run (T, M, 2) [1/m], zero in gaps; default: one over the noise floor.
     """
 
-    def __init__(
-        self,
-        experiment: Experiment,
-        hypothesis: Hypothesis,
-        defects: Sequence[Array] | None = None,
-        weights: Sequence[Array] | None = None,
-    ) -> None:
+    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, weights: Sequence[Array] | None = None) -> None:
         self.experiment, self.hypothesis = experiment, hypothesis
-        facts = hypothesis.parameters
-        self.scale = np.array([fact.scale for fact in facts])
-        self.lower = np.array([fact.lower for fact in facts]) / self.scale
-        self.upper = np.array([fact.upper for fact in facts]) / self.scale
-        self.defects = [np.zeros(run.measured.shape) for run in experiment.runs] if defects is None else list(defects)
-        known = [np.where(np.isfinite(run.measured), 1 / experiment.noise[:, None], 0.0) for run in experiment.runs]
+        self.scale = hypothesis.scale
+        self.lower, self.upper = (bound / self.scale for bound in hypothesis.bounds)
+        known = [np.where(np.isfinite(run.in_plane), 1 / experiment.noise[:, None], 0.0) for run in experiment.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
         self._seen = [weight > 0 for weight in self.weights]
         self._at: Array | None = None
+        self._bases: list[Array] | None = None
 
     def predictions(self, x: Array) -> list[Prediction]:
-        """Of the coarse chain, with forward differences."""
+        """With one-sided differences."""
         if self._at is None or not np.array_equal(self._at, x):
             self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale)
             self._at = np.array(x)
@@ -53,26 +42,32 @@ class Misfit:
         return self._predictions
 
     def missed(self, x: Array) -> list[Array]:
-        """For each run (T, M, 3) [m] predicted, with the defects added, minus measured."""
-        plain = residuals(self.experiment, self.predictions(x))
-        return [residual + defect for residual, defect in zip(plain, self.defects, strict=True)]
+        """For each run (T, M, 2) [m] predicted minus measured."""
+        return residuals(self.experiment, self.predictions(x))
 
     def residual(self, x: Array) -> Array:
-        """(n,) weighted, without gaps."""
-        parts = zip(self.missed(x), self.weights, self._seen, strict=True)
-        return np.concatenate([(residual * weight)[seen] for residual, weight, seen in parts])
+        """(n,) weighted, without gaps, what belongs to the trials eliminated."""
+        parts = zip(self.missed(x), self.weights, self.bases(x), self._seen, strict=True)
+        return np.concatenate([whitened((residual * weight)[seen], basis) for residual, weight, basis, seen in parts])
 
     def jacobian(self, x: Array) -> Array:
         """(n, P) derivatives of :meth:`residual`."""
-        parts = zip(self.predictions(x), self.weights, self._seen, strict=True)
-        rows = [(p.slopes * w[..., None])[seen] for p, w, seen in parts if p.slopes is not None]
+        parts = zip(self.predictions(x), self.weights, self.bases(x), self._seen, strict=True)
+        rows = [whitened((p.slopes * w[..., None])[seen], b) for p, w, b, seen in parts if p.slopes is not None]
         return np.asarray(np.concatenate(rows) * self.scale)
 
-    def correct(self, x: Array) -> None:
-        """Take fine minus coarse prediction at ``x`` as the coarse chain's defect, where both can be simulated."""
-        fine = self.hypothesis.finer(FINE_LINKS, FINE_STEP)
-        exact = predict(self.experiment, fine, [(run, x * self.scale) for run in self.experiment.runs])
-        self.defects = [
-            old if f.failed or c.failed else f.positions - c.positions
-            for old, f, c in zip(self.defects, exact, self.predictions(x), strict=True)
-        ]
+    def bases(self, x: Array) -> list[Array]:
+        """For each run (n, K) what one standard deviation of each of its own numbers makes of the weighted residuals.
+
+        As it was where :meth:`hold` was called last: were it to change from point to point, the derivatives would lack that.
+        """
+        return self._bases_at(x) if self._bases is None else self._bases
+
+    def hold(self, x: Array) -> bool:
+        """Take what the numbers of the trials make of the residuals from here; whether there are any."""
+        self._bases = self._bases_at(x)
+        return any(basis.shape[1] for basis in self._bases)
+
+    def _bases_at(self, x: Array) -> list[Array]:
+        parts = zip(self.predictions(x), self.weights, self._seen, strict=True)
+        return [(p.nuisance * w[..., None])[seen] for p, w, seen in parts if p.nuisance is not None]

@@ -50,8 +50,9 @@ def profile_likelihood(experiment: Experiment, fit: Fit, name: str) -> Profile:
     if name not in fit.hypothesis.free:
         raise IdentificationError("parameter", expected=", ".join(fit.hypothesis.free), received=repr(name))
     held, sure = fit.hypothesis.free.index(name), uncertainty(fit)
-    misfit = Misfit(experiment, fit.hypothesis, fit.defects, fit.weights)
+    misfit = Misfit(experiment, fit.hypothesis, fit.weights)
     best, error = fit.values / misfit.scale, sure.standard_error[held] / misfit.scale[held]
+    misfit.hold(best)
     least = misfit.residual(best)
     spread = float(least @ least) / max(len(least) - len(best), 1) * float(sure.inflation[held])
     values, deviance = [best[held]], [0.0]

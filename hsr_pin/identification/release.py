@@ -6,10 +6,7 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.model import ArmModel
 from hsr_pin.trajectory import Array, Trajectory, Trial
 
 #: Samples up to the start over which the held pose is averaged, and by which it is told whether the arm is held at all.
@@ -20,10 +17,6 @@ _AROUND = 3
 _SLOWEST = 0.05
 #: A release is looked for within this time after the declared start [s].
 _LATEST = 0.3
-#: Markers are never trusted to better than this [m] when a pose is sought.
-_SURE = 1e-4
-#: Each mode of curvature is expected to be smaller than the one before by this factor, the first to be about 1 rad.
-_SMOOTH = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +54,11 @@ def start_of(trial: Trial, noise: float, delay: float = 0.0) -> Start:
     speed = np.linalg.norm(_motion(trajectory, first, before=_WINDOW - 1, after=0, degree=1)[1], axis=1)
     if np.any(speed > max(_SLOWEST * max(marker.arc_length for marker in trajectory.markers), sure)):
         return Start(first, 0.0, *_motion(trajectory, first, before=_AROUND, after=_AROUND, degree=2))
-    pose = _median(before if np.isfinite(before).any(axis=0).all() else trajectory.positions[first : first + _WINDOW])
+    pose = median(before if np.isfinite(before).any(axis=0).all() else trajectory.positions[first : first + _WINDOW])
     still, lead = np.zeros_like(pose), 0.0
     if not trajectory.has_input:
         begin = _release_time(trajectory, first, pose, noise)
-        first = int(np.searchsorted(trajectory.time, begin + 1e-9))
+        first = min(int(np.searchsorted(trajectory.time, begin + 1e-9)), len(trajectory.time) - 1)
         lead = float((trajectory.time[first] - begin) / trajectory.step)
     return Start(first, lead, pose, still)
 
@@ -97,6 +90,8 @@ def _release_time(trajectory: Trajectory, first: int, held: Array, noise: float)
     seen = np.isfinite(gone)
     distance = np.where(seen.any(axis=1), np.nanmax(np.where(seen, gone, -np.inf), axis=1), np.nan)
     after = slice(first, min(len(time), first + max(6, round(_LATEST / trajectory.step))))
+    if np.isnan(distance[first:]).all():
+        return float(time[first])
     d, t = distance[after], time[after]
     threshold = max(8 * noise, 0.01 * float(np.nanmax(distance[first:])))
     moving = np.flatnonzero(d > threshold)
@@ -109,46 +104,8 @@ def _release_time(trajectory: Trajectory, first: int, held: Array, noise: float)
     return float(np.clip(-offset / slope, time[first], t[line.start])) if slope > 0 else float(time[first])
 
 
-def state_from_markers(
-    arm: ArmModel, arc_lengths: Array, positions: Array, velocities: Array, noise: float, stiffness: Array | None = None
-) -> tuple[Array, Array]:
-    """Joint angles and rates (N,) [rad], [rad/s] of the most smoothly held arm whose markers are and move as they were seen to.
-
-    The moment along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones
-    keeps noise out of them. Curvature is moment over stiffness.
-
-    Args:
-        arm: the chain.
-        arc_lengths: (M,) [m] of the markers.
-        positions: (M, 3) [m]; NaN where not seen.
-        velocities: (M, 3) [m/s].
-        noise: of a coordinate [m].
-        stiffness: (N,) of the joints, relative to a uniform arm; default: uniform.
-    """
-    links = arm.specification.links
-    seen = np.isfinite(positions).all(axis=1) & (arc_lengths > 0.02 * arm.specification.length)
-    modes = min(2 * int(seen.sum()), 4, links)
-    if modes == 0:
-        return np.zeros(links), np.zeros(links)
-    s = 2 * arm.specification.element_arc_lengths - 1
-    softness = np.ones(links) if stiffness is None else 1 / stiffness
-    shapes = np.polynomial.legendre.legvander(s, modes - 1) * softness[:, None] / links
-    sure, places = max(noise, _SURE), marker_map(arm, arc_lengths[seen])
-
-    def residual(curvature: Array) -> Array:
-        count = len(curvature)
-        miss = (places.positions(shapes[:, :count] @ curvature) - positions[seen]) / sure
-        return np.concatenate([miss.ravel(), _SMOOTH ** np.arange(count) * curvature])
-
-    curvature = np.zeros(0)
-    for _ in range(modes):  # one mode more at a time: from the straight arm, all at once may end in a wrong bend
-        nearest = least_squares(residual, np.append(curvature, 0.0), method="lm")
-        curvature = nearest.x
-    pull = np.concatenate([velocities[seen].ravel() / sure, np.zeros(modes)])
-    return np.asarray(shapes @ curvature), np.asarray(shapes @ np.linalg.lstsq(nearest.jac, pull, rcond=None)[0])
-
-
-def _median(window: Array) -> Array:
+def median(window: Array) -> Array:
+    """(M, 3) of positions (T, M, 3) over time; NaN for a marker that is never seen."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", category=RuntimeWarning)  # a marker that is never seen stays NaN
         return np.asarray(np.nanmedian(window, axis=0))

@@ -17,11 +17,13 @@ from hsr_pin.trajectory import Array
 #: Points looked at (a power of two), and how many of them are worth a search of their own.
 LOOKS, BEST = 16, 2
 #: How far around a factor on a declared value is looked: the damping is the least known.
-_AROUND = {"keq_scale": 2.0, "damping_scale": 4.0, "mass_scale": 2.0}
+_AROUND = {"keq_scale": 2.0, "damping_scale": 4.0, "mass_scale": 2.0, "torque_gain": 2.0}
 #: How far around the neutral value of an amplitude, over its scale.
 _AMPLITUDE = 4.0
-#: Chain and step of a look.
-_LINKS, _STEP = 4, 0.02
+#: A point is worth a search only if its misfit is less than this share of that of the start: not for its rounding.
+_BETTER = 1 - 1e-6
+#: Links of a look, and its error of a step [m at the tip].
+_LINKS, _TOLERANCE = 4, 1e-3
 
 
 def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
@@ -36,11 +38,11 @@ def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     own, facts = hypothesis.start, hypothesis.parameters
     unit = qmc.Sobol(len(own), scramble=False).random(LOOKS)
     points = [own, *(np.array([_plausible(*each) for each in zip(facts, own, row, strict=True)]) for row in unit)]
-    rough = replace(hypothesis, links=min(_LINKS, hypothesis.links), step=max(_STEP, hypothesis.step))
+    rough = replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
     predictions = predict(experiment, rough, [(run, point) for point in points for run in experiment.runs])
     count = len(experiment.runs)
     missed = [rms(residuals(experiment, predictions[k * count : (k + 1) * count])) for k in range(len(points))]
-    better = [k for k in np.argsort(missed) if missed[k] < missed[0]]
+    better = [k for k in np.argsort(missed) if missed[k] < _BETTER * missed[0]]
     return [own, *_nested(experiment, hypothesis), *(points[k] for k in better[:BEST])]
 
 

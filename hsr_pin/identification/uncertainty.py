@@ -8,12 +8,13 @@ import numpy as np
 from scipy import stats
 
 from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.nuisance import whitened
 from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
 WEAK = 1e-3
-#: No direction counts as weaker than this: derivatives by differences are not more exact.
-_BLIND = 1e-8
+#: No direction counts as weaker than this: derivatives by differences are not more exact. Nor, where nothing moves, than that.
+_BLIND, _NOTHING = 1e-8, 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +50,11 @@ def uncertainty(fit: Fit) -> Uncertainty:
     scale = np.array([fact.scale for fact in facts])
     hessian, middle = np.zeros((len(scale), len(scale))), np.zeros((len(scale), len(scale)))
     squares = count = 0.0
-    for residual, slopes, weights in zip(fit.residuals, fit.slopes, fit.weights, strict=True):
-        weighted = slopes * weights[..., None] * scale
-        r = np.nan_to_num(residual) * weights
+    for missed, slopes, weights, nuisance in zip(fit.missed, fit.slopes, fit.weights, fit.nuisance, strict=True):
+        weighted, r = slopes * weights[..., None] * scale, np.nan_to_num(missed) * weights
+        mask = weights > 0
+        basis = (nuisance * weights[..., None])[mask]
+        weighted[mask], r[mask] = whitened(weighted[mask], basis), whitened(r[mask], basis)
         hessian += np.einsum("tmcp,tmcq->pq", weighted, weighted)
         middle += _long_run(np.einsum("tmcp,tmc->tp", weighted, r), _memory(r))
         squares, count = squares + float((r**2).sum()), count + float((weights > 0).sum())
@@ -72,7 +75,7 @@ def uncertainty(fit: Fit) -> Uncertainty:
         interval=np.clip(fit.values[:, None] + reach, bounds[:, :1], bounds[:, 1:]),
         correlation=white / np.outer(size, size),
         inflation=inflation,
-        condition=float(singular_values[0] / singular_values[-1]),
+        condition=float(singular_values[0] / singular_values[-1]) if hessian.any() else 1 / _BLIND,
         weak=tuple(
             _in_words(direction, [fact.name for fact in facts])
             for value, width, direction in zip(singular_values, unsure, directions.T, strict=True)
@@ -105,7 +108,7 @@ def _spectrum(hessian: Array) -> tuple[Array, Array]:
     """Singular values (P,) of the derivatives, the largest first, and their directions (P, P), one a column."""
     values, directions = np.linalg.eigh(hessian)
     singular_values = np.sqrt(np.maximum(values[::-1], 0.0))
-    return np.maximum(singular_values, _BLIND * max(singular_values[0], 1e-300)), directions[:, ::-1]
+    return np.maximum(singular_values, max(_BLIND * singular_values[0], _NOTHING)), directions[:, ::-1]
 
 
 def _in_words(direction: Array, names: list[str]) -> str:

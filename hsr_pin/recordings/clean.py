@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.errors import InputError
+from hsr_pin.recordings.grid import evened, on_even_grid
 from hsr_pin.recordings.noise import noise_floor
 from hsr_pin.recordings.outliers import exchanges, spikes
 from hsr_pin.trajectory import Array, Dataset, Trajectory, Trial
@@ -42,10 +43,11 @@ def clean(
         long_gap: gaps longer than this [s] are reported.
 
     Returns:
-        A new one; ``notes`` of each trajectory say what was done.
+        A new one, at even times; ``notes`` of each trajectory say what was done.
 
     Raises:
-        InputError: ``smoothing`` is not an odd number of samples, or ``half_window`` or ``threshold`` not positive.
+        InputError: ``smoothing`` is not an odd number of samples, ``half_window`` or ``threshold`` not positive, or sampling so
+            uneven that an even grid would be almost all gap.
     """
     if smoothing is not None and (smoothing < 1 or smoothing % 2 == 0):
         raise InputError("smoothing", expected="an odd number of samples", received=smoothing)
@@ -72,11 +74,13 @@ def clean(
 def _with_each_trajectory(
     recording: Trajectory | Trial | Dataset, change: Callable[[Trajectory], Trajectory]
 ) -> Trajectory | Trial | Dataset:
-    if isinstance(recording, Trajectory):
-        return change(recording)
-    if isinstance(recording, Trial):
-        return replace(recording, trajectory=change(recording.trajectory))
-    return replace(recording, trials=tuple(replace(trial, trajectory=change(trial.trajectory)) for trial in recording.trials))
+    if isinstance(recording, Dataset):
+        return replace(recording, trials=tuple(cast(Trial, _with_each_trajectory(trial, change)) for trial in recording.trials))
+    try:
+        even = evened(recording) if isinstance(recording, Trial) else on_even_grid(recording)[0]
+    except ValueError as error:
+        raise InputError("time", expected="nearly even sampling", received=error, hint="split it at long pauses") from error
+    return replace(even, trajectory=change(even.trajectory)) if isinstance(even, Trial) else change(even)
 
 
 def moving_average(positions: Array, width: int) -> Array:

@@ -76,7 +76,7 @@ def _inputs(table: Table) -> tuple[str, ...]:
 
 def _check(table: Table, names: tuple[str, ...], max_pressure: float) -> None:
     low, high, unit = (0.0, max_pressure, "bar") if len(names) == 2 else (-LARGEST_TORQUE, LARGEST_TORQUE, "N m")
-    for row in range(len(table.lines)):
+    for row in range(len(table.values)):
         for field, name in enumerate(table.header):
             value = table.values[row, field]
             if name != "t" and not low <= value <= high:
@@ -87,7 +87,7 @@ def _check(table: Table, names: tuple[str, ...], max_pressure: float) -> None:
             if name == "t" and row and not value > table.values[row - 1, field]:
                 before = f"more than {table.values[row - 1, field]:.9g} s, the time before it"
                 raise table.fault("column t", row, field, expected=before, received=f"{value:.9g}")
-    if len(table.lines) < 2:
+    if len(table.values) < 2:
         raise table.fault("commands", 0, 0, expected="at least two rows", received="one")
 
 

@@ -97,13 +97,15 @@ def _check_version(top: Section) -> None:
 
 def _markers(top: Section, length: float) -> tuple[Marker, ...]:
     markers: list[Marker] = []
+    taken: set[str] = set()
     for section in top.sections("marker"):
         section.only("name", "arc_length")
         name = section.text("name")
         if name != name.strip():
             raise section.fault("marker name", "name", expected="no space around it", received=repr(name))
-        if name in [marker.name for marker in markers]:
+        if name in taken:
             raise section.fault(f"two markers are named {name!r}", "name", hint="give each its own name")
+        taken.add(name)
         arc_length = section.number("arc_length", "m", zero=True)
         if arc_length > length * (1 + 1e-9):
             raise section.fault(
@@ -119,6 +121,7 @@ def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
     keq = robot.number("keq", "Nm/rad") if "keq" in robot.values else None
     damping = robot.number("damping", "Nm s/rad", zero=True) if "damping" in robot.values else None
     trials: list[TrialDeclaration] = []
+    taken: set[str] = set()
     for section in top.sections("trial"):
         section.only("file", "keq", "damping", "tip_mass", "t_start")
         values = section.values
@@ -135,7 +138,8 @@ def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
         parts = PurePosixPath(trial.file).parts
         if not trial.name or ".." in parts or PurePosixPath(trial.file).is_absolute() or "\\" in trial.file:
             raise section.fault("file", "file", expected="a file inside of the dataset's folder", received=repr(trial.file))
-        if trial.name in [other.name for other in trials]:
+        if trial.name in taken:
             raise section.fault(f"two trials are named {trial.name!r}", "file", hint="give each its own file")
+        taken.add(trial.name)
         trials.append(trial)
     return tuple(trials)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.files import LARGEST_DOCUMENT
 from hsr_pin.recordings.text import nearest, read_text
 
 if sys.version_info >= (3, 11):
@@ -25,9 +26,12 @@ Place = tuple[int, int]
 
 #: A key that starts later in its line than this is not looked for.
 LONGEST_KEY = 500
+#: No key has more parts than this, and no line more brackets: parsers need time and memory that grow with their square.
+DEEPEST = 64
 
 _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<name>[^\[\]]+?)\s*\]")
 _KEY = re.compile(r"""(?P<space>\s*)(?P<name>(?:"[^"]*"|'[^']*'|[\w\-. \t])+?)\s*=""")
+_STRING = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*""")
 _PART = re.compile(r""""[^"]*"|'[^']*'|[^.\s]+""")
 
 
@@ -158,7 +162,8 @@ def read_document(path: Path) -> Section:
     Raises:
         RecordingError: unreadable, or not TOML (with the line and column where it stops being so).
     """
-    text = read_text(path)
+    text = read_text(path, LARGEST_DOCUMENT)
+    _check_depth(text, path)
     try:
         values = tomllib.loads(text)
     except RecursionError:
@@ -169,3 +174,12 @@ def read_document(path: Path) -> Section:
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1 if where else 1, 1)
         raise RecordingError(f"not TOML: {message}", file=path, line=line, column=column) from error
     return Section(path, (), values, places(text))
+
+
+def _check_depth(text: str, path: Path) -> None:
+    for line, content in enumerate(text.split("\n"), start=1):
+        if len(content) > DEEPEST:
+            bare = _STRING.sub("", content)
+            if max(bare.count(mark) for mark in ".[{") > DEEPEST:
+                expected = f"at most {DEEPEST} levels in a line"
+                raise RecordingError("not TOML: nested too deeply", expected=expected, file=path, line=line, column=1)

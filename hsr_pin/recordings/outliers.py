@@ -35,15 +35,14 @@ def spikes(positions: Array, threshold: float = 5.0, half_window: int = 5) -> ND
     Returns:
         (T, M) True at spikes.
     """
-    samples, markers, _ = positions.shape
     noise = np.fmax(white_noise(positions), SMALLEST_SCALE)
-    edge = np.full((half_window, markers, 3), np.nan)
-    windows = sliding_window_view(np.concatenate([edge, positions, edge]), 2 * half_window + 1, axis=0)
-    found = np.zeros((samples, markers), dtype=bool)
-    judged = np.isfinite(positions).all(axis=2) & (np.isfinite(windows).sum(axis=3).min(axis=2) >= FEWEST)
-    window = windows[judged]  # (J, 3, W)
-    least = noise[np.nonzero(judged)[1]]
-    found[judged] = _stands_off(window, least, threshold) | _stands_off(_level(window), least, threshold)
+    edge = np.full((half_window, 3), np.nan)
+    found = np.zeros(positions.shape[:2], dtype=bool)
+    for marker, places in enumerate(positions.swapaxes(0, 1)):  # one by one: windows take eleven times the memory of positions
+        windows = sliding_window_view(np.concatenate([edge, places, edge]), 2 * half_window + 1, axis=0)
+        judged = np.isfinite(places).all(axis=1) & (np.isfinite(windows).sum(axis=2).min(axis=1) >= FEWEST)
+        window, least = windows[judged], noise[marker]  # (J, 3, W)
+        found[judged, marker] = _stands_off(window, least, threshold) | _stands_off(_level(window), least, threshold)
     return found
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
-from hsr_pin.recordings.grid import even_grid
+from hsr_pin.recordings.files import is_inside
+from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
@@ -42,6 +45,14 @@ def read_dataset(path: str | Path) -> Dataset:
         folder = folder.parent
     if not _holds(folder.is_dir):
         raise RecordingError("no such dataset", expected=f"a folder with a {FILE_NAME} in it", file=path)
+    if _holds((folder / FILE_NAME).exists) and not is_inside(folder / FILE_NAME, folder):
+        raise RecordingError(
+            "cannot read the declaration",
+            expected="a file in its folder",
+            received="a link out of it",
+            hint="copy the file there",
+            file=folder / FILE_NAME,
+        )
     declaration = read_declaration(folder / FILE_NAME)
     tables = [_table(folder, trial) for trial in declaration.trials]
     trials = tuple(_trial(declaration, trial, table) for trial, table in zip(declaration.trials, tables, strict=True))
@@ -67,35 +78,37 @@ def _holds(question: Callable[[], bool]) -> bool:
 
 def _table(folder: Path, trial: TrialDeclaration) -> Table:
     path = folder / trial.file
-    if not _holds(path.is_file):
+    if not _holds(path.exists):
         there = sorted(other.name for other in folder.glob("*.csv"))
         raise trial.section.fault(f"trial file {trial.file!r} is not there", "file", hint=nearest(trial.file, there, "CSV files"))
+    if not is_inside(path, folder):
+        expected, received = "a file inside of the dataset's folder", f"{trial.file!r}, a link out of it"
+        raise trial.section.fault("file", "file", expected=expected, received=received, hint="copy the file there")
     return read_table(path)
 
 
 def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> Trial:
     _check_columns(table, declaration.markers)
     _check_size(table)
-    trajectory = _on_even_grid(table, declaration.markers)
-    time = trajectory.time
-    if trial.t_start is not None and not time[0] - 1e-9 <= trial.t_start < time[-1]:
-        raise trial.section.fault(
-            "t_start", "t_start", expected=f"a time in the recording, {time[0]:g} to {time[-1]:g} s", received=trial.t_start
-        )
-    return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, trial.t_start)
+    trajectory, origin = _on_even_grid(table, declaration.markers)
+    time, start = trajectory.time, None if trial.t_start is None else trial.t_start - origin
+    if start is not None and not time[0] - 1e-9 <= start < time[-1]:
+        expected = f"a time in the recording, {time[0] + origin:.10g} to {time[-1] + origin:.10g} s"
+        raise trial.section.fault("t_start", "t_start", expected=expected, received=trial.t_start)
+    return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, start)
 
 
 def _check_columns(table: Table, markers: tuple[Marker, ...]) -> None:
     wanted = ["t", *(f"{marker.name}_{axis}" for marker in markers for axis in "xyz")]
     inputs = [name for name in ("P1", "P2", "tau") if name in table.header]
     if inputs and inputs not in (["P1", "P2"], ["tau"]):
-        field = table.header.index(inputs[-1])
+        field = table.place[inputs[-1]]
         raise table.fault("input columns", None, field, expected="P1 and P2, or tau, or none", received=" and ".join(inputs))
-    known = [*wanted, *(inputs or ("P1", "P2", "tau"))]
-    missing = [name for name in wanted if name not in table.header]
+    known, there = {*wanted, *(inputs or ("P1", "P2", "tau"))}, table.place
+    missing = [name for name in wanted if name not in there]
     for field, name in enumerate(table.header):
         if name not in known:
-            raise table.fault(f"unknown column {name!r}", None, field, hint=nearest(name, missing or known, "columns"))
+            raise table.fault(f"unknown column {name!r}", None, field, hint=nearest(name, missing or sorted(known), "columns"))
     if missing:
         raise table.fault(
             f"column {missing[0]!r} is missing",
@@ -107,61 +120,61 @@ def _check_columns(table: Table, markers: tuple[Marker, ...]) -> None:
 
 
 def _check_size(table: Table) -> None:
-    if len(table.lines) < 2:
+    if len(table.values) < 2:
         raise table.fault("recording", 0, 0, expected="at least two samples", received="one")
-    large = np.argwhere(np.abs(np.nan_to_num(table.values)) > LARGEST)
-    if large.size:
-        row, field = large[0]
+    values = table.values
+    if np.fmax.reduce(values, axis=None) > LARGEST or np.fmin.reduce(values, axis=None) < -LARGEST:
+        row, field = (int(place) for place in np.argwhere(np.abs(values) > LARGEST)[0])
         raise table.fault(
             f"column {table.header[field]}",
-            int(row),
-            int(field),
+            row,
+            field,
             expected=f"at most {LARGEST:g}",
-            received=f"{table.values[row, field]:g}",
+            received=f"{values[row, field]:g}",
             hint="times are in seconds, positions in metres, torques in Nm, pressures in bar",
         )
     for name in ("t", "P1", "P2", "tau"):
         if name in table.header and np.isnan(table.column(name)).any():
             row = int(np.argmax(np.isnan(table.column(name))))
-            raise table.fault(f"column {name}", row, table.header.index(name), expected="a number", received="no value")
+            raise table.fault(f"column {name}", row, table.place[name], expected="a number", received="no value")
     steps = np.diff(table.column("t"))
     if np.any(steps < SHORTEST_STEP):
         row = int(np.argmax(steps < SHORTEST_STEP)) + 1
         before, here = table.column("t")[row - 1 : row + 1]
         raise table.fault(
-            "time", row, table.header.index("t"), expected=f"more than {before:.9g} s, the time before it", received=f"{here:.9g}"
+            "time", row, table.place["t"], expected=f"more than {before:.9g} s, the time before it", received=f"{here:.9g}"
         )
 
 
-def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> Trajectory:
+def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> tuple[Trajectory, float]:
     time, positions = table.column("t"), _positions(table, markers)
+    facts = implausible(time)
+    if facts is not None:
+        row = min(2, len(time) - 1)
+        raise table.fault("time", row, table.place["t"], **asdict(facts))
     pressures = np.stack([table.column("P1"), table.column("P2")], axis=1) if "P1" in table.header else None
     torque = table.column("tau") if "tau" in table.header else None
     notes = [
         f"marker {marker.name} was not seen" for marker, p in zip(markers, positions.swapaxes(0, 1), strict=True) if not _seen(p)
     ]
+    raw = Trajectory(time, markers, positions, torque=torque, pressures=pressures, notes=tuple(notes))
     try:
-        grid = even_grid(time)
+        return on_even_grid(raw)
     except ValueError:
         row = int(np.argmax(np.diff(time))) + 1
         raise table.fault(
             "time",
             row,
-            table.header.index("t"),
+            table.place["t"],
             expected="nearly even sampling",
             received=f"a step of {np.diff(time).max():.3g} s where {np.median(np.diff(time)):.3g} s is usual",
             hint="times are in seconds; split the recording at long pauses",
         ) from None
-    if grid is not None:
-        time, positions = grid.time, grid.positions(positions)
-        pressures = None if pressures is None else grid.held(pressures)
-        torque = None if torque is None else grid.held(torque)
-        notes.insert(0, grid.note)
-    return Trajectory(time, markers, positions, torque=torque, pressures=pressures, notes=tuple(notes))
 
 
 def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:
-    return np.stack([np.stack([table.column(f"{m.name}_{axis}") for axis in "xyz"], axis=1) for m in markers], axis=1)
+    fields = [table.place[f"{marker.name}_{axis}"] for marker in markers for axis in "xyz"]
+    return table.values[:, fields].reshape(len(table.values), len(markers), 3)
 
 
 def _seen(positions: Array) -> bool:
@@ -172,7 +185,7 @@ def _seen(positions: Array) -> bool:
 def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
     moved = 0.0
     for index, marker in enumerate(declaration.markers):
-        field = tables[0].header.index(f"{marker.name}_x")
+        field = tables[0].place[f"{marker.name}_x"]
         if not any(_seen(trial.trajectory.positions[:, index]) for trial in trials):
             raise tables[0].fault(
                 f"marker {marker.name!r} has no data in any trial", None, field, hint="take it out of the dataset"
@@ -191,7 +204,7 @@ def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: 
                 raise table.fault(
                     f"marker {marker.name!r} cannot be in metres, or not from the base of this arm",
                     row,
-                    table.header.index(f"{marker.name}_x"),
+                    table.place[f"{marker.name}_x"],
                     expected=f"{low:.3g} to {TOO_FAR * declaration.length:.3g} m from the origin",
                     received=f"{distance:.4g} (median)",
                     hint="if it is in millimetres, divide by 1000; hsr-import converts units",

@@ -4,28 +4,33 @@ from __future__ import annotations
 
 import csv
 import difflib
-import io
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.delimited import number, numbers
+from hsr_pin.recordings.files import LARGEST, read_bytes
 from hsr_pin.trajectory import Array
 
+_MARK = b"\xef\xbb\xbf"
 
-def read_text(path: Path) -> str:
+
+def read_text(path: Path, largest: int = LARGEST) -> str:
     """The text of a UTF-8 file (a byte order mark is taken off).
 
     Raises:
-        RecordingError: no such file, not a file, not UTF-8 (with line and column of the first wrong byte), or empty.
+        RecordingError: no such file, not a regular file, too large, not UTF-8 (with line and column of the first wrong byte), or
+            empty.
     """
-    try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        raise RecordingError("cannot read the file", received=getattr(error, "strerror", None) or error, file=path) from error
+    return _decoded(read_bytes(path, largest), path)
+
+
+def _decoded(data: bytes, path: Path) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -52,23 +57,8 @@ def nearest(name: str, known: Iterable[str], what: str) -> str:
     return f"known {what}: {', '.join(names)}" if names else f"there are no {what}"
 
 
-def number(text: str) -> float:
-    """The number in a field; NaN for an empty field or ``nan``.
-
-    Raises:
-        ValueError: anything else, infinity among it.
-    """
-    text = text.strip()
-    if text == "" or text.lower() == "nan":
-        return math.nan
-    value = float(text)
-    if not math.isfinite(value) or "_" in text:
-        raise ValueError(text)
-    return value
-
-
-def field_column(line: str, field: int) -> int:
-    """The column, counted from 1, at which a comma-separated field (counted from 0) starts in its line."""
+def field_column(line: str, field: int, separator: str = ",") -> int:
+    """The column, counted from 1, at which a field (counted from 0) starts in its line."""
     quoted = False
     line = line.rstrip("\r\n")
     for place, character in enumerate(line):
@@ -76,31 +66,18 @@ def field_column(line: str, field: int) -> int:
             return place + 1
         if character == '"':
             quoted = not quoted
-        elif character == "," and not quoted:
+        elif character == separator and not quoted:
             field -= 1
     return len(line) + 1
 
 
-def csv_lines(text: str) -> list[str]:
-    """The lines of a CSV text, as the csv module counts them."""
-    return list(io.StringIO(text, newline=""))
-
-
-def csv_rows(text: str, path: Path) -> list[tuple[int, list[str]]]:
-    """The rows of a CSV text that are not blank, each with its line.
+def split_fields(line: str, separator: str = ",") -> list[str]:
+    """The fields of one line of a delimited text, stripped.
 
     Raises:
-        RecordingError: the text is not CSV.
+        csv.Error: the line is none.
     """
-    reader = csv.reader(csv_lines(text))
-    rows = []
-    try:
-        for row in reader:
-            if any(field.strip() for field in row):
-                rows.append((reader.line_num, row))
-    except csv.Error as error:
-        raise RecordingError("not a CSV table", received=error, file=path, line=reader.line_num, column=1) from error
-    return rows
+    return [field.strip() for row in csv.reader([line.rstrip("\r\n")], delimiter=separator) for field in row]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,46 +86,50 @@ class Table:
 
     Attributes:
         path: its file.
-        source: (lines,) the text of each line, to find places in.
+        text: all of the file.
         header: (C,) names of the columns.
         header_line: the line they stand in, counted from 1.
-        lines: (T,) line of each row in the file, counted from 1.
         values: (T, C) its numbers; NaN where a field is empty or ``nan``.
     """
 
     path: Path
-    source: Sequence[str]
+    text: bytes
     header: tuple[str, ...]
     header_line: int
-    lines: tuple[int, ...]
     values: Array
+
+    @cached_property
+    def place(self) -> dict[str, int]:
+        """Where each column stands, counted from 0."""
+        return {name: field for field, name in enumerate(self.header)}
 
     def column(self, name: str) -> Array:
         """(T,) the values under a name that is in the header."""
-        return np.asarray(self.values[:, self.header.index(name)])
+        return np.asarray(self.values[:, self.place[name]])
 
     def fault(
         self, subject: str, row: int | None, field: int, *, expected: str = "", received: object = None, hint: str = ""
     ) -> RecordingError:
         """An error at a field of a row (None: of the header)."""
-        line = self.header_line if row is None else self.lines[row]
-        return fault_in(self.path, self.source, line, field, subject, expected=expected, received=received, hint=hint)
+        line, content = next(iter(_rows(self.text, 0 if row is None else row + 1)), (self.header_line, ""))
+        column = field_column(content, field)
+        facts: dict[str, Any] = {"expected": expected, "received": received, "hint": hint}
+        return RecordingError(subject, **facts, file=self.path, line=line, column=column)
 
 
-def fault_in(
-    path: Path,
-    source: Sequence[str],
-    line: int,
-    field: int,
-    subject: str,
-    *,
-    expected: str = "",
-    received: object = None,
-    hint: str = "",
-) -> RecordingError:
-    """An error at a field (counted from 0) of a line (counted from 1) of a CSV text."""
-    column = field_column(source[line - 1], field) if line <= len(source) else 1
-    return RecordingError(subject, expected=expected, received=received, hint=hint, file=path, line=line, column=column)
+def _rows(text: bytes, first: int = 0) -> Iterable[tuple[int, str]]:
+    """Line and text of each line that is not blank, from the ``first`` of them on."""
+    at, line, found = 0, 0, 0
+    while at < len(text):
+        end = text.find(b"\n", at)
+        end = len(text) if end < 0 else end
+        line += 1
+        content = text[at:end]
+        at = end + 1
+        if content.strip(b' ,"\r\t\xef\xbb\xbf'):
+            if found >= first:
+                yield line, content.removeprefix(_MARK if line == 1 else b"").decode("utf-8", "replace")
+            found += 1
 
 
 def read_table(path: Path) -> Table:
@@ -157,28 +138,66 @@ def read_table(path: Path) -> Table:
     Raises:
         RecordingError: unreadable, no rows, a column named twice, a row of another length, or a field that is no number.
     """
-    text = read_text(path)
-    source = csv_lines(text)
-    (top, first), *body = csv_rows(text, path) or [(1, [""])]
-    header = tuple(name.strip() for name in first)
-    for field, name in enumerate(header):
-        if name in header[:field]:
-            raise fault_in(path, source, top, field, f"column {name!r} stands twice in the header")
-    if len(header) == 1 and any(mark in first[0] for mark in ";\t"):
-        raise fault_in(path, source, top, 0, "header", expected="columns separated by commas", received=first[0][:40])
-    if not body:
+    text = read_bytes(path)
+    if not text.isascii() or not text.strip():
+        _decoded(text, path)
+    if b"\n" not in text:
+        text = text.replace(b"\r", b"\n")
+    top, first = next(iter(_rows(text)), (1, ""))
+    try:
+        header = tuple(split_fields(first))
+    except csv.Error as error:
+        raise RecordingError("not a CSV table", received=error, file=path, line=top, column=1) from error
+    table = Table(path, text, header, top, np.empty((0, len(header))))
+    _check_header(table, first)
+    values = _values(table)
+    if not len(values):
         raise RecordingError("no rows under the header", file=path, line=top + 1, column=1)
-    values = np.empty((len(body), len(header)))
-    for index, (line, row) in enumerate(body):
-        if len(row) != len(header):
-            raise fault_in(
-                path, source, line, min(len(row), len(header)), "row", expected=f"{len(header)} fields", received=len(row)
-            )
-        for field, content in enumerate(row):
+    return Table(path, text, header, top, values)
+
+
+def _check_header(table: Table, first: str) -> None:
+    taken: set[str] = set()
+    for field, name in enumerate(table.header):
+        if name in taken:
+            raise table.fault(f"column {name!r} stands twice in the header", None, field)
+        taken.add(name)
+    if len(table.header) == 1 and any(mark in first for mark in ";\t"):
+        hint = "separate by commas, and write decimals with points"
+        raise table.fault("header", None, 0, expected="columns separated by commas", received=first[:40], hint=hint)
+
+
+def _values(table: Table) -> Array:
+    start = 0
+    for _ in range(table.header_line):
+        start = table.text.find(b"\n", start) + 1 or len(table.text)
+    try:
+        values = numbers(memoryview(table.text)[start:], len(table.header))
+    except ValueError:
+        values = _row_by_row(table)
+    blank = np.isnan(values).all(axis=1)
+    return values[~blank] if blank.any() else values
+
+
+def _row_by_row(table: Table) -> Array:
+    """The same, slowly, up to the first fault."""
+    found = []
+    for index, (_, content) in enumerate(_rows(table.text, 1)):
+        try:
+            row = split_fields(content)
+        except csv.Error as error:
+            raise table.fault("not a CSV table", index, 0, received=error) from error
+        if len(row) != len(table.header):
+            at, hint = min(len(row), len(table.header)), ""
+            if len(row) > len(table.header):
+                hint = "decimals have points, not commas"
+            raise table.fault("row", index, at, expected=f"{len(table.header)} fields", received=len(row), hint=hint)
+        values = []
+        for field, part in enumerate(row):
             try:
-                values[index, field] = number(content)
+                values.append(number(part))
             except ValueError:
-                raise fault_in(
-                    path, source, line, field, f"column {header[field]}", expected="a finite number", received=repr(content[:40])
-                ) from None
-    return Table(path, source, header, top, tuple(line for line, _ in body), values)
+                subject, received = f"column {table.header[field]}", repr(part[:40])
+                raise table.fault(subject, index, field, expected="a finite number", received=received) from None
+        found.append(values)
+    return np.array(found).reshape(len(found), len(table.header))

@@ -5,18 +5,21 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 from typing import Any
+from uuid import UUID
 
 import umsgpack  # type: ignore[import-untyped]
 
-from hsr_pin.output import write_text
+from hsr_pin.output import PAGE_SIGNATURE, write_text
 from hsr_pin.replay.animation import ASPECT, GRID, MEASURED, SIMULATED, draw, trail_colour
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.replay.viewer import VIEWER_ROOT, Visualizer
 
+_UUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 _HINT = f"Squares of {100 * GRID:g} cm. Drag to turn, scroll to zoom, space to pause."
 
 
@@ -25,10 +28,21 @@ class _Recorder:
 
     def __init__(self) -> None:
         self.commands: list[bytes] = []
+        self._names: dict[str, str] = {}
 
     def send(self, command: Any) -> None:
         """Keep a command as meshcat would send it."""
-        self.commands.append(umsgpack.packb(command.lower(), force_float_precision="single"))
+        self.commands.append(umsgpack.packb(self._renamed(command.lower()), force_float_precision="single"))
+
+    def _renamed(self, part: Any) -> Any:
+        """A part of a command whose objects are numbered: meshcat names them after the machine's network card and the time."""
+        if isinstance(part, dict):
+            return {key: self._renamed(value) for key, value in part.items()}
+        if isinstance(part, list):
+            return [self._renamed(value) for value in part]
+        if isinstance(part, str) and _UUID.fullmatch(part):
+            return self._names.setdefault(part, str(UUID(int=len(self._names) + 1)))
+        return part
 
 
 def write_page(runs: Sequence[Drawn], path: str | Path, title: str = "Hybrid soft robot", text: Sequence[str] = ()) -> None:
@@ -52,6 +66,7 @@ def page(runs: Sequence[Drawn], title: str = "Hybrid soft robot", text: Sequence
     clip = draw(Visualizer(window=recorder), runs)
     template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
     return template.substitute(
+        signature=PAGE_SIGNATURE,
         title=html.escape(title),
         text="".join(f"<p>{html.escape(line)}</p>" for line in (*text, _HINT)),
         legend="".join(

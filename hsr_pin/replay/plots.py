@@ -7,6 +7,7 @@ colour-blind readers can tell apart; what is measured is told from what is simul
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ import matplotlib
 import numpy as np
 
 from hsr_pin.errors import OutputError
-from hsr_pin.output import write_bytes
+from hsr_pin.output import GENERATOR, write_bytes
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
@@ -33,6 +34,11 @@ MARKER_COLOURS = COLOURS[2:]
 
 FORMATS = ("png", "pdf", "svg")
 
+#: Characters of a text in a picture, at most.
+LONGEST_TEXT = 80
+#: Names side by side in a legend, and characters of each, at most.
+_ACROSS, _LONGEST_NAME = 6, 20
+
 _STYLE: Any = {
     "font.size": 9.0,
     "axes.titlesize": 10.0,
@@ -47,6 +53,12 @@ _STYLE: Any = {
     "lines.linewidth": 1.6,
     "savefig.dpi": 200,
     "svg.hashsalt": "hsr_pin",
+}
+#: Format -> where it says who made it.
+_METADATA: dict[str, dict[str, Any]] = {
+    "png": {"Software": GENERATOR},
+    "pdf": {"Creator": GENERATOR},
+    "svg": {"Creator": GENERATOR, "Date": None},
 }
 
 
@@ -69,10 +81,26 @@ def save(figure: Figure, path: str | Path) -> None:
         OutputError: an unknown ending, or the file cannot be written.
     """
     kind = picture_format(path)
+    _make_plain(figure)
     content = io.BytesIO()
-    with matplotlib.rc_context(_STYLE):
-        figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    with matplotlib.rc_context(_STYLE), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # a box stands for it
+        figure.savefig(content, format=kind, metadata=_METADATA[kind])
     write_bytes(path, content.getvalue())
+
+
+def _make_plain(figure: Figure) -> None:
+    """Let every text in a figure stand as it is: a name may hold any sign, dollars among them, and be of any length."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        text.set_parse_math(False)
+        text.set_text(_cut(text.get_text(), LONGEST_TEXT))
+
+
+def _cut(text: str, room: int) -> str:
+    return text if len(text) <= room else f"{text[: room - 1]}…"
 
 
 def tip_figure(runs: Sequence[Drawn]) -> Figure:
@@ -162,20 +190,21 @@ def _backbone(run: Drawn) -> Array:
     """(n, 2) [m] x and z of the chain at the end of a run, from base to tip."""
     arm = run.arm
     bends = np.concatenate([[0.0], arm.joint_arc_lengths * arm.length, [arm.length]])
-    return np.asarray(marker_map(build_model(arm), bends).positions(run.angles[-1])[:, [0, 2]])
+    return np.asarray(marker_map(arm, bends).positions(run.angles[-1])[:, [0, 2]])
 
 
 def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:
     markers = [marker for marker in run.simulated.markers if marker.arc_length > 0]
+    lines: list[Any] = []
     for marker in markers:
         name, colour = marker.name, _marker_colour(run, marker)
         if run.measured is not None and marker in run.common:
             axes.plot(run.measured.time, 1e3 * run.measured.marker(name)[:, axis], ".", color=colour, ms=2.5, alpha=0.5)
-        axes.plot(run.simulated.time, 1e3 * run.simulated.marker(name)[:, axis], color=colour, label=name, lw=1.2)
+        lines += axes.plot(run.simulated.time, 1e3 * run.simulated.marker(name)[:, axis], color=colour, lw=1.2)
     axes.set_ylabel(f"{'xyz'[axis]} [mm]")
     if axis == 0:
         axes.set_title("Markers: simulated (lines), measured (dots)")
-        axes.legend(loc="best", ncols=len(markers))
+        axes.legend(lines, [_cut(marker.name, _LONGEST_NAME) for marker in markers], loc="best", ncols=min(len(markers), _ACROSS))
 
 
 def _draw_error(axes: Axes, run: Drawn) -> None:

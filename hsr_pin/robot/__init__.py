@@ -1,6 +1,7 @@
 """The arm: numbers -> URDF text -> Pinocchio model; what its pressures do.
 
 - ``appearance``: how the arm is drawn
+- ``chain``: the rigid bodies of many planar arms as arrays
 - ``combinations``: Table II of the paper
 - ``kinematics``: where the points of the backbone are, for many poses at once
 - ``model``: build_model: specification -> pin.Model

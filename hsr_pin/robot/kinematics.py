@@ -9,62 +9,90 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from hsr_pin.robot.model import ArmModel
+from hsr_pin.robot.chain import Arms
+from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths
 from hsr_pin.trajectory import Array
 
 
 @dataclass(frozen=True, eq=False)
 class MarkerMap:
-    """Linear map from cosines and sines of the link angles to marker positions.
+    """Linear map from cosines and sines of the link angles to marker positions, for one arm or for C of them side by side.
 
     Attributes:
-        constant: (3M,) [m] the part that no joint moves.
-        cosine, sine: (N, 3M) [m].
-        link: (M,) joint that carries each marker, from 0; -1: fixed to the base.
-        direction, normal: (3,) of the straight arm, and towards positive bending, in the world frame.
+        fixed: (C, M) [m] the part along the base, which no joint moves.
+        spans: (C, N, M) [m] how far each marker reaches along each link.
+        link: (C, M) joint that carries each marker, from 0; -1: fixed to the base.
+        direction, normal: (C, 3) of the straight arm, and towards positive bending, in the world frame.
     """
 
-    constant: Array
-    cosine: Array
-    sine: Array
-    link: tuple[int, ...]
+    fixed: Array
+    spans: Array
+    link: NDArray[np.intp]
     direction: Array
     normal: Array
 
+    @property
+    def axis(self) -> Array:
+        """(3,) of all joints, in the world frame."""
+        return np.cross(self.direction[0], self.normal[0])
+
     def positions(self, joint_angles: Array) -> Array:
-        """(..., M, 3) [m] in the world frame, for joint angles (..., N) [rad]."""
+        """(..., M, 3) [m] in the world frame, for joint angles (..., N) [rad]; with C > 1 arms (..., C, M, 3) for (..., C, N)."""
         theta = np.cumsum(joint_angles, axis=-1)
-        points = np.cos(theta) @ self.cosine + np.sin(theta) @ self.sine + self.constant
-        return np.asarray(points.reshape(*joint_angles.shape[:-1], len(self.link), 3))
+        return self._in_world(np.cos(theta), np.sin(theta), self.fixed)
+
+    def velocities(self, joint_angles: Array, joint_rates: Array) -> Array:
+        """As :meth:`positions`, [m/s]: how fast the points move, for joint rates [rad/s] of the same shape as the angles."""
+        theta, rate = np.cumsum(joint_angles, axis=-1), np.cumsum(joint_rates, axis=-1)
+        return self._in_world(-np.sin(theta) * rate, np.cos(theta) * rate, np.zeros_like(self.fixed))
+
+    def _in_world(self, cosine: Array, sine: Array, fixed: Array) -> Array:
+        """What is along and across the base for each link, spanned by the links, in the world frame."""
+        if len(self.fixed) == 1:
+            along, across = cosine @ self.spans[0] + fixed[0], sine @ self.spans[0]
+            return np.asarray(along[..., None] * self.direction[0] + across[..., None] * self.normal[0])
+        along, across = self._spanned(cosine) + fixed, self._spanned(sine)
+        return np.asarray(along[..., None] * self.direction[:, None] + across[..., None] * self.normal[:, None])
+
+    def _spanned(self, parts: Array) -> Array:
+        """(..., C, M) from (..., C, N): one product of matrices for each arm."""
+        by_arm = parts.reshape(-1, *parts.shape[-2:]).swapaxes(0, 1)
+        return np.asarray((by_arm @ self.spans).swapaxes(0, 1).reshape(*parts.shape[:-1], -1))
 
     def jacobian(self, joint_angles: Array) -> Array:
-        """(M, 3, N) [m/rad] derivatives of the positions to the joint angles (N,) [rad]."""
+        """(M, 3, N) [m/rad] derivatives of the positions of one arm to its joint angles (N,) [rad]."""
         theta = np.cumsum(joint_angles)[:, None]
-        to_links = np.cos(theta) * self.sine - np.sin(theta) * self.cosine  # (N, 3M): joint i turns link i and all further ones
-        return np.asarray(to_links[::-1].cumsum(axis=0)[::-1].T.reshape(len(self.link), 3, -1))
+        along, across = -np.sin(theta) * self.spans[0], np.cos(theta) * self.spans[0]  # (N, M) to the link angles
+        to_links = along[..., None] * self.direction[0] + across[..., None] * self.normal[0]
+        return np.asarray(to_links[::-1].cumsum(axis=0)[::-1].transpose(1, 2, 0))  # joint i turns link i and all further ones
 
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards positive bending."""
         theta = np.cumsum(joint_angles, axis=-1)
-        padded = np.concatenate([theta, np.zeros_like(theta[..., :1])], axis=-1)[..., list(self.link)]
-        return np.asarray(np.cos(padded)[..., None] * self.normal - np.sin(padded)[..., None] * self.direction)
+        padded = np.concatenate([theta, np.zeros_like(theta[..., :1])], axis=-1)
+        if len(self.fixed) == 1:
+            turned, direction, normal = padded[..., self.link[0]], self.direction[0], self.normal[0]
+        else:
+            turned = padded[..., np.arange(len(self.link))[:, None], self.link]
+            direction, normal = self.direction[:, None], self.normal[:, None]
+        return np.asarray(np.cos(turned)[..., None] * normal - np.sin(turned)[..., None] * direction)
 
 
-def marker_map(arm: ArmModel, arc_lengths: Array) -> MarkerMap:
-    """The map for points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
-    specification, direction, normal = arm.specification, arm.direction, arm.normal
-    joints = specification.joint_arc_lengths * specification.length
-    reach = np.asarray(arc_lengths, dtype=float)
-    ends = np.append(joints[1:], np.inf)
-    # (N, M): how far each marker reaches along each link
-    spans = np.clip(reach[None, :], joints[:, None], ends[:, None]) - joints[:, None]
-    fixed = np.minimum(reach, joints[0])
+def marker_map(arm: ArmSpecification | Arms, arc_lengths: ArrayLike) -> MarkerMap:
+    """The map for points at ``arc_lengths`` (M,) or (B, M) [m] from the base along the backbone."""
+    arms = Arms.of([arm]) if isinstance(arm, ArmSpecification) else arm
+    reach = np.atleast_2d(np.asarray(arc_lengths, dtype=float))[:, None]  # (1, 1, M) or (B, 1, M)
+    if all(np.ptp(values, axis=0).max(initial=0.0) == 0 for values in (arms.length, arms.tilt, reach)):
+        arms, reach = arms.columns(slice(0, 1)), reach[:1]
+    direction, normal = arms.frame()
+    joints = (joint_arc_lengths(arms.links, arms.placement) * arms.length[:, None])[..., None]  # (C, N, 1)
+    ends = np.append(joints[:, 1:], np.full((len(joints), 1, 1), np.inf), axis=1)
     return MarkerMap(
-        constant=(fixed[:, None] * direction).ravel(),
-        cosine=(spans[:, :, None] * direction).reshape(len(joints), -1),
-        sine=(spans[:, :, None] * normal).reshape(len(joints), -1),
-        link=tuple(int(np.searchsorted(joints, s, side="left")) - 1 for s in reach),
+        fixed=np.minimum(reach, joints[:, :1])[:, 0],
+        spans=np.clip(reach, joints, ends) - joints,
+        link=np.count_nonzero(joints < reach, axis=1) - 1,
         direction=direction,
         normal=normal,
     )

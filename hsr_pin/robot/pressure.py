@@ -15,7 +15,7 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hsr_pin.errors import PressureError
+from hsr_pin.errors import PressureError, quoted
 from hsr_pin.resources import resource
 from hsr_pin.robot.scatter import PressureUncertainty, Scatter
 from hsr_pin.trajectory import Array
@@ -210,8 +210,8 @@ def _plane(coefficients: tuple[float, float, float], pressures: Array) -> Array:
 def _finite(name: str, values: ArrayLike) -> Array:
     try:
         array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise PressureError(name, expected="numbers", received=repr(values)) from error
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PressureError(name, expected="numbers", received=quoted(values)) from error
     if not np.all(np.isfinite(array)):
         raise PressureError(name, expected="finite numbers", received=f"{array[~np.isfinite(array)].flat[0]}")
     return array

@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from hsr_pin.errors import SpecificationError
+from hsr_pin.errors import SpecificationError, quoted
 from hsr_pin.trajectory import Array, Dataset, Trial
 
 Placement = Literal["base", "mid"]
@@ -16,6 +16,19 @@ Mount = Literal["hanging", "upright", "horizontal"]
 
 #: Largest number of links accepted; beyond it nothing is gained and rounding starts to show.
 MAX_LINKS = 1000
+
+#: Quantity -> its unit, and the smallest and the largest value of it that is taken for an arm's.
+RANGES: dict[str, tuple[str, float, float]] = {
+    "keq": ("Nm/rad", 1e-9, 1e9),
+    "damping": ("Nm s/rad", 0.0, 1e9),
+    "length": ("m", 1e-4, 1e3),
+    "mass": ("kg", 1e-12, 1e6),
+    "diameter": ("m", 1e-6, 1e3),
+    "tip_mass": ("kg", 0.0, 1e6),
+    "bending_limit": ("rad", 1e-9, 1e6),
+}
+#: What an arm may be without.
+_MAY_BE_ZERO = ("damping", "tip_mass")
 
 
 @dataclass(frozen=True)
@@ -51,22 +64,15 @@ class ArmSpecification:
 
     def __post_init__(self) -> None:
         if isinstance(self.links, bool) or not isinstance(self.links, (int, np.integer)) or not 1 <= self.links <= MAX_LINKS:
-            raise SpecificationError("links", expected=f"a whole number from 1 to {MAX_LINKS}", received=repr(self.links))
-        for name, unit, zero in (
-            ("keq", "Nm/rad", False),
-            ("damping", "Nm s/rad", True),
-            ("length", "m", False),
-            ("mass", "kg", False),
-            ("diameter", "m", False),
-            ("tip_mass", "kg", True),
-            ("bending_limit", "rad", False),
-        ):
-            _check_number(name, getattr(self, name), unit, zero_allowed=zero)
+            raise SpecificationError("links", expected=f"a whole number from 1 to {MAX_LINKS}", received=quoted(self.links))
+        for name in RANGES:
+            _check_number(name, getattr(self, name))
         if not _is_number(self.tilt) or abs(self.tilt) > math.pi:
-            raise SpecificationError("tilt", expected="an angle from -pi to pi rad", received=repr(self.tilt))
+            raise SpecificationError("tilt", expected="an angle from -pi to pi rad", received=quoted(self.tilt))
         for name, choices in (("placement", get_args(Placement)), ("mount", get_args(Mount))):
-            if getattr(self, name) not in choices:
-                raise SpecificationError(name, expected=" or ".join(choices), received=repr(getattr(self, name)))
+            word = getattr(self, name)
+            if not isinstance(word, str) or word not in choices:
+                raise SpecificationError(name, expected=" or ".join(choices), received=quoted(word))
 
     @classmethod
     def from_trial(cls, dataset: Dataset, trial: Trial, **changes: Any) -> ArmSpecification:
@@ -100,13 +106,24 @@ class ArmSpecification:
     @property
     def joint_arc_lengths(self) -> Array:
         """(N,) arc length of each joint over L, from 0 (base) to 1 (tip)."""
-        first = 0.5 if self.placement == "mid" else 0.0
-        return (np.arange(self.links) + first) / self.links
+        return joint_arc_lengths(self.links, self.placement)
 
     @property
     def element_arc_lengths(self) -> Array:
         """(N,) centre of the stretch of arm that each joint stands for, over L (the same for both placements)."""
         return (np.arange(self.links) + 0.5) / self.links
+
+
+def joint_arc_lengths(links: int, placement: str) -> Array:
+    """(N,) arc length of each joint over L, from 0 (base) to 1 (tip)."""
+    first = 0.5 if placement == "mid" else 0.0
+    return (np.arange(links) + first) / links
+
+
+def mount_frame(mount: str) -> tuple[Array, Array]:
+    """(3,) each: unit vectors along a straight arm on this mount, and across it towards positive bending, in the world frame."""
+    down, forward = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
+    return {"hanging": (down, forward), "upright": (-down, forward), "horizontal": (forward, down)}[mount]
 
 
 def default_damping(keq: float) -> float:
@@ -115,10 +132,19 @@ def default_damping(keq: float) -> float:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool) and math.isfinite(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer that no float holds
+        return False
 
 
-def _check_number(name: str, value: Any, unit: str, *, zero_allowed: bool) -> None:
-    if not _is_number(value) or value < 0 or (value == 0 and not zero_allowed):
-        bound = "zero or more" if zero_allowed else "more than zero"
-        raise SpecificationError(name, expected=f"a number, {bound} [{unit}]", received=repr(value))
+def _check_number(name: str, value: Any) -> None:
+    unit, low, high = RANGES[name]
+    zero = name in _MAY_BE_ZERO
+    if not _is_number(value) or value < 0 or (value == 0 and not zero):
+        bound = "zero or more" if zero else "more than zero"
+        raise SpecificationError(name, expected=f"a number, {bound} [{unit}]", received=quoted(value))
+    if value != 0 and not low <= value <= high:
+        raise SpecificationError(name, expected=f"a number from {low:g} to {high:g} [{unit}]", received=quoted(value))

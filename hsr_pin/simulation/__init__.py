@@ -1,17 +1,25 @@
 """Scenarios in, trajectories out: one arm or a thousand side by side.
 
-- ``batch``: simulate_batch: groups scenarios by shape and runs each group
+- ``batch``: simulate_batch
 - ``cameras``: what is seen of the markers
-- ``columns``: springs, dampers, effects and drives of many arms as arrays
+- ``columns``: bodies, springs, dampers and laws of many arms as arrays
+- ``command``: what arrives of a command: held or interpolated, then what the muscles make of it
+- ``compiled``: the loops as machine code, and their cache
 - ``drive``: commands over time: steps of torque or pressure, files
-- ``forward``: accelerations by ABA or RNEA
-- ``integrators``: one file per method
+- ``energy``: the energy account of a motion
+- ``integrator``: the methods, and how steps are chosen
 - ``inverse``: which torque, which pressures, make a motion
+- ``kernel``: the inner loops, for the compiler
+- ``laws``: the effects' laws as machine code
+- ``march``: the loop over time, for Python and for the compiler
 - ``measures``: settled tip, settling time, overshoot, distance from a circle
+- ``motion``: columns from their start to their last sample
+- ``muscles``: a command through the muscles, step by step
+- ``reference``: what the loops ask of the arms, by Pinocchio
+- ``rest``: the pose at which an arm rests
 - ``result``: SimulationResult and its outcomes
 - ``scenario``: Scenario: what to simulate
 - ``sensitivity``: derivatives of marker positions to parameters
 - ``simulate``: simulate: a batch of one
-- ``statics``: the pose at which an arm rests
-- ``stepper``: one step, state in and out
+- ``stamp``: a mark of the source that compiled code was made from
 """

@@ -1,126 +1,115 @@
-"""Many scenarios at once: grouped by shape, each group stepped side by side."""
+"""Many scenarios at once, each as it would be alone."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from hsr_pin.effects.effect import columns_of
-from hsr_pin.robot.model import rigid_body
-from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns, Shape, arm_of, shape_of
-from hsr_pin.simulation.integrators import Integrator
-from hsr_pin.simulation.integrators import integrator as integrator_named
+from hsr_pin.simulation.columns import Columns, likeness
+from hsr_pin.simulation.integrator import TOLERANCE, Integrator
+from hsr_pin.simulation.motion import Dynamics, Engine, Motion
 from hsr_pin.simulation.result import Outcome, SimulationResult, furthest_joint, reason_of
-from hsr_pin.simulation.scenario import Scenario
-from hsr_pin.simulation.stepper import Stepper, starting_state
+from hsr_pin.simulation.scenario import Pose, Scenario, Settled
 from hsr_pin.trajectory import Array, Trajectory
-
-#: Default largest step [s]: with the default integrator the tip is within 0.05 mm of the chain's exact motion for N = 4 to 32.
-STEP = 0.01
 
 
 def simulate_batch(
     scenarios: Sequence[Scenario],
     *,
-    dynamics: str = "aba",
-    integrator: str = "extrapolated4",
-    step: float = STEP,
+    dynamics: Dynamics = "compiled",
+    integrator: str | None = None,
+    tolerance: float = TOLERANCE,
+    step: float | None = None,
     threads: int = 1,
 ) -> list[SimulationResult]:
-    """Simulate scenarios side by side; a failed one is marked in its result and does not touch the others.
+    """Simulate scenarios; a failed one is marked in its result and does not touch the others.
 
     Args:
         scenarios: any mixture of arms, effects, inputs, starts and lengths.
-        dynamics: "aba" or "rnea".
-        integrator: a name from ``hsr_pin.simulation.integrators``.
-        step: largest step [s]; the steps divide the samples evenly, so that a held input changes on step boundaries.
-        threads: for the dynamics; more than one pays for hundreds of columns on an idle machine.
+        dynamics: "compiled", or "aba" or "rnea" over Pinocchio.
+        integrator: a name from ``hsr_pin.simulation.integrator``; default: what suits each arm.
+        tolerance: [m] of the tip, that a step may be in error by.
+        step: [s] steps of at most this length in place of a tolerance; they divide the samples evenly.
+        threads: to share the scenarios between; the compiled loops run side by side.
 
     Returns:
         One result per scenario, in their order. Each is what the scenario gives alone.
     """
-    method = integrator_named(integrator)
-    bodies = [rigid_body(arm_of(scenario)) for scenario in scenarios]
-    first: dict[ArmSpecification, int] = {}
-    for index, body in enumerate(bodies):
-        first.setdefault(body, index)
-    groups: dict[Shape, list[int]] = defaultdict(list)
+    method = Integrator(integrator, tolerance, step)
+    groups: dict[object, list[int]] = defaultdict(list)
     for index, scenario in enumerate(scenarios):
-        groups[shape_of(scenario, step)].append(index)
+        groups[likeness(scenario), len(scenario.time), scenario.step, scenario.interpolated].append(index)
     results: dict[int, SimulationResult] = {}
-    for shape, members in groups.items():
-        members.sort(key=lambda i: first[bodies[i]])
-        columns = Columns([scenarios[i] for i in members], shape)
-        with np.errstate(over="ignore", invalid="ignore"):  # a column that diverges is reported as such
-            results.update(zip(members, _run(columns, method, dynamics, threads), strict=True))
+    for members, columns in _of_one_method(scenarios, groups.values()):
+        group = [scenarios[i] for i in members]
+        motion = moved(group, columns, method, dynamics, apart=True, threads=threads)
+        positions = Cameras(columns, [scenario.reach for scenario in group]).positions(motion.angles)
+        results.update((i, result_of(scenarios[i], motion, positions, b)) for b, i in enumerate(members))
     return [results[i] for i in range(len(scenarios))]
 
 
-def _run(columns: Columns, method: Integrator, dynamics: str, threads: int) -> list[SimulationResult]:
-    substeps = columns.shape.substeps
-    stepper = Stepper(columns, method, columns.step, dynamics, threads)
-    commands, initial = columns.commands()
-    state, alive = starting_state(columns, initial)
-    failures = {int(b): (0, Outcome.NO_EQUILIBRIUM, furthest_joint(state.q[:, b])) for b in np.flatnonzero(~alive)}
-    limit = np.array([arm.bending_limit for arm in columns.arms])
-    angles, rates = (np.empty((len(commands) // substeps + 1, *state.q.T.shape)) for _ in range(2))
-    angles[0], rates[0] = state.q.T, state.v.T
-    for n, torque in enumerate(commands, start=1):
-        state = stepper.advance(state, torque)
-        q, v = state.q, state.v
-        within = np.abs(q.sum(axis=0)) <= limit  # nan is not
-        if not within.all():
-            lost = alive & ~within
-            failures |= {int(b): (n, reason_of(q[:, b]), furthest_joint(q[:, b])) for b in np.flatnonzero(lost)}
-            alive &= ~lost
-        if failures:
-            q[:, ~alive], v[:, ~alive] = 0.0, 0.0
-            state = state._replace(laws=tuple(np.where(alive, law, 0.0) for law in state.laws))
-        if n % substeps == 0:
-            angles[n // substeps], rates[n // substeps] = q.T, v.T
-    return _results(columns, angles, rates, failures)
+def _of_one_method(scenarios: Sequence[Scenario], groups: Iterable[list[int]]) -> Iterator[tuple[list[int], Columns]]:
+    """The groups and their columns, those that hardly anything damps apart from the others."""
+    for members in groups:
+        columns = Columns.of([scenarios[i] for i in members])
+        for alike in (columns.ringing, ~columns.ringing):
+            if alike.all():
+                yield members, columns
+            elif alike.any():
+                yield [members[i] for i in np.flatnonzero(alike)], columns.members(alike)
 
 
-def _results(
-    columns: Columns, angles: Array, rates: Array, failures: dict[int, tuple[int, Outcome, int]]
-) -> list[SimulationResult]:
-    positions = _positions(columns, angles)
-    results = []
-    for b, scenario in enumerate(columns.scenarios):
-        stop, outcome, joint = failures.get(b, (None, Outcome.COMPLETED, None))
-        count = len(scenario.time)
-        if stop is not None:
-            if stop > (count - 1) * columns.shape.substeps:  # it failed while the longer columns went on
-                stop, outcome, joint = None, Outcome.COMPLETED, None
-            else:
-                count = max(1, -(-stop // columns.shape.substeps))
-        trajectory = Trajectory(
-            time=scenario.time[:count],
-            markers=scenario.markers,
-            positions=positions[b][:count],
-            torque=scenario.torque[:count],
-            joint_angles=angles[:count, b],
-            joint_rates=rates[:count, b],
-        )
-        time = None if stop is None else float(scenario.time[0] + stop * columns.step)
-        results.append(SimulationResult(scenario, trajectory, outcome, time, joint))
-    return results
+def moved(
+    scenarios: Sequence[Scenario],
+    columns: Columns,
+    method: Integrator,
+    dynamics: Dynamics,
+    *,
+    apart: bool = False,
+    threads: int = 1,
+) -> Motion:
+    """The motions of scenarios with the same times, all with the steps of the first, or (``apart``) each with its own."""
+    first, engine = scenarios[0], Engine(columns, dynamics)
+    start = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in scenarios])
+    torque = np.array([s.torque for s in scenarios]).T
+    substeps = method.substeps(first.step)
+    command = engine.deliver(torque, start, first.step, interpolated=first.interpolated, substeps=substeps)
+    q, v = np.zeros((2, len(columns), columns.links))
+    wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
+    for b, s in enumerate(scenarios):
+        if isinstance(s.start, Pose):
+            q[b], v[b] = s.start.angles, s.start.rates
+        elif s.start.near is not None:
+            q[b] = s.start.near
+    if wanted.any():
+        rests, found = engine.settled(command.initial, wanted, q)
+        q = np.where(wanted[:, None], rests, q)
+    else:
+        found = wanted
+    given = engine.loaded(q, v), command, len(first.time), method, found | ~wanted
+    return engine.run_apart(*given, threads) if apart else engine.run(*given)
 
 
-def _positions(columns: Columns, angles: Array) -> list[Array]:
-    """For each column (T, M, 3) [m] where its markers are seen."""
-    kinds: dict[object, list[int]] = defaultdict(list)
-    for b, (scenario, arm) in enumerate(zip(columns.scenarios, columns.arms, strict=True)):
-        kinds[(rigid_body(arm), scenario.markers)].append(b)
-    positions: list[Array] = [angles] * len(columns.scenarios)
-    for members in kinds.values():
-        effects = tuple(columns_of(effect, members) for effect in columns.effects)
-        cameras = Cameras(columns.arm_models[members[0]], columns.scenarios[members[0]].markers, effects)
-        seen = cameras.positions(angles[:, members])
-        for place, b in enumerate(members):
-            positions[b] = seen[:, place]
-    return positions
+def result_of(scenario: Scenario, motion: Motion, positions: Array, column: int) -> SimulationResult:
+    """One column of a motion, with the positions (S, B, M, 3) [m] of its markers."""
+    count, outcome, joint, time = len(scenario.time), Outcome.COMPLETED, None, None
+    if np.isfinite(motion.lost[column]):
+        elapsed = float(motion.lost[column])
+        count = max(1, int(np.ceil(elapsed / scenario.step - 1e-9)))
+        last = motion.beyond[column]
+        # where there is no rest, the arm is left straight
+        nowhere = elapsed == 0 and abs(last.sum()) <= scenario.arm.bending_limit
+        outcome = Outcome.NO_EQUILIBRIUM if nowhere else reason_of(last)
+        joint, time = furthest_joint(last), float(scenario.time[0] + elapsed)
+    trajectory = Trajectory(
+        time=scenario.time[:count],
+        markers=scenario.markers,
+        positions=positions[:count, column],
+        torque=scenario.torque[:count],
+        joint_angles=motion.angles[:count, column],
+        joint_rates=motion.rates[:count, column],
+    )
+    return SimulationResult(scenario, trajectory, outcome, time, joint)

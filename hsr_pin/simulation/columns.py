@@ -1,18 +1,21 @@
-"""Scenarios of one shape, side by side: the springs, dampers, effect laws and drives of B arms as arrays (N, B)."""
+"""Arms side by side as arrays: bodies, springs, dampers and effect laws of B columns with N joints, (B, N) each."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hsr_pin.effects.effect import Bending, Effect, stack
-from hsr_pin.robot.model import build_model, rigid_body
-from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.scenario import Scenario, Settled
+from hsr_pin.effects.effect import Effect, columns_of, stack
+from hsr_pin.robot.chain import Arms, chain_of
+from hsr_pin.robot.model import build_model
+from hsr_pin.simulation.integrator import HARDLY_DAMPED
+from hsr_pin.simulation.kernel import System
+from hsr_pin.simulation.reference import PinocchioSystem
+from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
 #: Gauss-Legendre points on [0, 1] over which a property is averaged within the stretch of arm that a joint stands for.
@@ -20,159 +23,144 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(32)
 _POINTS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2
 
 
-@dataclass(frozen=True)
-class Shape:
-    """What columns that are stepped side by side have in common.
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """B arms of one shape with effects of the same types and options.
 
     Attributes:
-        links, placement: of the arms.
-        step: between samples [s]; ``substeps`` steps of the integrator each.
-        effects: their types and options.
-        stiffness, damping: (N,) [Nm/rad], [Nm s/rad] at the joints, what the integrator treats implicitly.
-        length_class: recordings of about the same number of samples go together.
+        nominal: the arms without what the effects make of their bodies.
+        effects: with (B,) parameters.
     """
 
-    links: int
-    placement: str
-    step: float
-    substeps: int
-    effects: tuple[tuple[type[Effect], tuple[tuple[str, str], ...]], ...]
-    stiffness: tuple[float, ...]
-    damping: tuple[float, ...]
-    length_class: int
+    nominal: Arms
+    effects: tuple[Effect, ...]
+
+    @classmethod
+    def of(cls, scenarios: Sequence[Scenario]) -> Columns:
+        """The arms of some scenarios."""
+        count = len(scenarios[0].effects)
+        effects = tuple(stack([scenario.effects[i] for scenario in scenarios]) for i in range(count))
+        return cls(Arms.of([scenario.arm for scenario in scenarios]), effects)
+
+    def __len__(self) -> int:
+        return len(self.nominal)
+
+    def members(self, chosen: slice | NDArray[np.intp] | NDArray[np.bool_]) -> Columns:
+        """Some of the columns, by a slice, by their indices, or by a truth for each."""
+        return Columns(self.nominal.columns(chosen), tuple(columns_of(effect, chosen) for effect in self.effects))
+
+    @property
+    def links(self) -> int:
+        """N."""
+        return self.nominal.links
+
+    @cached_property
+    def arms(self) -> Arms:
+        """The arms with the changes that the effects make to their rigid bodies and mount."""
+        arms = self.nominal
+        for effect in self.effects:
+            arms = effect.arm(arms)  # type: ignore[arg-type, assignment]  # the numbers of an arm, as arrays
+        return arms
+
+    @cached_property
+    def ringing(self) -> NDArray[np.bool_]:
+        """(B,) whether hardly anything damps an arm, told from its springs, dampers and its inertia about the base."""
+        inertia = self.arms.length**2 * (self.arms.mass / 3 + self.arms.tip_mass)
+        return np.asarray(self.arms.damping < 2 * HARDLY_DAMPED * np.sqrt(self.arms.keq * inertia))
+
+    @cached_property
+    def laws(self) -> tuple[Effect, ...]:
+        """The effects that act in the joints."""
+        return tuple(effect for effect in self.effects if effect.acts_through("moment"))
+
+    @cached_property
+    def muscles(self) -> tuple[Effect, ...]:
+        """The effects that act on the command."""
+        return tuple(effect for effect in self.effects if effect.acts_through("respond") or effect.acts_through("late"))
+
+    @cached_property
+    def remembering(self) -> bool:
+        """Whether one of those has a memory."""
+        return any(effect.memories for effect in self.muscles)
+
+    @property
+    def states(self) -> int:
+        """Numbers that the laws remember of each joint."""
+        return sum(law.states for law in self.laws)
+
+    @cached_property
+    def arrays(self) -> System:
+        """Everything but the machine code of the laws (whose rows are empty)."""
+        arms, links = self.arms, self.links
+        chain = chain_of(arms)
+        profile = along(self.effects, "stiffness", links, len(self))
+        keq, damping = arms.keq[:, None], arms.damping[:, None]
+        spring = links * keq * profile
+        damper = links * damping * along(self.effects, "damping", links, len(self))
+        stiff, drag = spring.copy(), damper.copy()
+        for effect in self.effects:
+            stiffness, resistance = effect.tangent(arms.keq)
+            stiff += links * np.broadcast_to(stiffness, len(self))[:, None]
+            drag += links * np.broadcast_to(resistance, len(self))[:, None]
+        beyond = chain.mass[:, ::-1].cumsum(axis=1)[:, ::-1] - chain.mass
+        # in one block: the compiled loops take one layout alone
+        joints = np.array(
+            (
+                *(chain.mass, chain.lever, chain.inertia, chain.reach, chain.mass * chain.lever + chain.reach * beyond),
+                *(spring, damper, stiff, drag, along(self.effects, "actuation", links, len(self)), profile),
+            )
+        )
+        whole = np.ascontiguousarray(chain.gravity), np.ascontiguousarray(arms.keq)
+        return System._make((*joints, *whole, np.zeros((0, 4), dtype=np.int64), np.zeros((0, 1, len(self)))))
+
+    @cached_property
+    def system(self) -> System:
+        """For the compiled loops."""
+        from hsr_pin.simulation.laws import address  # here: machine code is made only where it is wanted
+
+        if not self.laws:
+            return self.arrays
+        rows, numbers, first = [], [self.numbers_of(law) for law in self.laws], 0
+        for law in self.laws:
+            update = address(law, "update") if law.states else 0
+            rows.append((address(law, "moment"), update, first, law.states))
+            first += law.states
+        table = np.zeros((len(rows), max(len(n) for n in numbers), len(self)))
+        for row, values in zip(table, numbers, strict=True):
+            row[: len(values)] = values
+        return self.arrays._replace(laws=np.array(rows, dtype=np.int64), numbers=table)
+
+    def pinocchio(self, solve: str) -> PinocchioSystem:
+        """For the loops over Pinocchio: "aba" or "rnea"."""
+        models = tuple(build_model(self.arms.specification(b)).model.copy() for b in range(len(self)))
+        return PinocchioSystem(self.arrays, models, tuple(m.createData() for m in models), self.laws, solve)
+
+    def numbers_of(self, effect: Effect) -> Array:
+        """(P, B) the parameters of one of the effects."""
+        return np.array([np.broadcast_to(getattr(effect, fact.name), len(self)) for fact in effect.parameters()], dtype=float)
 
 
-def arm_of(scenario: Scenario) -> ArmSpecification:
-    """The arm with the changes that its effects make to its rigid bodies and mount."""
+def likeness(scenario: Scenario) -> object:
+    """What must be the same in scenarios whose arms are to stand side by side."""
     arm = scenario.arm
-    for effect in scenario.effects:
-        arm = effect.arm(arm)
-    return arm
+    kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
+    return arm.links, arm.placement, arm.mount, kinds, len(scenario.markers)
 
 
-def shape_of(scenario: Scenario, largest_step: float) -> Shape:
-    """Which batch a scenario goes to; ``largest_step`` [s] bounds the integrator's step."""
-    substeps = max(1, math.ceil(scenario.step / largest_step - 1e-6))
-    stiffness, damping = implicit_part(scenario.implicit_as or scenario)
-    return Shape(
-        links=scenario.arm.links,
-        placement=scenario.arm.placement,
-        step=round(scenario.step, 12),
-        substeps=substeps,
-        effects=tuple((type(effect), effect.options) for effect in scenario.effects),
-        stiffness=stiffness,
-        damping=damping,
-        length_class=math.ceil(math.log(len(scenario.time), 1.25)),
-    )
-
-
-@lru_cache(maxsize=64)
-def implicit_part(scenario: Scenario) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """(N,) stiffness [Nm/rad] and damping [Nm s/rad] at the joints, with an upper bound of what the effects add."""
-    arm = scenario.arm
-    stiffness = arm.keq * along(scenario.effects, "stiffness", arm.links)[:, 0]
-    damping = arm.damping * along(scenario.effects, "damping", arm.links)[:, 0]
-    for effect in scenario.effects:
-        more_stiffness, more_damping = effect.tangent(np.array([arm.keq]))
-        stiffness = stiffness + more_stiffness
-        damping = damping + more_damping
-    return tuple((arm.links * stiffness).tolist()), tuple((arm.links * damping).tolist())
-
-
-def along(effects: tuple[Effect, ...], hook: str, links: int) -> Array:
-    """(N, 1) or (N, B) the product of a property of the effects along the arm, relative to the uniform arm.
+def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> Array:
+    """(B, N) the product of a property of the effects along the arm, relative to the uniform arm.
 
     Within the stretch that a joint stands for, compliances add (springs in series); damping and actuation are averaged.
     """
-    if not any(effect.acts_through(hook) for effect in effects):
-        return np.ones((links, 1))
+    acting = [effect for effect in effects if effect.acts_through(hook)]
+    if not acting:
+        return np.ones((count, links))
     edges = np.arange(links) / links
     s = edges[:, None, None] + _POINTS[None, :, None] / links  # (N, points, 1)
     product = np.ones((links, len(_POINTS), 1))
-    for effect in effects:
+    for effect in acting:
         factor = getattr(effect, hook)(s)
-        if factor is not None:
-            product = product * factor
-    if hook == "stiffness":
-        return np.asarray(1 / np.einsum("p,npb->nb", _WEIGHTS, 1 / product))
-    return np.asarray(np.einsum("p,npb->nb", _WEIGHTS, product))
-
-
-class Columns:
-    """B arms of one :class:`Shape`: the laws that the integrator integrates.
-
-    Args:
-        scenarios: of that shape, those with equal rigid bodies side by side.
-        shape: as :func:`shape_of` gives it.
-    """
-
-    def __init__(self, scenarios: list[Scenario], shape: Shape) -> None:
-        self.scenarios, self.shape = scenarios, shape
-        links = shape.links
-        self.arms = [arm_of(scenario) for scenario in scenarios]
-        bodies = [rigid_body(arm) for arm in self.arms]
-        models = {body: build_model(body) for body in dict.fromkeys(bodies)}
-        self.arm_models = [models[body] for body in bodies]
-        self.keq = np.array([arm.keq for arm in self.arms])
-        self.effects = tuple(stack([scenario.effects[i] for scenario in scenarios]) for i in range(len(shape.effects)))
-        self.profile = along(self.effects, "stiffness", links)
-        damping = np.array([arm.damping for arm in self.arms])
-        self.spring = np.asfortranarray(links * self.keq * self.profile)
-        self.damper = np.asfortranarray(links * damping * along(self.effects, "damping", links))
-        self.drive = along(self.effects, "actuation", links)
-        self.muscles = tuple(effect for effect in self.effects if effect.acts_through("command"))
-        self.laws = tuple(effect for effect in self.effects if effect.acts_through("moment"))
-        self.stiffness = np.array(shape.stiffness)[:, None]
-        self.damping = np.array(shape.damping)[:, None]
-
-    @property
-    def step(self) -> float:
-        """The integrator's step [s]."""
-        return self.shape.step / self.shape.substeps
-
-    def commands(self) -> tuple[Array, Array]:
-        """(S, B) [N m] what the scenarios command at each step of the integrator, and (B,) what they did before the first."""
-        samples = max(len(scenario.time) for scenario in self.scenarios)
-        held = np.empty((samples - 1, len(self.scenarios)))
-        for column, scenario in enumerate(self.scenarios):
-            count = min(len(scenario.torque), samples - 1)
-            held[:count, column] = scenario.torque[:count]
-            held[count:, column] = scenario.torque[-1]
-        initial = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in self.scenarios])
-        return np.repeat(held, self.shape.substeps, axis=0), initial
-
-    def deliver(self, torque: Array, pasts: tuple[Any, ...], step: float) -> tuple[Array, tuple[Any, ...]]:
-        """What the muscles make of commands (B,) [N m] held over ``step`` [s], and what each effect on them will remember.
-
-        ``pasts`` is what this method gave for the step before; empty: the commands have always been these.
-        """
-        remembered = []
-        for effect, past in zip(self.muscles, pasts or (None,) * len(self.muscles), strict=True):
-            torque, past = effect.command(torque, past, step, self.keq)
-            remembered.append(past)
-        return torque, tuple(remembered)
-
-    def virgin_states(self) -> tuple[Array, ...]:
-        """The laws' internal states in an arm that was never bent: (states, N, B) each."""
-        return tuple(np.zeros((law.states, self.shape.links, len(self.scenarios))) for law in self.laws)
-
-    def update(self, states: tuple[Array, ...], start: Array, end: Array, elapsed: float) -> tuple[Array, ...]:
-        """The laws' internal states after the joints went from ``start`` to ``end`` (N, B) [rad] in ``elapsed`` [s]."""
-        links = self.shape.links
-        return tuple(
-            law.update(state, links * start, links * end, elapsed) if law.states else state
-            for law, state in zip(self.laws, states, strict=True)
-        )
-
-    def torque(self, q: Array, v: Array, states: tuple[Array, ...]) -> Array:
-        """(N, B) [N m] of springs, dampers and effect laws at the joints."""
-        total = -self.spring * q
-        total -= self.damper * v
-        total -= self.moment(q, v, states)
-        return np.asarray(total)
-
-    def moment(self, q: Array, v: Array, states: tuple[Array, ...]) -> Array | float:
-        """(N, B) [N m] with which the effect laws resist at the joints, or 0 without laws."""
-        angle, rate = self.shape.links * q, self.shape.links * v
-        moments = (law.moment(Bending(angle, rate, self.keq, self.profile, s)) for law, s in zip(self.laws, states, strict=True))
-        return sum((moment for moment in moments if moment is not None), start=0.0)
+        product = product if factor is None else product * factor
+    product = np.ascontiguousarray(np.moveaxis(product, 2, 0))  # (B, N, points): summed alike however many arms there are
+    averaged = 1 / (_WEIGHTS / product).sum(axis=2) if hook == "stiffness" else (_WEIGHTS * product).sum(axis=2)
+    return np.array(np.broadcast_to(averaged, (count, links)))

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
+from hsr_pin.parameters import finite
 from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Scenario, Settled, step_scenario
@@ -54,8 +55,7 @@ def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> 
     Raises:
         InputError: a torque that is no number, or a duration without a step in it.
     """
-    if not np.isfinite(torque):
-        raise InputError("torque", expected="a finite number [N m]", received=torque)
+    torque = finite("torque", torque, "a finite number [N m]")
     scenario = step_scenario(arm, torque, rest=REST, duration=checked_duration(duration))
     return Drive(scenario.time, scenario.torque)
 
@@ -81,6 +81,6 @@ def checked_duration(duration: float) -> float:
     Raises:
         InputError: it is none.
     """
-    if not 2 * REST <= duration <= LONGEST:
+    if not 2 * REST <= finite("duration", duration, f"{2 * REST:g} to {LONGEST:g} s") <= LONGEST:
         raise InputError("duration", expected=f"{2 * REST:g} to {LONGEST:g} s", received=f"{duration:g}")
     return duration

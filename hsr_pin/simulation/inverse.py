@@ -17,7 +17,8 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.pressure import PressureMap
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns, shape_of
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.reference import resist
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
@@ -45,10 +46,11 @@ def joint_torques(arm: ArmSpecification, q: ArrayLike, v: ArrayLike, a: ArrayLik
     q, v, a = (_checked(name, x, arm.links) for name, x in (("q", q), ("v", v), ("a", a)))
     if not q.shape == v.shape == a.shape:
         raise InputError("motion", expected="q, v and a of one shape", received=f"{q.shape}, {v.shape}, {a.shape}")
-    model = columns.arm_models[0].model
-    data = model.createData()
-    needed = np.array([pin.rnea(model, data, *row) for row in zip(q, v, a, strict=True)]).reshape(q.shape)
-    return np.asarray(needed - columns.torque(q.T, v.T, columns.virgin_states()).T)
+    system, chain = columns.pinocchio("rnea"), columns.arrays
+    needed = np.array([pin.rnea(system.models[0], system.data[0], *row) for row in zip(q, v, a, strict=True)]).reshape(q.shape)
+    moment = np.zeros(q.shape)
+    resist(system, q, v, np.zeros((0, *q.shape)), moment)
+    return np.asarray(needed + chain.spring * q + chain.damper * v + moment)
 
 
 def required_torque(
@@ -58,7 +60,7 @@ def required_torque(
 
     It is the torque that arrives: lag, dead time and other effects on the command are not undone.
     """
-    share = _columns(arm, effects).drive[:, 0]
+    share = _columns(arm, effects).arrays.share[0]
     tau = joint_torques(arm, q, v, a, effects)
     torque = tau @ share / (share @ share)
     return RequiredTorque(torque, tau - torque[:, None] * share)
@@ -86,7 +88,7 @@ def _columns(arm: ArmSpecification, effects: Sequence[Effect]) -> Columns:
     if remembering:
         raise InputError("effects", expected="those whose moment follows from the motion", received=", ".join(remembering))
     scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
-    return Columns([scenario], shape_of(scenario, 1.0))
+    return Columns.of([scenario])
 
 
 def _checked(name: str, values: ArrayLike, links: int) -> Array:

@@ -8,6 +8,7 @@ from enum import Enum
 import numpy as np
 
 from hsr_pin.errors import SimulationFailure
+from hsr_pin.simulation.energy import SUSPICIOUS, Energy, energy, untold
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array, Trajectory
 
@@ -55,6 +56,19 @@ class SimulationResult:
         """Whether the run reached its end."""
         return self.outcome is Outcome.COMPLETED
 
+    def energy(self) -> Energy:
+        """The energy account of the motion; raises where :func:`hsr_pin.simulation.energy.energy` does."""
+        return energy(self.scenario, self.trajectory)
+
+    @property
+    def warning(self) -> str:
+        """One sentence where the motion gained energy from nowhere; empty where it did not, or where this cannot be told."""
+        active = any(effect.acts_through("moment") and not effect.passive for effect in self.scenario.effects)
+        rise = 0.0 if active or untold(self.scenario) else self.energy().rise
+        if rise <= SUSPICIOUS:
+            return ""
+        return f"the motion gained {100 * rise:.0f} % of its energy from nowhere; try a smaller tolerance or step"
+
     def raise_on_failure(self) -> SimulationResult:
         """The result itself, if it is complete.
 
@@ -64,4 +78,5 @@ class SimulationResult:
         if self.completed:
             return self
         where = f"at t = {self.failure_time:.4g} s, joint {self.failure_joint}"
-        raise SimulationFailure(f"simulation stopped {where}: {self.outcome.value}", self)
+        more = f"; {self.warning}" if self.warning else ""
+        raise SimulationFailure(f"simulation stopped {where}: {self.outcome.value}{more}", self)

@@ -8,9 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.errors import InputError
+from hsr_pin.errors import InputError, quoted
+from hsr_pin.parameters import finite
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Marker, read_only
+
+#: Longest run [s]: a day, 8.6 million of the default steps. What asks for more has times in another unit.
+LONGEST = 86_400.0
+#: Most samples of a run.
+MOST_SAMPLES = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +31,9 @@ class Settled:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "near", read_only(self.near))
-        if not np.isfinite(self.torque) or (self.near is not None and not np.all(np.isfinite(self.near))):
-            raise InputError("start", expected="a finite torque [N m] and finite angles [rad]", received=self)
+        finite("start", self.torque, "a finite torque [N m]")
+        if self.near is not None and not np.all(np.isfinite(self.near)):
+            raise InputError("start", expected="finite angles [rad]", received=quoted(self.near))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +62,11 @@ class Scenario:
     Attributes:
         arm: the nominal arm.
         time: (T,) [s] evenly spaced; the result is given at these times.
-        torque: (T,) [N m] the command, held from each sample to the next.
+        torque: (T,) [N m] the command at these times.
         start: settled under a torque, or a pose.
         effects: what acts beside the nominal model, at most one of a kind.
         markers: the points to follow; default: base, middle and tip.
-        implicit_as: the scenario whose springs and dampers the integrator treats implicitly; default: this one. Scenarios that
-            differ a little (a perturbed parameter) are stepped side by side when they share it.
+        interpolated: the command goes straight from each sample to the next (a measured pressure, say) instead of being held.
     """
 
     arm: ArmSpecification
@@ -69,13 +75,17 @@ class Scenario:
     start: Settled | Pose = field(default_factory=Settled)
     effects: tuple[Effect, ...] = ()
     markers: tuple[Marker, ...] = ()
-    implicit_as: Scenario | None = None
+    interpolated: bool = False
 
     def __post_init__(self) -> None:
         time, torque = read_only(self.time), read_only(self.torque)
         assert time is not None and torque is not None
         if time.ndim != 1 or len(time) < 2 or not np.all(np.isfinite(time)):
             raise InputError("time", expected="at least two finite times [s]", received=f"shape {time.shape}")
+        if time[-1] - time[0] > LONGEST or len(time) > MOST_SAMPLES:
+            expected = f"at most {LONGEST:g} s and {MOST_SAMPLES:g} samples"
+            received = f"{time[-1] - time[0]:g} s, {len(time)} samples"
+            raise InputError("time", expected=expected, received=received, hint="times are in seconds: are these milliseconds?")
         steps = np.diff(time)
         if np.any(steps <= 0) or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError(
@@ -95,6 +105,11 @@ class Scenario:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))
 
     @property
+    def reach(self) -> Array:
+        """(M,) [m] arc lengths of the markers."""
+        return np.array([marker.arc_length for marker in self.markers])
+
+    @property
     def step(self) -> float:
         """Time between samples [s]."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
@@ -108,6 +123,14 @@ def standard_markers(length: float) -> tuple[Marker, ...]:
 def step_scenario(
     arm: ArmSpecification, torque: ArrayLike, *, rest: float = 0.1, duration: float = 3.0, step: float = 0.01, **more: object
 ) -> Scenario:
-    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4."""
+    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4.
+
+    Raises:
+        InputError: a torque that is no number, or a duration or a step [s] that no run can have.
+    """
+    torque, rest = finite("torque", torque), finite("rest", rest)
+    if not (0 < finite("step", step) <= finite("duration", duration) <= LONGEST and duration / step <= MOST_SAMPLES):
+        expected = f"a step above 0, at most {MOST_SAMPLES:g} of them, and at most {LONGEST:g} s"
+        raise InputError("duration", expected=expected, received=f"{duration:g} s in steps of {step:g} s")
     time = np.arange(round(duration / step) + 1) * step
-    return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, float(np.asarray(torque))), Settled(0.0), **more)  # type: ignore[arg-type]
+    return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, torque), Settled(0.0), **more)  # type: ignore[arg-type]

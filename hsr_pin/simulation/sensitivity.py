@@ -1,8 +1,8 @@
-"""How marker positions change with parameters: finite differences through one batch.
+"""How marker positions change with parameters: finite differences through one family of columns.
 
 A parameter is named as in a report: a number of the arm ("keq", "damping", "mass", "tip_mass", "tilt") or of one of the
-scenario's effects ("effect.parameter"). Every perturbed run shares the base run's integration (``implicit_as``), so that what
-differs is the parameter alone and the differences are smooth to rounding.
+scenario's effects ("effect.parameter"). Every perturbed run takes the steps of the base run, so that what differs is the
+parameter alone and the differences are smooth to rounding.
 """
 
 from __future__ import annotations
@@ -16,7 +16,11 @@ import numpy as np
 from hsr_pin.effects.effect import Effect, with_values
 from hsr_pin.errors import InputError
 from hsr_pin.parameters import Parameter
-from hsr_pin.simulation.batch import STEP, simulate_batch
+from hsr_pin.simulation.batch import moved, result_of
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.integrator import TOLERANCE, Integrator
+from hsr_pin.simulation.motion import Dynamics
 from hsr_pin.simulation.result import SimulationResult
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
@@ -42,41 +46,41 @@ def sensitivities(
     names: Sequence[str],
     *,
     fraction: float = FRACTION,
-    central: bool = True,
-    dynamics: str = "aba",
-    integrator: str = "extrapolated4",
-    step: float = STEP,
-    threads: int = 1,
+    dynamics: Dynamics = "compiled",
+    integrator: str | None = None,
+    tolerance: float = TOLERANCE,
+    step: float | None = None,
 ) -> tuple[list[SimulationResult], list[Array]]:
-    """Simulate scenarios, and the derivatives of their marker positions to parameters, in one batch.
+    """Simulate scenarios, and the derivatives of their marker positions to parameters.
 
     Args:
         scenarios: any mixture; each must have the named effects.
         names: P parameters.
         fraction: size of a difference over the parameter's scale.
-        central: False takes one neighbour instead of two: half the runs, first-order differences.
-        dynamics: as for :func:`simulate_batch`.
+        dynamics: as for :func:`hsr_pin.simulation.batch.simulate_batch`.
         integrator: likewise.
+        tolerance: likewise.
         step: likewise.
-        threads: likewise.
 
     Returns:
         The scenarios' own results, and for each (T, M, 3, P) [m per unit of the parameter]: second-order differences, central or
         (at a bound) one-sided; NaN where the run itself, or all neighbours, failed.
     """
-    runs: list[Scenario] = []
-    neighbours = 2 if central else 1
-    offsets = np.empty((len(scenarios), len(names), neighbours))
-    for scenario, pairs in zip(scenarios, offsets, strict=True):
-        runs.append(scenario)
-        for name, pair in zip(names, pairs, strict=True):
+    method = Integrator(integrator, tolerance, step)
+    own, slopes = [], []
+    for scenario in scenarios:
+        family, offsets = [scenario], np.empty((len(names), 2))
+        for name, pair in zip(names, offsets, strict=True):
             value = value_of(scenario, name)
-            pair[:] = _offsets(value, parameter_of(scenario, name), fraction)[:neighbours]
-            shared = replace(scenario, implicit_as=scenario.implicit_as or scenario)
-            runs += [with_value(shared, name, value + offset) for offset in pair]
-    results = simulate_batch(runs, dynamics=dynamics, integrator=integrator, step=step, threads=threads)
-    own = 1 + neighbours * len(names)
-    return results[::own], [_derivatives(results[i * own : (i + 1) * own], pairs) for i, pairs in enumerate(offsets)]
+            pair[:] = _offsets(value, parameter_of(scenario, name), fraction)
+            family += [with_value(scenario, name, value + offset) for offset in pair]
+        columns = Columns.of(family)
+        motion = moved(family, columns, method, dynamics)
+        positions = Cameras(columns, scenario.reach).positions(motion.angles)
+        results = [result_of(each, motion, positions, b) for b, each in enumerate(family)]
+        own.append(results[0])
+        slopes.append(_derivatives(results, offsets))
+    return own, slopes
 
 
 def parameter_of(scenario: Scenario, name: str) -> Parameter:
@@ -117,7 +121,8 @@ def _offsets(value: float, fact: Parameter, fraction: float) -> tuple[float, flo
     A number that every arm has (not an amplitude, which may be zero) is changed by a fraction of itself where that is less: an
     arm a tenth as stiff as the paper's bears a tenth of the change.
     """
-    h = fraction * (min(fact.scale, value) if fact.name in ("keq", "damping", "mass") and value > 0 else fact.scale)
+    has_it = fact.name in ("keq", "damping", "mass") and value > 1e-6 * fact.scale
+    h = fraction * (min(fact.scale, value) if has_it else fact.scale)
     if value + h > fact.upper:
         return -h, -2 * h
     return (h, -h) if value - h >= fact.lower else (h, 2 * h)
@@ -131,11 +136,10 @@ def _derivatives(results: Sequence[SimulationResult], offsets: Array) -> Array:
     if not base.completed:
         return slopes
     centre = base.trajectory.positions
-    per = offsets.shape[1]
     for p, steps in enumerate(offsets):
         chords = [
             ((side.trajectory.positions - centre) / offset, offset)
-            for side, offset in zip(neighbours[per * p : per * (p + 1)], steps, strict=True)
+            for side, offset in zip(neighbours[2 * p : 2 * p + 2], steps, strict=True)
             if side.completed
         ]
         if len(chords) == 2:

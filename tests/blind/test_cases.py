@@ -10,16 +10,18 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.blind.answers import SEAL, unseal
-from hsr_pin.blind.cases import INPUTS, MOUNTS, PROGRAMS, ROD_LACKS, ROD_PROGRAMS, SHARES, plan
-from hsr_pin.blind.make import Workshop, default_answers, make, size_of
+from hsr_pin.blind.cases import INPUTS, MOUNTS, PROGRAMS, ROD_LACKS, ROD_PROGRAMS, SHARES, plan_clean
+from hsr_pin.blind.make import default_answers, make
 from hsr_pin.blind.plants.chain import ChainPlant
 from hsr_pin.blind.plants.laws import CATALOGUE, OUTSIDE
 from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.blind.workshop import Workshop, size_of
 from hsr_pin.errors import InputError, SimulationFailure
 
 SEED = 5
 COARSE = ChainPlant(elements=4, step=1e-3)
-QUICK = Workshop({"chain": COARSE, "rod": COARSE}, COARSE, ("steps",))
+QUICK = Workshop({"chain": COARSE, "rod": COARSE}, COARSE, COARSE, ("steps",))
+PLAN = plan_clean(SEED, 3, QUICK.programs)
 
 
 @pytest.fixture
@@ -32,11 +34,11 @@ def made(tmp_path_factory):
     """Three cases of each a few links."""
     pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")
     folder = tmp_path_factory.mktemp("made") / "check"
-    return folder, make(folder, SEED, 3, workshop=QUICK)
+    return folder, make(folder, SEED, PLAN, workshop=QUICK)
 
 
 def test_two_hundred_cases_hold_every_effect_twice_at_each_size():
-    cases = plan(7, 200)
+    cases = plan_clean(7, 200)
     singles = Counter((case.effects[0], case.sizes[0]) for case in cases if case.kind == "single")
     assert singles == {(effect, size): 2 for effect in CATALOGUE for size in SIZES}
     assert {case.effects[0] for case in cases if case.kind == "outside"} == set(OUTSIDE)
@@ -47,7 +49,7 @@ def test_two_hundred_cases_hold_every_effect_twice_at_each_size():
 
 @pytest.mark.parametrize("count", [1, 2, 7, 60, 133, 200])
 def test_any_number_of_cases_is_balanced(count):
-    cases = plan(3, count)
+    cases = plan_clean(3, count)
     assert [case.name for case in cases] == [f"case_{k:03d}" for k in range(1, count + 1)]
     kinds = Counter(case.kind for case in cases)
     assert all(abs(kinds[kind] - share * count) < 1 for kind, share in SHARES.items())
@@ -59,26 +61,26 @@ def test_any_number_of_cases_is_balanced(count):
 
 
 def test_the_rod_records_an_eighth_and_only_what_it_can():
-    rods = [case for case in plan(7, 200) if case.plant == "rod"]
+    rods = [case for case in plan_clean(7, 200) if case.plant == "rod"]
     assert 20 <= len(rods) <= 26
     assert {case.program for case in rods} <= set(ROD_PROGRAMS) < set(PROGRAMS)
     assert not any(set(case.effects) & set(ROD_LACKS) for case in rods)
 
 
 def test_the_same_seed_gives_the_same_plan_and_another_seed_another():
-    assert plan(4, 50) == plan(4, 50) != plan(5, 50)
+    assert plan_clean(4, 50) == plan_clean(4, 50) != plan_clean(5, 50)
 
 
 def test_the_order_of_cases_tells_nothing():
-    kinds = [case.kind for case in plan(7, 200)]
+    kinds = [case.kind for case in plan_clean(7, 200)]
     half = Counter(kinds[:100])["single"]
     assert 45 <= half <= 69  # of 114
-    assert len({tuple(case.kind for case in plan(seed, 12)) for seed in range(10)}) > 5
+    assert len({tuple(case.kind for case in plan_clean(seed, 12)) for seed in range(10)}) > 5
 
 
 def test_no_cases_are_refused():
     with pytest.raises(InputError, match="one or more"):
-        plan(1, 0)
+        plan_clean(1, 0)
 
 
 def test_what_is_made_says_nothing_of_what_is_in_it(made):
@@ -94,7 +96,7 @@ def test_what_is_made_says_nothing_of_what_is_in_it(made):
 
 def test_the_seal_opens_with_the_answers_of_the_plan(made):
     folder, file = made
-    answers, cases = unseal(folder, file), plan(SEED, 3, QUICK.programs)
+    answers, cases = unseal(folder, file), PLAN
     assert [(a.name, a.kind, a.effects) for a in answers] == [(c.name, c.kind, c.effects) for c in cases]
     for answer, case in zip(answers, cases, strict=True):
         assert len(answer.facts["laws"]) == len(case.effects)
@@ -128,25 +130,25 @@ def test_an_interrupted_check_goes_on_and_ends_the_same(made, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        make(folder, SEED, 3, workshop=QUICK, advance=give_up)
+        make(folder, SEED, PLAN, workshop=QUICK, advance=give_up)
     assert sorted(path.name for path in folder.iterdir()) == ["case_001", "case_002"]
     first = (folder / "case_001" / "trial_01.csv").stat().st_mtime_ns
     with pytest.raises(InputError, match="begun"):
-        make(folder, SEED + 1, 3, workshop=QUICK)
-    answers = make(folder, SEED, 3, workshop=QUICK)
+        make(folder, SEED + 1, plan_clean(SEED + 1, 3, QUICK.programs), workshop=QUICK)
+    answers = make(folder, SEED, PLAN, workshop=QUICK)
     assert (folder / "case_001" / "trial_01.csv").stat().st_mtime_ns == first
     assert json.loads(answers.read_text()) == json.loads(made[1].read_text())
     assert (folder / "case_003" / "trial_01.csv").read_text() == (made[0] / "case_003" / "trial_01.csv").read_text()
     with pytest.raises(InputError, match="finished"):
-        make(folder, SEED, 3, workshop=QUICK)
+        make(folder, SEED, PLAN, workshop=QUICK)
 
 
 def test_answers_inside_of_the_folder_and_a_folder_in_use_are_refused(tmp_path):
     with pytest.raises(InputError, match="outside"):
-        make(tmp_path / "check", 1, 1, tmp_path / "check" / "answers.json")
+        make(tmp_path / "check", 1, PLAN, tmp_path / "check" / "answers.json")
     (tmp_path / "note.txt").touch()
     with pytest.raises(InputError, match="empty"):
-        make(tmp_path, 1, 1, Path(f"{tmp_path}-answers.json"))
+        make(tmp_path, 1, PLAN, Path(f"{tmp_path}-answers.json"))
 
 
 def test_a_plant_that_always_diverges_is_an_error_and_leaves_no_case(tmp_path, mujoco):
@@ -156,7 +158,7 @@ def test_a_plant_that_always_diverges_is_an_error_and_leaves_no_case(tmp_path, m
 
     broken = replace(QUICK, plants={"chain": Diverging(), "rod": Diverging()})
     with pytest.raises(SimulationFailure):
-        make(tmp_path / "check", SEED, 1, workshop=broken)
+        make(tmp_path / "check", SEED, PLAN[:1], workshop=broken)
     assert list((tmp_path / "check").iterdir()) == []
 
 

@@ -1,8 +1,10 @@
 """A command ends with its result, or with one line on stderr and exit code 2."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -67,6 +69,107 @@ def test_an_interrupt_is_exit_code_130(capsys):
 def test_a_fault_of_ours_is_not_hidden():
     with pytest.raises(ZeroDivisionError):
         run(command_that(ZeroDivisionError()), [])
+
+
+def test_an_interrupt_that_a_module_turned_into_another_error_is_an_interrupt(capsys):
+    error = RuntimeError("Error calling __set_name__")
+    error.__cause__ = KeyboardInterrupt()
+    assert run(command_that(error), []) == 130
+    assert capsys.readouterr().err == "hsr-test: error: interrupted\n"
+
+
+def test_a_long_name_in_any_error_is_cut(capsys):
+    for error in (
+        HsrError("x" * 9999),
+        FileNotFoundError(2, "No such file", "x" * 9999),
+        InputError("links", received="x" * 9999),
+    ):
+        assert run(command_that(error), []) == 2
+        assert len(capsys.readouterr().err) < 300
+    assert run(command_that(), ["--links", "x" * 9999]) == 2
+    assert len(capsys.readouterr().err) < 400
+
+
+#: As installers write it, but for the name of the interpreter.
+SCRIPT = "import sys\nfrom hsr_pin.cli.sim import main\nif __name__ == '__main__':\n    sys.exit(main())\n"
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="pipes, signals and streams are others on Windows")
+
+
+@pytest.fixture
+def script(tmp_path):
+    """``hsr-sim`` as it is installed."""
+    (tmp_path / "hsr-sim").write_text(SCRIPT)
+    return [sys.executable, "hsr-sim", "--torque", "0.5", "--duration", "0.3"]
+
+
+@POSIX
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_are_no_fault_and_files_are_whole(script, tmp_path, closed):
+    line = f"{' '.join(script)} --html run.html --plot run.png {closed}"
+    done = subprocess.run(["sh", "-c", line], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    text = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert text.startswith("<!DOCTYPE") and text.rstrip().endswith("</html>")
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+@POSIX
+def test_a_reader_that_has_seen_enough_does_not_cost_the_files(script, tmp_path):
+    line = f"{' '.join(script)} --html run.html | head -c 1; sleep 2"
+    done = subprocess.run(["sh", "-c", line], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("4", "")  # links
+    assert (tmp_path / "run.html").exists()
+
+
+@POSIX
+def test_a_full_disk_behind_standard_output_is_one_line(script, tmp_path):
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    done = subprocess.run(
+        ["sh", "-c", f"{' '.join(script)} > /dev/full"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1 and "No space left" in done.stderr
+
+
+def test_an_output_that_lacks_a_sign_gets_its_escape():
+    program = (
+        "import click, sys; from hsr_pin.cli.command import run\n"
+        "sys.exit(run(click.Command('hsr-test', callback=lambda: click.echo('more\\u2026')), []))"
+    )
+    environment = ENVIRONMENT | {"PYTHONIOENCODING": "latin-1"}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "more\\u2026\n", "")
+
+
+@POSIX
+def test_ctrl_c_while_a_command_is_loaded_leaves_no_traceback(script, tmp_path):
+    """From the moment at which the command's first module is there: before, it is Python that starts."""
+    (tmp_path / "sitecustomize.py").write_text("import builtins, os, sys\n" + WAITING)
+    environment = ENVIRONMENT | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ENVIRONMENT['PYTHONPATH']}"}
+    for delay in (0.0, 0.01, 0.03, 0.06, 0.1, 0.2):
+        process = subprocess.Popen(
+            script, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1
+        )
+        assert process.stderr.readline() == "loading\n"
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        assert errors in ("", "hsr-sim: error: interrupted\n"), delay
+        assert process.returncode in (0, 130, -signal.SIGINT)
+
+
+#: Says when `click`, the first thing that a command loads, is asked for.
+WAITING = """
+real = builtins.__import__
+def told(name, *rest):
+    if name == "click" and builtins.__import__ is told:
+        builtins.__import__ = real
+        os.write(2, b"loading\\n")
+    return real(name, *rest)
+builtins.__import__ = told
+"""
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes end differently on Windows")

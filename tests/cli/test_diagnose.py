@@ -18,6 +18,7 @@ from hsr_pin.diagnosis.document import to_json
 from hsr_pin.diagnosis.estimates import estimates
 from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.errors import IdentificationError
+from hsr_pin.output import PAGE_SIGNATURE
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
 
@@ -121,6 +122,7 @@ def test_too_few_trials_are_a_verdict_too_and_a_dash_prints_json(heavy_tip, tmp_
         (["{data}", "--links", "0"], "--links"),
         (["{data}", "--jobs", "0"], "--jobs"),
         (["{data}", "--seed", "x"], "--seed"),
+        (["{data}", "--delay", "-1"], "--delay"),
         (["{data}", "--json", "absent/found.json"], "absent/found.json: cannot write the file"),
         (["{data}", "--html", "."], "cannot write the file"),
         (["{data}", "--html", "found", "--json", "./found"], "expected two files"),
@@ -138,16 +140,46 @@ def test_bad_input_is_one_line_and_exit_code_two_before_any_work(recordings, tmp
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["--train", "trial_9"],
+            "trials: expected a name or pattern among trial_01, trial_02, trial_03, trial_04, got 'trial_9'",
+        ),
+        (["--test", "trial_*"], "at least one, got all of them set aside"),
+        (["--train", "trial_01", "--test", "trial_0[13]"], "trial_01 in both"),
+        (["--cluster", "nowhere:1"], "cluster: expected the address of a Dask scheduler that answers, got nowhere:1"),
+    ],
+)
+def test_what_the_recordings_or_the_machines_refuse_is_one_line_too(recordings, capsys, arguments, said):
+    if "--cluster" in arguments:
+        pytest.importorskip("distributed", reason="needs dask.distributed")
+    assert run(command, [str(recordings), "--effects", "tip_mass", "--max-effects", "1", "--jobs", "1", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert said in err
+
+
+def test_the_ladder_is_told_on_the_trials_that_are_set_aside(recordings, capsys):
+    arguments = ["--effects", "tip_mass", "--max-effects", "1", "--jobs", "1", "--test", "trial_0[34]", "--json", "-"]
+    assert run(command, [str(recordings), *arguments]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["verdict"]["effects"] == ["tip_mass"]
+    assert "the ladder is told on trials to which nothing was fitted: trial_03, trial_04" in document["notes"]
+    assert [part["label"] for part in document["where"]["trials"]["bins"]] == ["trial_01", "trial_02"]
+
+
 def test_an_older_report_stays_where_the_diagnosis_fails(recordings, tmp_path, monkeypatch, capsys):
     def fail(*_, **__):
         raise IdentificationError("trials", expected="at least one that can be used", received="none")
 
     monkeypatch.setattr("hsr_pin.diagnosis.diagnose.diagnose", fail)
     old = tmp_path / "old.html"
-    old.write_text("old")
+    old.write_text(f"old {PAGE_SIGNATURE}")
     assert run(command, [str(recordings), "--html", str(old)]) == 2
     assert capsys.readouterr().err == "hsr-diagnose: error: trials: expected at least one that can be used, got none\n"
-    assert old.read_text() == "old"
+    assert old.read_text().startswith("old")
 
 
 def test_a_terminal_gets_a_bar_that_only_moves_on_and_is_gone_at_the_end(monkeypatch):

@@ -73,7 +73,46 @@ def test_a_capture_becomes_a_dataset(take, tmp_path, capsys):
 def test_the_points_of_a_file_can_be_listed(take, capsys):
     assert run(command, [str(take), "--list"]) == 0
     said = capsys.readouterr().out
-    assert all(name in said for name in ("Arm:base", "Arm:mid", "Arm:tip", "200 frames"))
+    assert all(name in said for name in ("Arm:base", "Arm:mid", "Arm:tip"))
+    assert f"{take}: Vicon CSV, 200 frames, 1.990 s, 100 Hz, in mm, +z up as Vicon has it" in said
+
+
+def test_the_list_tells_gaps(take, capsys):
+    lines = take.read_text(encoding="utf-8").split("\n")
+    for row in (*range(50, 80), 150):
+        fields = lines[row].split(",")
+        lines[row] = ",".join([*fields[:5], "", "", "", *fields[8:]])
+    take.write_text("\n".join(lines), encoding="utf-8")
+    assert run(command, [str(take), "--list"]) == 0
+    row = next(line for line in capsys.readouterr().out.split("\n") if "Arm:mid" in line)
+    assert [cell.strip() for cell in row.split("│")][2:5] == ["84%", "2", "0.3"]
+
+
+def test_a_table_of_no_known_system_comes_in_with_a_mapping(tmp_path, capsys):
+    rows = ["clock;base x;base y;base z;tip x;tip y;tip z"]
+    for n in range(100):
+        angle = np.sin(n / 15) + 1e-6
+        tip = 240 * np.array([(1 - np.cos(angle)) / angle, 0, -np.sin(angle) / angle])
+        rows.append(";".join(f"{value:.5f}".replace(".", ",") for value in (n / 50, 1, 2, 3, *(tip + np.arange(1, 4)))))
+    (tmp_path / "log.csv").write_text("\n".join(rows), encoding="utf-8")
+    points = 'base = ["base x", "base y", "base z"]\ntip = ["tip x", "tip y", "tip z"]\n'
+    text = '[time]\ncolumn = "clock"\n[space]\nunit = "mm"\nup = "+z"\n[points]\n'
+    (tmp_path / "map.toml").write_text(text + points, encoding="utf-8")
+    given = [tmp_path / "log.csv", "--map", tmp_path / "map.toml"]
+    assert run(command, [str(one) for one in (*given, "--list")]) == 0
+    assert "table, by map.toml" in capsys.readouterr().out
+    assert run(command, [str(one) for one in (*given, "-o", tmp_path / "arm", *ARM)]) == 0
+    assert np.ptp(read_dataset(tmp_path / "arm").trials[0].trajectory.marker("tip")[:, 0]) > 0.1
+
+
+def test_what_looks_wrong_is_a_warning_on_the_error_stream(take, tmp_path, capsys):
+    lines = take.read_text(encoding="utf-8").split("\n")
+    for row, line in enumerate(lines[5:], 5):  # as if the tip swung across, too
+        fields = line.split(",")
+        lines[row] = ",".join([*fields[:9], f"{60 * np.sin(row / 7):.5f}", *fields[10:]])
+    take.write_text("\n".join(lines), encoding="utf-8")
+    assert run(command, [str(take), "-o", str(tmp_path / "arm"), *ARM, *MARKERS]) == 0
+    assert "warning: trial_01: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("missing", ["--mass", "--diameter", "--keq", "-o"])

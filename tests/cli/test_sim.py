@@ -92,6 +92,22 @@ def test_both_algorithms_give_the_same(facts):
         assert one["settling_time"] == pytest.approx(other["settling_time"], abs=1e-6)
 
 
+def test_very_many_links_are_simulated_by_the_compiled_loops_and_that_is_said(facts, sim):
+    few, many = (facts("--links", links, "--torque", 0.4, "--duration", 0.5) for links in (64, 65))
+    assert (few["dynamics"], many["dynamics"]) == ("aba", "compiled")
+    assert few["runs"][0]["tip"]["x"] == pytest.approx(many["runs"][0]["tip"]["x"], abs=1e-3)
+    assert "1000 links" in (out := sim("--links", 1000, "--torque", 0.4)[1]) and "COMPILED" in out
+    asked = facts("--links", 65, "--torque", 0.4, "--duration", 0.5, "--dynamics", "aba")
+    assert asked["dynamics"] == "aba"
+    assert asked["runs"][0]["tip"] == pytest.approx(many["runs"][0]["tip"], abs=1e-9)
+
+
+def test_a_motion_that_gains_energy_is_noted(facts, monkeypatch):
+    monkeypatch.setattr("hsr_pin.simulation.integrator.RINGING", "extrapolated4")
+    (run,) = facts("--links", 6, "--damping", 0, "--placement", "mid", "--torque", 0.5, "--duration", 10)["runs"]
+    assert any("from nowhere" in note for note in run["notes"])
+
+
 def test_the_arm_that_is_asked_for_is_the_one_that_runs(facts):
     asked = {
         "links": 3,
@@ -197,7 +213,7 @@ BAD = {
     "a torque beyond the arm": (["--torque", "50"], "the arm bent beyond its limit"),
     "unknown mount": (["--mount", "sideways"], "mount: expected hanging or upright or horizontal, got 'sideways'"),
     "unknown placement": (["--placement", "end"], "placement: expected base or mid, got 'end'"),
-    "unknown dynamics": (["--dynamics", "euler"], "'euler' is not one of 'aba', 'rnea'"),
+    "unknown dynamics": (["--dynamics", "euler"], "'euler' is not one of 'aba', 'rnea', 'compiled'"),
     "stiffness without pressures": (["--keq", "1.5"], "keq: expected 1.11 or 2.33 Nm/rad, whose pressure combinations the paper"),
     "unknown effect": (["--effect", "frictoin:level=1"], "expected stiffness_gradient, "),
     "an effect's parameter": (["--effect", "dry_friction:size=1"], "parameter of dry_friction: expected "),

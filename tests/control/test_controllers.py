@@ -25,7 +25,7 @@ laws = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 
 def error(law, *effects, reference=REFERENCE, noise=True):
     """RMS distance [m] of the tip from the reference, with noisy angles [rad] and rates [rad/s]."""
-    random, simulator = np.random.default_rng(3), ArmSimulator(ARM, effects, integrator="ros2")
+    random, simulator = np.random.default_rng(3), ArmSimulator(ARM, effects)
     squares = []
     for k in range(len(reference.time) - 1):
         q = simulator.state.angles + noise * random.normal(0, 2e-3, ARM.links)

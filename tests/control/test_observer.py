@@ -22,7 +22,7 @@ TORQUE = 0.4 + 0.3 * np.sin(5 * np.arange(150) * DT)
 
 def watched(*effects, markers=slice(1, None), noise=NOISE, hidden=()):
     """Estimates and true states after every step; the observer believes the arm straight where it is bent."""
-    random, plant = np.random.default_rng(0), ArmSimulator(ARM, effects, integrator="ros2")
+    random, plant = np.random.default_rng(0), ArmSimulator(ARM, effects)
     observer = Observer(MODEL, plant.markers[markers], DT, noise=max(noise, 1e-5))
     plant.reset(0.5)
     estimate, estimates, states = observer.begin(angle=0.3), [], []
@@ -92,6 +92,13 @@ def test_an_estimate_is_passed_in_and_handed_back():
     np.testing.assert_allclose(first.q, start.q, atol=1e-8)
     with pytest.raises(ValueError, match="read-only"):
         start.q[0] = 1.0
+
+
+def test_an_estimate_may_be_beyond_what_the_arm_can_do():
+    observer = Observer(MODEL, ArmSimulator(ARM).markers, DT)
+    start = replace(observer.begin(), q=np.full(4, 0.9))
+    assert start.q.sum() > ARM.bending_limit
+    assert np.isfinite(observer.predict(start, 0.0).v).all()
 
 
 @pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, lambda o: pickle.loads(pickle.dumps(o))])

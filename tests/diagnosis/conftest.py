@@ -19,7 +19,8 @@ def diagnosis(heavy_tip):
 @pytest.fixture(scope="session")
 def ambiguous(diagnosis):
     """The same, as if it could not tell two effects apart."""
-    verdict = Verdict("ambiguous", (), (("tip_mass",), ("actuator_lag",)), "these recordings cannot tell apart: <a>, or b & c.")
+    said = "these recordings cannot tell apart: <a>, or b & c."
+    verdict = Verdict("ambiguous", (), (("tip_mass",), ("actuator_lag",)), said, left=diagnosis.verdict.left)
     return replace(diagnosis, verdict=verdict, next_experiment=(Proposal("payload", 40.0), Proposal("steps", np.inf)))
 
 

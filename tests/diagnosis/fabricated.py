@@ -1,4 +1,4 @@
-"""Fitted models and workers that were never simulated: what they leave of a gap is set by hand."""
+"""Fitted models and a crew that never simulated: what they leave of a gap is set by hand."""
 
 from dataclasses import dataclass, field, replace
 
@@ -6,54 +6,81 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.search import Thresholds
-from hsr_pin.effects import EFFECTS
+from hsr_pin.diagnosis.support import Support
+from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
 from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import PLAIN, Hypothesis, Part
 
 #: Noise floor and arm length [m] of every fabricated recording: 0.3 mm a coordinate.
 NOISE, LENGTH = 3e-4, 0.24
-THRESHOLDS = Thresholds.of(np.sqrt(3) * NOISE, LENGTH)
+THRESHOLDS = Thresholds.of(np.sqrt(2) * NOISE, LENGTH)
 TRIALS, SAMPLES = 6, 60
 
 _generator = np.random.default_rng(0)
-_noise = NOISE * _generator.standard_normal((TRIALS, SAMPLES, 1, 3))
+_noise = NOISE * _generator.standard_normal((TRIALS, SAMPLES, 1, 2))
 _noise -= _noise.mean(axis=1, keepdims=True)  # so that what lasts is the gap alone
 
 
 def heldout(*gaps):
     """For each trial the same noise, and a constant distance [m] beside it; one number stands for all trials."""
     sizes = gaps * TRIALS if len(gaps) == 1 else gaps
-    return tuple(noise + np.array([size, 0.0, 0.0]) for noise, size in zip(_noise, sizes, strict=True))
+    return tuple(noise + np.array([size, 0.0]) for noise, size in zip(_noise, sizes, strict=True))
 
 
-def fitted(effects, gap=0.0, errors=None):
-    """A fit of a model with effects (names, or effects with options).
+def fitted(parts, gap=0.0, errors=None):
+    """A fit of a model with parts (names of effects or of the arm's numbers, effects with options, or parts).
 
     ``errors``: name -> about how many standard errors its amplitude is away from neutral; default: a thousand.
     """
-    laws = [neutral(EFFECTS[effect]) if isinstance(effect, str) else effect for effect in effects]
-    laws = [with_values(law, **{p.name: p.neutral + p.scale for p in law.parameters() if p.amplitude}) for law in laws]
-    hypothesis = Hypothesis().with_effects(*laws)
+    hypothesis = Hypothesis()
+    for part in map(_part, parts):
+        hypothesis = hypothesis.with_part(part)
     facts = hypothesis.parameters
-    slopes = np.random.default_rng(1).standard_normal((TRIALS, SAMPLES, 1, 3, len(facts))) * 1e-2
+    slopes = np.random.default_rng(1).standard_normal((TRIALS, SAMPLES, 1, 2, len(facts))) * 1e-2
     slopes /= [fact.scale for fact in facts]
     for place, fact in enumerate(facts):
         slopes[..., place] *= (errors or {}).get(fact.name.split(".")[0], 1e3) / 1e3
+    values = np.array([fact.neutral + fact.scale * (fact.name in PLAIN) for fact in facts])
+    values = np.where([fact.amplitude for fact in facts], hypothesis.start, values)
     residuals = heldout(gap)
     weights = tuple(np.full(part.shape, 1 / NOISE) for part in residuals)
-    defects = tuple(np.zeros_like(part) for part in residuals)
-    return Fit(hypothesis, hypothesis.start, residuals, tuple(slopes), weights, defects, True, 1)
+    nuisance = tuple(np.zeros((*part.shape, 0)) for part in residuals)
+    return Fit(hypothesis, values, residuals, residuals, tuple(slopes), weights, nuisance, True, 1)
 
 
-def candidate(*effects, gap=0.0, errors=None):
+def _part(given):
+    """As a part of a model, an effect's amplitudes one scale away from neutral."""
+    if given in PLAIN:
+        return Part(given)
+    part = given if isinstance(given, Part) else None
+    law = part.effect if part else neutral(effect_named(given)) if isinstance(given, str) else given
+    if law is None:
+        return part
+    law = with_values(law, **{p.name: p.neutral + p.scale for p in law.parameters() if p.amplitude})
+    return Part(law.name, law, part.resized if part else False)
+
+
+def candidate(*parts, gap=0.0, errors=None):
     """A fitted model that leaves this distance [m] (one for all trials, or one for each) on held-out trials."""
     gaps = gap if isinstance(gap, tuple) else (gap,)
-    return Candidate(fitted(effects, float(np.sqrt(np.mean(np.square(gaps)))), errors), heldout(*gaps))
+    return Candidate(fitted(parts, float(np.sqrt(np.mean(np.square(gaps)))), errors), heldout(*gaps))
+
+
+def supported(best, weak=(), clear=1e3):
+    """Support for each part of a model, and for each of its kinds: all that there can be, or for the ``weak`` next to none."""
+
+    def one(name, kind):
+        strength = {"lead": 0.05, "margin": 0.2, "frequency": 0.6, "drift": 1.0} if name in weak else {}
+        whole = {"share": 0.9, "lead": 1.0, "margin": 50.0, "frequency": 1.0, "drift": 0.05, "clear": clear}
+        return Support(name, kind, **(whole | strength))
+
+    parts = best.fit.hypothesis.parts
+    return tuple(one(part.name, part.kind) for part in parts), tuple(one(kind, kind) for kind in best.kinds)
 
 
 @dataclass
-class FakeWorkers:
+class FakeCrew:
     """Answers from a table instead of simulating.
 
     Attributes:
@@ -74,34 +101,37 @@ class FakeWorkers:
     def __post_init__(self):
         self.gaps, self.quick = map(_by_names, (self.gaps, self.quick or self.gaps))
 
-    def gap(self, effects, quick=False):
-        names, gaps = frozenset(effect.name for effect in effects), self.quick if quick else self.gaps
+    def gap(self, parts, quick=False):
+        names, gaps = frozenset(part.name for part in parts), self.quick if quick else self.gaps
         known = [(len(key), -np.mean(np.square(gap)), key) for key, gap in gaps.items() if key <= names]
         return gaps[max(known, key=lambda item: item[:2])[2]]
 
-    def guess(self, base, effects):
-        before = np.mean(np.square(self.gap(base.fit.hypothesis.effects)))
+    def guess(self, base, parts):
+        before = np.mean(np.square(self.gap(base.fit.hypothesis.parts)))
         guesses = []
-        for effect in effects:
-            hypothesis = base.fit.hypothesis.with_effects(effect)
-            after = np.mean(np.square(self.gap(hypothesis.effects)))
-            reading = effect.variants().index(dict(effect.options))
-            less = self.alike if reading else 1.0  # no two readings of a law do quite the same
+        for part in parts:
+            hypothesis = base.fit.hypothesis.with_part(part)
+            after = np.mean(np.square(self.gap(hypothesis.parts)))
+            readings = [
+                (options, resized) for options in (part.effect.variants() if part.effect else ({},)) for resized in (False, True)
+            ]
+            own = (dict(part.effect.options) if part.effect else {}, part.resized)
+            less = self.alike if readings.index(own) else 1.0  # no two readings of a law do quite the same
             guesses.append(Guess(hypothesis, (hypothesis.start,), less * max(0.0, 1 - after / before)))
         return guesses
 
     def glance(self, tasks):
         return [self._fit(guess.hypothesis, quick=True) for _, guess in tasks]
 
-    def finish(self, quick):
-        self.finished += ["+".join(sorted(effect.name for effect in fit.hypothesis.effects)) for _, fit in quick]
+    def finish(self, starts):
+        self.finished += ["+".join(sorted(part.name for part in fit.hypothesis.parts)) for fit in starts]
         return [
-            replace(candidate(*fit.hypothesis.effects, gap=self.gap(fit.hypothesis.effects)), fit=self._fit(fit.hypothesis))
-            for _, fit in quick
+            replace(candidate(*fit.hypothesis.parts, gap=self.gap(fit.hypothesis.parts)), fit=self._fit(fit.hypothesis))
+            for fit in starts
         ]
 
     def _fit(self, hypothesis, quick=False):
-        return fitted(hypothesis.effects, float(np.sqrt(np.mean(np.square(self.gap(hypothesis.effects, quick))))), self.errors)
+        return fitted(hypothesis.parts, float(np.sqrt(np.mean(np.square(self.gap(hypothesis.parts, quick))))), self.errors)
 
 
 def _by_names(table):

@@ -70,7 +70,7 @@ def made(
         scenario = Scenario(
             arm, time, torque, Settled(0.0), laws, tuple(Marker(f"marker_{at:g}", at * arm.length) for at in markers)
         )
-        motion = simulate(scenario, step=0.004).trajectory
+        motion = simulate(scenario, dynamics="compiled").trajectory
         seen = motion.positions + noise * generator.standard_normal(motion.positions.shape)
         answers.append(Trial(f"trial_{number:02d}", Trajectory(time, motion.markers, seen, torque=torque), declared, loss))
     return Dataset(name, arm.length, arm.mass, arm.diameter, arm.mount, tuple(answers))

@@ -71,6 +71,18 @@ def test_an_unknown_effect_and_a_negative_limit_are_refused():
         named(made(), max_effects=-1)
 
 
+def test_trials_set_aside_change_the_ladder_and_nothing_else():
+    dataset = made("tip_mass:mass=0.05")
+    last = dataset.trials[-1]
+    shifted = replace(last, trajectory=replace(last.trajectory, positions=last.trajectory.positions + np.array([0.01, 0.0, 0.0])))
+    spoilt = replace(dataset, trials=(*dataset.trials[:-1], shifted))
+    first, second = (named(each, effects=["tip_mass"], max_effects=1, test=("trial_06",)) for each in (dataset, spoilt))
+    assert first.verdict.effects == second.verdict.effects == ("tip_mass",)
+    assert second.search.best.fit.values == pytest.approx(first.search.best.fit.values, rel=1e-3)
+    assert first.ladder[-2].rms == pytest.approx(first.thresholds.noise, rel=0.1)
+    assert second.ladder[-2].rms == pytest.approx(0.01, rel=0.05)
+
+
 def test_spikes_do_not_decide():
     clean = made("actuator_lag:time_constant=0.08")
     generator = np.random.default_rng(5)

@@ -9,12 +9,41 @@ import pytest
 from hsr_pin.diagnosis.document import to_json
 
 NUMBER = (int, float)
+MAYBE = (*NUMBER, type(None))
 MAP = {"quantity": str, "unit": str, "bins": [{"label": str, "value": NUMBER, "share": NUMBER, "noise": NUMBER}]}
-CANDIDATE = {"effects": [str], "options": dict, "parameters": dict, "heldout_rms_mm": NUMBER, "fit_rms_mm": NUMBER}
+CANDIDATE = {
+    "effects": [str],
+    "resized": [str],
+    "options": dict,
+    "parameters": dict,
+    "heldout_rms_mm": NUMBER,
+    "fit_rms_mm": NUMBER,
+}
+LEFT = {"mm": NUMBER, "percent_of_length": NUMBER, "share": NUMBER, "not_repeatable_mm": MAYBE}
+SUPPORT = {
+    "name": str,
+    "kind": str,
+    "share": NUMBER,
+    "lead": NUMBER,
+    "margin": NUMBER,
+    "frequency": NUMBER,
+    "drift": MAYBE,
+    "clear": NUMBER,
+}
 SCHEMA = {
     "schema": int,
     "dataset": str,
-    "verdict": {"status": str, "effects": [str], "alternatives": [[str]], "sentence": str},
+    "verdict": {
+        "status": str,
+        "effects": [str],
+        "alternatives": [[str]],
+        "sentence": str,
+        "kinds": [str],
+        "confidence": dict,
+        "left": LEFT,
+        "support": [SUPPORT],
+    },
+    "arm": (dict, type(None)),
     "ladder": [
         {
             "rung": str,
@@ -33,11 +62,17 @@ SCHEMA = {
         "operating_range": {"bending_angle": MAP, "bending_rate": MAP, "torque": MAP},
         "trials": MAP,
         "sentence": str,
-        "frequency_hz": (*NUMBER, type(None)),
+        "frequency_hz": MAYBE,
         "defect": (dict, type(None)),
     },
-    "next_experiment": [{"name": str, "separation": (*NUMBER, type(None))}],
+    "next_experiment": [{"name": str, "separation": MAYBE}],
     "thresholds": {"worth_mm": NUMBER, "closed_mm": NUMBER, "explained": NUMBER},
+    "fingerprint": {
+        "kinds": [str],
+        "prints": [dict],
+        "starts": [{"seconds": MAYBE, "told": (bool, type(None)), "word": str}],
+    },
+    "repeats": (dict, type(None)),
     "notes": [str],
 }
 
@@ -52,7 +87,8 @@ def assert_shape(value, shape, at="document"):
         for place, each in enumerate(value):
             assert_shape(each, shape[0], f"{at}[{place}]")
     else:
-        assert isinstance(value, shape) and not isinstance(value, bool), at
+        allowed = shape if isinstance(shape, tuple) else (shape,)
+        assert isinstance(value, allowed) and (bool in allowed or not isinstance(value, bool)), at
 
 
 @pytest.fixture(params=["diagnosis", "ambiguous"])

@@ -32,18 +32,32 @@ def rungs():
 def test_shares_add_up_to_one_and_the_last_line_is_the_rest(rungs):
     assert sum(rung.share for rung in rungs) == pytest.approx(1.0)
     last, rest = rungs[-2], rungs[-1]
-    whole = rungs[0].rms ** 2 - NOISE**2
-    assert rest.share == pytest.approx((last.rms**2 - NOISE**2) / whole)
+    drops = [max(0.0, before.rms**2 - after.rms**2) for before, after in itertools.pairwise(rungs)]
+    assert rest.share == pytest.approx((last.rms**2 - NOISE**2) / sum(drops))
     assert (rest.rms, rest.interval, rest.effects) == (NOISE, (NOISE, NOISE), ())
     assert "rest" in rest.name
 
 
-def test_each_share_is_what_the_rung_takes_away_and_a_step_backwards_counts_against(rungs):
-    whole = rungs[0].rms ** 2 - NOISE**2
-    assert rungs[0].share == 0.0
-    for before, after in itertools.pairwise(rungs[:-1]):
-        assert after.share == pytest.approx((before.rms**2 - after.rms**2) / whole)
-    assert rungs[2].share < 0 < rungs[3].share < rungs[1].share
+def test_each_share_is_what_the_rung_takes_away_and_a_step_backwards_has_none(rungs):
+    assert rungs[0].share == rungs[2].share == 0.0
+    taken = {rung.name: before.rms**2 - rung.rms**2 for before, rung in itertools.pairwise(rungs)}
+    assert taken["stiffness and damping"] < 0
+    for rung in (rungs[1], rungs[3]):
+        assert rung.share / rungs[4].share == pytest.approx(taken[rung.name] / taken[rungs[4].name])
+    assert 0 < rungs[4].share < rungs[3].share < rungs[1].share
+
+
+def test_what_does_not_repeat_has_a_row_of_its_own_above_the_noise():
+    own = 1e-3
+    *_, model, scatter, floor = ladder([("declared model", (), residuals(*[2e-3] * 5))], NOISE, 0, own)
+    assert "not repeatable" in scatter.name and scatter.rms == pytest.approx(np.hypot(own, NOISE))
+    assert (model.share, scatter.share, floor.share) == pytest.approx((0.0, (4 - 1 - 0.25) / 3.75, 1 / 3.75))
+
+
+def test_a_model_that_is_closer_than_the_arm_is_to_itself_leaves_no_rest_above_that():
+    rungs = ladder([("declared", (), residuals(*[3e-3] * 5)), ("finer", (), residuals(*[1e-3] * 5))], NOISE, 0, 2e-3)
+    assert [rung.share for rung in rungs] == pytest.approx([0.0, 8 / 12, 0.0, 4 / 12])
+    assert all(rung.share >= 0 for rung in rungs)
 
 
 def test_every_interval_contains_its_estimate(rungs):
@@ -68,6 +82,6 @@ def test_the_same_seed_gives_the_same_ladder():
     assert ladder(models, NOISE, seed=4) == ladder(models, NOISE, seed=4)
 
 
-def test_a_declared_model_within_the_noise_has_no_gap_to_share():
-    rungs = ladder([("declared model", (), residuals(0.4e-3)), ("finer", (), residuals(0.3e-3))], NOISE, seed=0)
+def test_models_within_the_noise_that_take_nothing_away_have_nothing_to_share():
+    rungs = ladder([("declared model", (), residuals(0.3e-3)), ("finer", (), residuals(0.3e-3))], NOISE, seed=0)
     assert [rung.share for rung in rungs] == [0.0, 0.0, 0.0]

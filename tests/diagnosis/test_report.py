@@ -73,13 +73,15 @@ def page(html):
     return Page(html)
 
 
-def test_the_verdict_comes_first_and_then_all_that_supports_it(page):
+def test_the_verdict_comes_first_and_then_all_that_supports_it(page, diagnosis):
     order = ["Missing physics identified", "Tip mass is missing", "What next", "How far", "Which", "Where", "Simulation against"]
     places = [page.text.index(words) for words in (*order, "What was used", "What counted")]
     assert places == sorted(places)
     pictures = [attributes["aria-label"] for tag, attributes in page.tags if tag == "svg"]
-    assert pictures[:3] == ["Error from rung to rung", "Error of each candidate", "Maps of the gap"]
-    assert all("marker tip" in words for words in pictures[3:]) and len(pictures) > 3
+    first = pictures.index("Error from rung to rung")
+    assert pictures[:first] == [each.sentence for each in diagnosis.fingerprint.prints if each.sentence in pictures] != []
+    assert pictures[first : first + 3] == ["Error from rung to rung", "Error of each candidate", "Maps of the gap"]
+    assert all("marker tip" in words for words in pictures[first + 3 :]) and len(pictures) > first + 3
 
 
 def test_it_shows_numbers_with_intervals_thresholds_and_what_to_simulate(page, diagnosis):

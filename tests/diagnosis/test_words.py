@@ -1,29 +1,56 @@
 """What to do next follows from the verdict."""
 
+from dataclasses import replace
+
 import pytest
 
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.search import Search
-from hsr_pin.diagnosis.verdict import judge
+from hsr_pin.diagnosis.verdict import Evidence, judge
 from hsr_pin.diagnosis.words import advice
 
-from .fabricated import THRESHOLDS, candidate
+from .fabricated import LENGTH, THRESHOLDS, candidate, supported
 
 BASE = candidate(gap=4e-3)
+
+
+def advised(best, weak=()):
+    found = Search((BASE,) if best is BASE else (BASE, best), (BASE, best))
+    verdict = judge(found, THRESHOLDS, Evidence((6e-3) ** 2, *supported(best, weak), LENGTH, None, None, 0))
+    return advice(Diagnosis(None, verdict, (), found, THRESHOLDS, ()))
 
 
 @pytest.mark.parametrize(
     ("best", "told"),
     [
-        (candidate("bending_stop"), "Simulate with Keq times"),
-        (candidate("bending_stop", errors={"bending_stop": 5}), "Record more trials in which bending stop would act"),
-        (candidate("bending_stop", errors={"bending_stop": 1}), "Record more trials in which bending stop would act"),
-        (candidate("bending_stop", gap=3e-3), "none of the catalogue's laws"),
-        (BASE, "none of the catalogue's laws"),
+        (candidate("bending_stop"), "Simulate with Keq times 1.00, C times 1.00, and the effects found."),
+        (candidate("torque_gain"), "Simulate with Keq times 1.00, C times 1.00, the torque times 1.10."),
+        (candidate("bending_stop", gap=3e-3), "Simulate with what is certain"),
+        (BASE, "Do not trust the values of a model that does not explain the gap"),
     ],
 )
 def test_the_advice_fits_the_verdict(best, told):
-    found = Search((BASE,) if best is BASE else (BASE, best), (BASE, best))
-    verdict = judge((6e-3) ** 2, found, THRESHOLDS, 0)
-    (line,) = advice(Diagnosis(None, verdict, (), found, THRESHOLDS, ()))
+    (line,) = advised(best)
     assert told in line
+
+
+@pytest.mark.parametrize(
+    ("best", "told"),
+    [
+        (candidate("bending_stop", errors={"bending_stop": 5}), "Record more trials in which bending stop would act"),
+        (candidate("bending_stop", errors={"bending_stop": 1}), "Record more trials in which bending stop would act"),
+        (candidate("bending_stop", gap=3e-3), "Do not trust the values"),
+    ],
+)
+def test_where_nothing_is_certain_it_says_what_would_pin_it_down_or_what_not_to_trust(best, told):
+    (line,) = advised(best, weak=(*best.names, *best.kinds))
+    assert told in line
+
+
+def test_a_value_on_its_bound_and_a_large_damping_are_warned_of():
+    best = candidate("tip_mass")
+    values = best.fit.values.copy()
+    values[best.fit.hypothesis.free.index("damping_scale")] = 50.0
+    lines = advised(replace(best, fit=replace(best.fit, values=values)))
+    assert any(line.startswith("damping_scale ended on a bound") for line in lines)
+    assert any("The damping came out 50.0 times the declared one" in line for line in lines)

@@ -8,6 +8,7 @@ import pytest
 
 from hsr_pin.effects import EFFECTS, effect_named, parse_effect
 from hsr_pin.effects.effect import columns_of, neutral, stack
+from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.errors import EffectError
 from hsr_pin.robot.specification import ArmSpecification
@@ -18,8 +19,9 @@ from hsr_pin.simulation.simulate import simulate
 every_kind = pytest.mark.parametrize("kind", EFFECTS.values(), ids=EFFECTS)
 
 
-def test_there_are_nineteen_effects():
-    assert len(EFFECTS) == 19
+def test_there_are_twenty_one_effects_and_six_flexible_laws():
+    assert (len(EFFECTS), len(FLEXIBLE)) == (21, 6)
+    assert not {*EFFECTS} & {*FLEXIBLE}
 
 
 @every_kind

@@ -20,5 +20,15 @@ def test_the_loop_pays(name, monkeypatch, tmp_path, capsys):
     assert plot.read_text(encoding="utf-8").count("<path") > 20
 
 
+def test_a_plan_pays_that_knows_the_effects(monkeypatch, tmp_path, capsys):
+    if pytest.importorskip("mujoco").mj_version() < 4000000:
+        pytest.skip("needs MuJoCo 4, which needs Python 3.11")
+    monkeypatch.syspath_prepend(EXAMPLES)
+    errors = importlib.import_module("train_in_mujoco").main(["--quick", "--plot", str(tmp_path / "plot.svg")])
+    for loop in ("open", "closed"):
+        assert errors[f"corrected model, {loop} loop"] < errors[f"declared model, {loop} loop"] / 10
+    assert "corrected model, closed loop tip error" in capsys.readouterr().out
+
+
 def test_every_example_is_tested():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "loop", "picture"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "train_in_mujoco", "loop", "picture"}

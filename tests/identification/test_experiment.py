@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import moves, prepare
-from hsr_pin.trajectory import Marker
+from hsr_pin.identification.experiment import moves, prepare, restricted
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.scenario import step_scenario
+from hsr_pin.simulation.simulate import simulate
+from hsr_pin.trajectory import Dataset, Marker, Trial
 
 
 def changed(dataset, number, change):
@@ -30,8 +33,49 @@ def test_a_trial_that_leaves_the_reach_of_the_arm_is_left_out_and_the_others_are
 
 
 def test_markers_well_off_the_neutral_line_are_within_reach(heavy_tip):
-    experiment = prepare(changed(heavy_tip, 2, lambda positions: positions + np.array([0.03, 0.0, -0.01])))
+    aside = heavy_tip
+    for number in range(4):
+        aside = changed(aside, number, lambda positions: positions + np.array([0.03, 0.0, -0.01]))
+    experiment = prepare(aside)
     assert len(experiment.runs) == len(heavy_tip.trials) and not experiment.notes
+
+
+def test_an_arm_that_rests_elsewhere_in_every_trial_is_said_to_and_one_that_does_not_is_not(heavy_tip):
+    scattered = heavy_tip
+    for number, aside in enumerate((0.003, -0.003, 0.002, -0.002)):
+        scattered = changed(scattered, number, lambda positions, aside=aside: positions + np.array([aside, 0.0, 0.0]))
+    experiment = prepare(scattered)
+    assert experiment.rest_scatter == pytest.approx(np.std([3e-3, -3e-3, 2e-3, -2e-3], ddof=1), rel=0.1)
+    assert experiment.notes == ("the arm rests within 2.9 mm (standard deviation) of one place, anew in every trial",)
+    assert prepare(heavy_tip).rest_scatter == 0 and prepare(heavy_tip).notes == ()
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.02, 0.2])
+def test_noise_is_not_taken_for_rests_that_differ_however_short_they_are(rest):
+    motion = simulate(step_scenario(ArmSpecification(), 0.5, rest=rest + 0.02, duration=0.6, step=0.02)).trajectory
+    said = 0
+    for seed in range(40):
+        generator = np.random.default_rng(seed)
+        trials = tuple(
+            Trial(
+                f"t{k}",
+                replace(motion, positions=motion.positions + 3e-4 * generator.normal(size=motion.positions.shape)),
+                1.11,
+                0.05,
+            )
+            for k in range(6)
+        )
+        said += prepare(Dataset("still", 0.24, 0.15, 0.04, "hanging", trials)).rest_scatter > 0
+    assert said <= 2
+
+
+def test_what_some_trials_tell_together_is_not_told_by_the_others(heavy_tip):
+    apart = changed(heavy_tip, 3, lambda positions: positions + np.array([0.01, 0.0, 0.0]))
+    whole = prepare(apart)
+    first = restricted(whole, ["trial_01", "trial_02", "trial_03"])
+    assert whole.rest_scatter > 4e-3 and len(whole.notes) == 1
+    assert first.rest_scatter == 0 and first.notes == ()
+    assert [run.trial.name for run in first.runs] == ["trial_01", "trial_02", "trial_03"]
 
 
 def test_a_marker_that_was_never_seen_in_a_trial_does_not_hide_what_the_others_did(heavy_tip):
@@ -41,6 +85,15 @@ def test_a_marker_that_was_never_seen_in_a_trial_does_not_hide_what_the_others_d
 
     experiment = prepare(changed(heavy_tip, 1, hidden))
     assert len(experiment.runs) == 4
+    assert moves(experiment.runs[1], experiment.noise)
+
+
+def test_a_marker_of_which_one_coordinate_was_never_seen_does_not_hide_what_the_others_did(heavy_tip):
+    def flat(positions):
+        positions[:, -1, 1] = np.nan
+        return positions
+
+    experiment = prepare(changed(heavy_tip, 1, flat))
     assert moves(experiment.runs[1], experiment.noise)
 
 

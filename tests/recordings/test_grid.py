@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr_pin.recordings.grid import even_grid, hold
+from hsr_pin.recordings.grid import even_grid, hold, on_even_grid
 from hsr_pin.recordings.read import read_dataset
 
 
@@ -17,8 +17,67 @@ def test_even_times_stay_as_they_are():
     assert even_grid(np.arange(300) / 120) is None
 
 
-def test_times_rounded_to_a_microsecond_are_even():
-    assert even_grid(np.round(np.arange(20000) / 120, 6)) is None
+@pytest.mark.parametrize("rate, digits", [(120, 6), (360, 3), (100, 3), (119.88, 4), (480, 3), (1000 / 3, 3)])
+@pytest.mark.parametrize("start", [0.0, 12.3456])
+def test_times_rounded_to_their_last_digit_mean_the_even_grid_that_they_were_rounded_from(rate, digits, start):
+    time = start + np.arange(2000) / rate
+    written = np.round(time, digits)
+    grid = even_grid(written)
+    if grid is None:
+        assert np.ptp(np.diff(written)) < 1e-7 / rate
+        return
+    assert len(grid.time) == 2000
+    assert np.ptp(np.diff(grid.time)) < 1e-9 / rate
+    assert np.abs(grid.time - time).max() <= 10.0**-digits
+    values = wave(time)
+    assert np.array_equal(grid.positions(values), values)
+
+
+def test_rounded_times_with_rows_missing_keep_every_sample_at_its_instant():
+    kept = np.delete(np.arange(5000), [5, 6, *range(100, 900), 3000])
+    written = np.round(kept / 360, 3)
+    grid = even_grid(written)
+    values = grid.positions(wave(kept / 360))
+    assert len(grid.time) == 5000
+    assert np.array_equal(values[kept], wave(kept / 360))
+    assert np.isnan(values[np.setdiff1d(np.arange(5000), kept)]).all()
+
+
+def test_unix_times_count_from_the_first_sample():
+    time = 1.7e9 + np.arange(3000) / 100
+    grid = even_grid(np.round(time, 6))
+    assert grid.origin == time[0]
+    assert np.allclose(grid.time, np.arange(3000) / 100, atol=1e-6)
+    assert np.ptp(np.diff(grid.time)) < 1e-9
+    assert "count from the first sample, at 1700000000.000000 s" in grid.notes[-1]
+
+
+@pytest.mark.parametrize("share", [0.003, 0.02, 0.2])
+def test_jitter_is_counted_and_not_relabelled_away(share):
+    rng = np.random.default_rng(1)
+    time = (np.arange(1000) + rng.uniform(-share, share, 1000)) / 100
+    speed = 3.0  # m/s: relabelled, a sample would be off by up to speed * share / 100
+    grid = even_grid(time)
+    inside = slice(2, 998)
+    error = np.abs(grid.positions(speed * time[:, None])[:, 0] - speed * grid.time)[inside]
+    assert np.nanmax(error) < 1e-9 < 0.5 * speed * share / 100
+    assert np.isfinite(error).all()
+    assert any("jitter" in note or "uneven" in note for note in grid.notes)
+
+
+def test_slight_jitter_loses_no_sample_beside_a_gap():
+    rng = np.random.default_rng(2)
+    time = (np.arange(200) + rng.uniform(-0.004, 0.004, 200)) / 100
+    values = wave(time)
+    values[[50, 51, 120]] = np.nan
+    placed = even_grid(time).positions(values)
+    assert np.flatnonzero(np.isnan(placed[:, 0])).tolist() == [50, 51, 120]
+    assert np.nanmax(np.abs(placed - wave(even_grid(time).time))) < 1e-5
+
+
+def test_even_steps_are_left_as_they_are_to_the_last_bit(dataset):
+    for trial in dataset.trials:
+        assert on_even_grid(trial.trajectory)[0] is trial.trajectory
 
 
 def test_missing_rows_become_gaps_at_their_own_instants():

@@ -1,5 +1,9 @@
 """The exported animation, as a browser shows it: complete in itself, with arm and markers in view, and moving."""
 
+import base64
+import json
+import re
+import uuid
 from pathlib import Path
 
 import numpy as np
@@ -138,3 +142,19 @@ def test_a_page_that_cannot_be_written_is_one_line(run_of, tmp_path):
     (tmp_path / "file").write_text("mine")
     with pytest.raises(OutputError, match="cannot write the file"):
         write_page([run_of()], tmp_path / "file" / "run.html")
+
+
+def test_the_page_tells_nothing_of_the_machine_and_is_the_same_each_time(run_of):
+    text = page([run_of(measured=(0.01, 0.0, 0.0))])
+    commands = [base64.b64decode(each) for each in json.loads(re.search(r"for \(const command of (\[.*?\])\)", text)[1])]
+    assert sum(b"set_object" in command for command in commands) > 10
+    assert f"{uuid.getnode():012x}".encode() not in b"".join(commands)
+    assert page([run_of(measured=(0.01, 0.0, 0.0))]) == text
+
+
+def test_parts_of_one_page_have_different_names(run_of):
+    text = page([run_of()])
+    commands = [base64.b64decode(each) for each in json.loads(re.search(r"for \(const command of (\[.*?\])\)", text)[1])]
+    made = [set(re.findall(rb"[0-9a-f]{8}-[0-9a-f-]{27}", command)) for command in commands if b"set_object" in command]
+    assert all(len(names) >= 3 for names in made)
+    assert len(set().union(*made)) == sum(map(len, made))

@@ -1,9 +1,12 @@
 """The marker map is Pinocchio's forward kinematics, for any pose, place and mount."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
+from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
@@ -45,7 +48,7 @@ def test_positions_are_those_of_pinocchio(arm):
     reach = places(arm)
     q = np.random.default_rng(1).normal(0, 1, (20, arm.links))
     expected = [[frame.translation for frame in frames(arm, pose, reach)] for pose in q]
-    np.testing.assert_allclose(marker_map(build_model(arm), reach).positions(q), expected, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(marker_map(arm, reach).positions(q), expected, rtol=0, atol=1e-14)
 
 
 @arms
@@ -53,7 +56,7 @@ def test_normals_are_the_x_axes_of_the_links(arm):
     reach = places(arm)
     q = np.random.default_rng(2).normal(0, 1, (20, arm.links))
     expected = [[frame.rotation[:, 0] for frame in frames(arm, pose, reach)] for pose in q]
-    np.testing.assert_allclose(marker_map(build_model(arm), reach).normals(q), expected, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(marker_map(arm, reach).normals(q), expected, rtol=0, atol=1e-14)
 
 
 @arms
@@ -63,12 +66,34 @@ def test_base_middle_and_tip_are_the_frames_of_the_urdf(arm):
     pin.framesForwardKinematics(model, data, q)
     expected = [data.oMf[model.getFrameId(name)].translation for name in ("base", "middle", "tip")]
     reach = np.array([0, arm.length / 2, arm.length])
-    np.testing.assert_allclose(marker_map(build_model(arm), reach).positions(q), expected, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(marker_map(arm, reach).positions(q), expected, rtol=0, atol=1e-14)
 
 
 def test_leading_dimensions_are_kept():
-    places = marker_map(build_model(ArmSpecification(links=3)), np.array([0.1, 0.2]))
+    places = marker_map(ArmSpecification(links=3), np.array([0.1, 0.2]))
     assert places.positions(np.zeros((7, 5, 3))).shape == places.normals(np.zeros((7, 5, 3))).shape == (7, 5, 2, 3)
+
+
+@arms
+def test_arms_side_by_side_are_each_what_they_are_alone(arm):
+    family = [arm, replace(arm, length=0.3), replace(arm, tilt=arm.tilt / 2 + 0.1), replace(arm, mass=0.5)]
+    reach = places(arm)
+    q = np.random.default_rng(4).normal(0, 1, (6, len(family), arm.links))
+    together = marker_map(Arms.of(family), reach)
+    for hook in ("positions", "normals"):
+        found = getattr(together, hook)(q)
+        expected = np.stack([getattr(marker_map(one, reach), hook)(q[:, c]) for c, one in enumerate(family)], axis=1)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
+@arms
+def test_velocities_are_how_positions_change(arm):
+    family = Arms.of([arm, replace(arm, length=0.3)])
+    reach = places(arm) * np.array([[1.0], [1.25]])  # (2, M): each arm has places of its own
+    q, v = np.random.default_rng(5).normal(0, 1, (2, 6, 2, arm.links))
+    for where, angles, rates in ((marker_map(family, reach), q, v), (marker_map(arm, reach[0]), q[:, 0], v[:, 0])):
+        ahead, behind = (where.positions(angles + w * rates) for w in (1e-6, -1e-6))
+        np.testing.assert_allclose(where.velocities(angles, rates), (ahead - behind) / 2e-6, rtol=0, atol=1e-8)
 
 
 @arms
@@ -78,7 +103,7 @@ def test_the_jacobian_is_that_of_pinocchio(arm):
     model = build_model(arm).model
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
-    found = marker_map(build_model(arm), reach).jacobian(q)
+    found = marker_map(arm, reach).jacobian(q)
     for jacobian, s, frame in zip(found, reach, frames(arm, q, reach), strict=True):
         number = int(np.sum(arm.joint_arc_lengths * arm.length < s))
         if number == 0:

@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
+import hsr_pin.robot.chain as chain_module
 import hsr_pin.simulation.columns as columns_module
 from hsr_pin.robot.model import build_model
 
@@ -60,7 +61,7 @@ def _exact_motion(scenario, q, v=None, tolerance=1e-10):
 
 @pytest.fixture
 def weightless(monkeypatch):
-    """Switch gravity off in all models that the simulation builds."""
+    """Switch gravity off in all arms that are simulated, on both ways."""
 
     def build(specification):
         arm = build_model(specification)
@@ -69,3 +70,4 @@ def weightless(monkeypatch):
         return dataclasses.replace(arm, model=model)
 
     monkeypatch.setattr(columns_module, "build_model", build)
+    monkeypatch.setattr(chain_module, "GRAVITY", 0.0)

@@ -11,9 +11,10 @@ from hsr_pin.effects.stiffening import Stiffening
 from hsr_pin.errors import InputError
 from hsr_pin.robot.pressure import PressureMap
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns, shape_of
-from hsr_pin.simulation.forward import forward_dynamics
+from hsr_pin.simulation import kernel
+from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.inverse import joint_torques, required_pressures, required_torque
+from hsr_pin.simulation.reference import resist
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
 
@@ -63,12 +64,15 @@ def test_a_torque_that_varies_comes_back_as_a_function_of_time(effects):
 def test_inverse_dynamics_undoes_forward_dynamics():
     laws = (*EFFECTS, QuadraticDamping(0.01))
     random = np.random.default_rng(0)
-    q, v, tau = (np.asfortranarray(random.normal(0, size, (4, 6))) for size in (0.5, 3.0, 1.0))
-    scenarios = [Scenario(ARM, [0.0, 1.0], [0.0, 0.0], effects=laws)] * 6
-    columns = Columns(scenarios, shape_of(scenarios[0], 1.0))
-    forward = forward_dynamics("aba", [arm.model for arm in columns.arm_models], [np.zeros(4)])
-    a = forward.solve(0, q, v, columns.torque(q, v, columns.virgin_states()) + tau)
-    np.testing.assert_allclose(joint_torques(ARM, q.T, v.T, a.T, laws).T, tau, rtol=0, atol=1e-11)
+    q, v = (random.normal(0, size, (6, 4)) for size in (0.5, 3.0))
+    torque = random.normal(0, 1.0, 6)
+    columns = Columns.of([Scenario(ARM, [0.0, 1.0], [0.0, 0.0], effects=laws)] * 6)
+    columns.__dict__["arrays"] = columns.arrays._replace(stiff=0 * q, drag=0 * q)  # a plain step of length 1
+    moment, after = np.zeros_like(q), v.copy()
+    resist(columns.pinocchio("aba"), q, v, np.zeros((0, 6, 4)), moment)
+    kernel.substep(columns.arrays, q.copy(), after, moment, torque, 1.0, np.zeros((kernel.SCRATCH, 4)))
+    found = joint_torques(ARM, q, v, after - v, laws)
+    np.testing.assert_allclose(found, np.repeat(torque[:, None], 4, axis=1), rtol=0, atol=1e-11)
 
 
 def test_what_no_uniform_torque_can_deliver_is_left_over():

@@ -56,3 +56,21 @@ def test_a_step_scenario_rests_and_then_holds_its_torque():
 
 def test_the_markers_are_base_middle_and_tip_unless_told():
     assert [(m.name, m.arc_length) for m in step_scenario(ARM, 0.0).markers] == [("base", 0.0), ("mid", 0.12), ("tip", 0.24)]
+
+
+@pytest.mark.parametrize(
+    ("time", "said"),
+    [
+        (np.array([0.0, 1e9]), "at most 86400 s"),
+        (np.arange(5) * 1e7, "are these milliseconds"),
+    ],
+)
+def test_times_that_no_run_can_have_are_refused_before_anything_is_computed(time, said):
+    with pytest.raises(InputError, match=said):
+        Scenario(ArmSpecification(), time, np.zeros(len(time)))
+
+
+@pytest.mark.parametrize("asked", [{"step": 0.0}, {"step": -0.01}, {"step": 1e-12}, {"duration": 1e9}, {"duration": np.nan}])
+def test_a_step_or_a_duration_that_cannot_be_is_refused_before_an_array_is_made(asked):
+    with pytest.raises(InputError, match="duration"):
+        step_scenario(ArmSpecification(), 1.0, **asked)

@@ -8,45 +8,49 @@ from scipy.optimize import root
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.rest import imbalance
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.simulation.statics import Gravity
 
 PLACEMENTS, MOUNTS = ("base", "mid"), ("hanging", "upright", "horizontal")
 
 
-def settled(arm, torque):
-    return simulate(Scenario(arm, [0.0, 0.01], [torque, torque], Settled(torque))).trajectory
+def settled(arm, torque, dynamics="aba"):
+    return simulate(Scenario(arm, [0.0, 0.01], [torque, torque], Settled(torque)), dynamics=dynamics).trajectory
 
 
 @pytest.mark.parametrize("mount", MOUNTS)
 @pytest.mark.parametrize("placement", PLACEMENTS)
 def test_gravity_turns_the_joints_as_pinocchio_says(placement, mount):
-    arm = build_model(ArmSpecification(links=5, placement=placement, mount=mount, tilt=0.2, tip_mass=0.07))
-    q = np.random.default_rng(0).normal(size=(5, 4))
-    data = arm.model.createData()
-    expected = np.column_stack([-pin.computeGeneralizedGravity(arm.model, data, pose) for pose in q.T])
-    np.testing.assert_allclose(Gravity([arm] * 4).torque(q), expected, rtol=0, atol=1e-14)
+    arm = ArmSpecification(links=5, placement=placement, mount=mount, tilt=0.2, tip_mass=0.07)
+    q = np.random.default_rng(0).normal(size=(4, 5))
+    model = build_model(arm).model
+    data, found, nothing = model.createData(), np.zeros_like(q), np.zeros_like(q)
+    expected = [-pin.computeGeneralizedGravity(model, data, pose) for pose in q]
+    imbalance(Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0])] * 4).arrays, q, np.zeros(4), nothing, found)
+    np.testing.assert_allclose(found + arm.joint_stiffness * q, expected, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("torque", [0.0, 0.25, 1.0, 3.0])
 @pytest.mark.parametrize("mount", MOUNTS)
 @pytest.mark.parametrize("placement", PLACEMENTS)
-def test_the_settled_pose_is_the_static_equilibrium(placement, mount, torque):
+@pytest.mark.parametrize("dynamics", ["compiled", "aba"])
+def test_the_settled_pose_is_the_static_equilibrium(dynamics, placement, mount, torque):
     arm = ArmSpecification(links=6, placement=placement, mount=mount, tip_mass=0.1, tilt=0.1)
     reach = np.array([arm.length / 2, arm.length])
 
     def height_gradient(q):  # of the potential energy, from positions alone
         points, turn = np.arange(1, 2001) / 2000 - 1 / 4000, 1e-4
-        places = marker_map(build_model(arm), np.append(points * arm.length, arm.length))
+        places = marker_map(arm, np.append(points * arm.length, arm.length))
         weights = 9.81 * np.append(np.full(2000, arm.mass / 2000), arm.tip_mass)
         up, down = (places.positions(q + s * turn * np.eye(6))[..., 2] @ weights for s in (1, -1))
         return (up - down) / (2 * turn)
 
     found = root(lambda q: 6 * arm.keq * q + height_gradient(q) - torque, np.zeros(6), tol=1e-9)
     assert found.success
-    expected = marker_map(build_model(arm), reach).positions(found.x)
-    np.testing.assert_allclose(settled(arm, torque).positions[0, 1:], expected, rtol=0, atol=1e-6)
+    expected = marker_map(arm, reach).positions(found.x)
+    np.testing.assert_allclose(settled(arm, torque, dynamics).positions[0, 1:], expected, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("torque", [0.0, 1.0])

@@ -2,8 +2,9 @@
 
 - ``arm``: what is simulated, in its own frame
 - ``chain``: ChainPlant, a fine chain in MuJoCo
-- ``laws``: the nineteen effects of the catalogue, and laws outside of it
+- ``laws``: the nineteen effects of the catalogue, other forms of them, and laws outside of it
 - ``march``: the time loop that both engines share
+- ``mess``: what goes wrong where hardware is recorded
 - ``nuisance``: what is always a little wrong
 - ``plant``: Plant.run: a program and effects in, a folder of recordings out
 - ``program``: steps, staircase, chirp, releases, payload

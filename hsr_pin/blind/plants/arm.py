@@ -35,6 +35,8 @@ class Arm:
         tilt: turn of the true mount from the declared one, towards positive bending [rad].
         tilt_seen: whether the markers' frame stays with the world (True: the arm is seen turned) or
             turns with the base (False: only gravity is felt turned).
+        lumps: point masses on the backbone's line: (distance from the base along the straight arm [m], mass [kg]);
+            beyond the tip they ride on its last link (chain only).
         wall: distance of a wall parallel to the straight arm, towards +x [m] (chain only), or None.
         g: gravity [m/s2].
     """
@@ -47,6 +49,7 @@ class Arm:
     added_mass: float = 0.0
     tilt: float = 0.0
     tilt_seen: bool = True
+    lumps: tuple[tuple[float, float], ...] = ()
     wall: float | None = None
     g: float = 9.81
 
@@ -97,18 +100,28 @@ class Motion:
     z: Array
     angle: Array
 
-    def at(self, arc_length: float, offset: float = 0.0) -> tuple[Array, Array]:
-        """Coordinates x and z, each (T,) [m], of a point `offset` [m] off the backbone (towards +x when straight).
+    def angle_at(self, arc_length: float) -> Array:
+        """Direction of the tangent, (T,) [rad]: linear between the nodes."""
+        k, u = self._place(arc_length)
+        return np.asarray((1 - u) * self.angle[:, k] + u * self.angle[:, k + 1])
 
-        Cubic Hermite between the nodes, whose tangents are known.
+    def at(self, arc_length: float, offset: float | Array = 0.0, along: float | Array = 0.0) -> tuple[Array, Array]:
+        """Coordinates x and z, each (T,) [m], of a point beside the backbone: cubic Hermite between the nodes.
+
+        offset: off the backbone, towards +x when straight; along: ahead of it, along the tangent [m].
         """
-        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
+        k, u = self._place(arc_length)
         h = self.s[k + 1] - self.s[k]
-        u = (arc_length - self.s[k]) / h
         h00, h01 = (1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u)
         h10, h11 = u * (1 - u) ** 2 * h, u * u * (u - 1) * h
         a, b = self.angle[:, k], self.angle[:, k + 1]
         x = h00 * self.x[:, k] + h01 * self.x[:, k + 1] + h10 * np.sin(a) + h11 * np.sin(b)
         z = h00 * self.z[:, k] + h01 * self.z[:, k + 1] + h10 * np.cos(a) + h11 * np.cos(b)
-        angle = (1 - u) * a + u * b
-        return x + offset * np.cos(angle), z - offset * np.sin(angle)
+        angle = self.angle_at(arc_length)
+        c, s = np.cos(angle), np.sin(angle)
+        return x + offset * c + along * s, z - offset * s + along * c
+
+    def _place(self, arc_length: float) -> tuple[int, float]:
+        """Node before it, and how far it is to the next one, 0 to 1."""
+        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
+        return k, float((arc_length - self.s[k]) / (self.s[k + 1] - self.s[k]))

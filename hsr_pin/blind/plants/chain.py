@@ -38,12 +38,12 @@ class ChainPlant(Plant):
         """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
         arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
         for law in laws:
-            arm = law.arm(arm, trial.keq)
+            arm = law.arm(arm, trial)
         s = (np.arange(self.elements) + 0.5) / self.elements
         stiffness = k * trial.keq * profile(laws, "stiffness", s)
         damping = c * trial.damping * profile(laws, "damping", s)
         engine = Chain(arm, stiffness, damping, self.step)
-        march = March(engine, Joints(s, trial.keq, stiffness), arm, trial, laws, self.step)
+        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, self.step)
         return march.run(np.linspace(0.0, arm.length, self.elements + 1))
 
 
@@ -74,13 +74,15 @@ class Chain:
 
     def nodes(self) -> Nodes:
         """The middles of the bodies, which are the elements' ends: node 0 is the base."""
-        if self._nodes is not None:
-            return self._nodes
-        angle = np.concatenate([[0.0], np.cumsum(self.data.qpos)])
-        rate = np.concatenate([[0.0], np.cumsum(self.data.qvel)])
-        along = np.stack([np.sin(angle), np.cos(angle)])
-        swing = rate * np.stack([np.cos(angle), -np.sin(angle)])
-        self._nodes = Nodes(self._up_to_nodes(along), self._up_to_nodes(swing), angle)
+        if self._nodes is None:
+            angle, rate = np.zeros(self.n + 1), np.zeros(self.n + 1)
+            np.cumsum(self.data.qpos, out=angle[1:])
+            np.cumsum(self.data.qvel, out=rate[1:])
+            s, c = np.sin(angle), np.cos(angle)
+            ways = np.array([s, c, rate * c, -rate * s])  # of the links, and how they swing
+            nodes = np.zeros_like(ways)
+            np.cumsum((ways[:, :-1] + ways[:, 1:]) * (self.h / 2), axis=1, out=nodes[:, 1:])  # half a link of each neighbour
+            self._nodes = Nodes(nodes[:2], nodes[2:], angle)
         return self._nodes
 
     def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
@@ -91,11 +93,6 @@ class Chain:
         self.data.qfrc_applied[:] = moment if force is None else moment + self._torque(force)
         self._mujoco.mj_step(self.model, self.data)
         self._nodes = None
-
-    def _up_to_nodes(self, along: Array) -> Array:
-        """Sum of half a link of each neighbour, from the base: (2, n + 1)."""
-        links = (along[:, :-1] + along[:, 1:]) * self.h / 2
-        return np.concatenate([np.zeros((2, 1)), np.cumsum(links, axis=1)], axis=1)
 
     def _torque(self, force: Array) -> Array:
         """Joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
@@ -121,7 +118,7 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.gravity = [0.0, 0.0, 0.0]
     n, h, r = stiffness.size, arm.length / stiffness.size, arm.radius
-    body = spec.worldbody
+    body, bodies = spec.worldbody, []
     for i in range(n):
         length = h if i < n - 1 else h / 2
         body = body.add_body(pos=[0, 0, h / 2 if i == 0 else h])
@@ -135,10 +132,13 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
         body.inertia = [across, across, body.mass * r * r / 2]
         if arm.wall is not None:
             _collide(body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[0, 0, length]), r, 1, 0)
-    if arm.tip_mass > 0:
-        tip = body.add_body(pos=[0, 0, h / 2])
-        tip.explicitinertial = True
-        tip.mass, tip.inertia = arm.tip_mass, [1e-12] * 3
+        bodies.append(body)
+    for place, mass in [*arm.lumps, (arm.length, arm.tip_mass)]:
+        if mass > 0 and place >= h / 2:  # what is nearer to the base does not move; the joint before it stands at (i + 1/2) h
+            i = min(int(place / h - 0.5), n - 1)
+            lump = bodies[i].add_body(pos=[0, 0, place - (i + 0.5) * h])
+            lump.explicitinertial = True
+            lump.mass, lump.ipos, lump.inertia = mass, [0.0] * 3, [1e-12] * 3  # a place not given is the parent's
     if arm.wall is not None:
         wall = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, pos=[arm.wall, 0, 0])
         wall.quat = [np.sqrt(0.5), 0, -np.sqrt(0.5), 0]  # its normal looks along -x

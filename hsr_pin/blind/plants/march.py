@@ -103,9 +103,9 @@ class March:
 
     def _step(self, t: float, tau: float, push: float, rest: bool = False) -> None:
         applied = tau * self.share
-        held = rest or t < self.trial.release - self.dt / 2
+        held = 1.0 if rest else self._grip(t)
         if held and self.trial.hold_torque:
-            applied = applied + self.trial.hold_torque
+            applied = applied + held * self.trial.hold_torque
         viscous: Array | None = None
         force: Array | None = None
         if self.moments or self.viscous or self.forces:
@@ -121,6 +121,15 @@ class March:
                 force = np.sum([law.force(state, nodes) for law in self.forces], axis=0)
         if held and self.trial.hold_force:
             force = np.zeros((2, self.engine.nodes().angle.size)) if force is None else force
-            force[0, -1] += self.trial.hold_force
+            where = self.trial.hold_at * (force.shape[1] - 1)
+            k = min(int(where), force.shape[1] - 2)
+            force[0, k : k + 2] += held * self.trial.hold_force * np.array([k + 1 - where, where - k])
         gravity = self.gravity if push == 0.0 else self.gravity - np.array([push, 0.0])
         self.engine.advance(applied, viscous, force, gravity)
+
+    def _grip(self, t: float) -> float:
+        """How firmly the arm is held, 1 to 0."""
+        since = t - self.trial.release + self.dt / 2
+        if since < 0 or not self.trial.fade:
+            return float(since < 0)
+        return max(0.0, 1 - since / self.trial.fade)

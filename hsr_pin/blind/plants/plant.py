@@ -12,6 +12,7 @@ import numpy as np
 
 from .arm import Arm, Array, Motion
 from .laws.law import Law
+from .mess import Mess
 from .nuisance import Nuisance
 from .program import Program, Trial
 from .writing import MARKERS, Marker, observe, write
@@ -47,12 +48,14 @@ class Plant(ABC):
         nuisance = nuisance or Nuisance()
         plant, laws = self.mounted(program.mount), (*nuisance.laws(), *laws)
         error = np.zeros((len(markers), 2)) if placement is None else placement
-        arm = plant.bare
-        for law in laws:
-            arm = law.arm(arm, 1.0)
-        return [
-            observe(plant.simulate(trial, laws, nuisance.k, nuisance.c), arm, laws, markers, error) for trial in program.trials
-        ]
+        points = []
+        for trial in program.trials:
+            arm = plant.bare
+            for law in laws:
+                arm = law.arm(arm, trial)
+            motion = plant.simulate(trial, laws, nuisance.k, nuisance.c)
+            points.append(observe(motion, arm, laws, markers, error))
+        return points
 
     def run(
         self,
@@ -62,17 +65,24 @@ class Plant(ABC):
         folder: str | Path,
         nuisance: Nuisance | None = None,
         markers: Sequence[Marker] = MARKERS,
+        mess: Mess | None = None,
+        session: int = 0,
     ) -> Path:
         """Record a program with these effects into a folder in the recording format, and return it.
 
         Everything random follows from `seed`; without `nuisance`, it is drawn from it
-        (`nuisance_of(seed)`). Neither the folder nor its files tell the effects.
+        (`nuisance_of(seed)`). A mess comes on top. In another session the markers sit where they sat, the noise
+        is another. Neither the folder nor its files tell the effects.
         """
         nuisance = nuisance or nuisance_of(seed)
-        placing, noise = (np.random.default_rng([seed, stream]) for stream in (1, 2))
+        placing, noise = (np.random.default_rng(stream) for stream in ([seed, 1], [seed, 2, *[session] * bool(session)]))
         placement = nuisance.placement * placing.standard_normal((len(markers), 2))
-        points = self.watch(program, effects, nuisance, markers, placement)
-        noisy = [p + nuisance.noise * noise.standard_normal(p.shape) for p in points]
+        if mess is None:
+            points = self.watch(program, effects, nuisance, markers, placement)
+            noisy = [p + nuisance.noise * noise.standard_normal(p.shape) for p in points]
+        else:
+            points = self.watch(program, (*effects, mess.law()), nuisance, markers, placement)
+            noisy = [mess.tracked(p, nuisance.noise, trial.clock, noise) for p, trial in zip(points, program.trials, strict=True)]
         return write(Path(folder), program, self.bare, markers, noisy)
 
 

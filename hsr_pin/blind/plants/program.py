@@ -33,8 +33,9 @@ class Trial:
         duration: [s].
         tip_mass: known payload [kg].
         hold_torque, hold_force: what holds the arm until `release`: a uniform moment [N m] and a force
-            at the tip, along x of the arm frame [N].
-        release: [s] after the first sample.
+            along x of the arm frame [N], which acts at `hold_at` of the length.
+        release: [s] after the first sample. fade: how long the hand takes to let go [s]. late: by how much the
+            declared instant of release is late [s].
         clock: when the recording began, since the session did [s].
     """
 
@@ -45,7 +46,10 @@ class Trial:
     tip_mass: float = 0.0
     hold_torque: float = 0.0
     hold_force: float = 0.0
+    hold_at: float = 1.0
     release: float = 0.0
+    fade: float = 0.0
+    late: float = 0.0
     clock: float = 0.0
 
     @property

@@ -57,10 +57,10 @@ class RodPlant(Plant):
     def _marched(self, trial: Trial, laws: Sequence[Law], k: float, c: float, step: float) -> Motion:
         arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
         for law in laws:
-            arm = law.arm(arm, trial.keq)
-        if arm.wall is not None:
+            arm = law.arm(arm, trial)
+        if arm.wall is not None or any(place > arm.length for place, _ in arm.lumps):
             raise EffectError(
-                "rod plant", expected="laws without contact",
+                "rod plant", expected="no contact, and no mass beyond the tip",
                 received=[law.name for law in laws], hint="use the chain plant",
             )  # fmt: skip
         # The first element is centred on the base and clamped: joints stand at h/2, 3h/2, ...
@@ -69,7 +69,7 @@ class RodPlant(Plant):
         stiffness = k * trial.keq * profile(laws, "stiffness", s)
         damping = c * trial.damping * profile(laws, "damping", s)
         engine = Rod(arm, stiffness, damping, step)
-        march = March(engine, Joints(s, trial.keq, stiffness), arm, trial, laws, step)
+        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, step)
         nodes = np.concatenate([[0.0], s, [1.0]]) * arm.length
         return march.run(nodes)
 
@@ -165,6 +165,11 @@ def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float) -> Any:
     rod.shear_matrix[:] = AXIAL * np.eye(3)[:, :, None]
     rod.bend_matrix[:] = np.eye(3)[:, :, None] * (stiffness * arm.length)
     rod.mass[-1] += arm.tip_mass
+    for place, mass in arm.lumps:  # to the two nodes beside it, as a lever does
+        where = np.clip((place + h / 2) / h, 0, n)
+        k = int(min(where, n - 1))
+        rod.mass[k] += mass * (k + 1 - where)
+        rod.mass[k + 1] += mass * (where - k)
     return rod
 
 

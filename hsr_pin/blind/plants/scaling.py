@@ -33,12 +33,14 @@ def target(size: str, noise: float) -> float:
 class Yardstick:
     """Measures by how far laws move the markers in a program, on a plant that is coarse but quick.
 
-    Gaps are RMS distances over all trials, samples and markers but the one at the base [mm].
+    Gaps are RMS distances over all trials, samples and markers but the one at the base [mm], from the arm with
+    the laws that are there `already`.
     """
 
     program: Program
     nuisance: Nuisance = field(default_factory=Nuisance)
     plant: Plant = field(default_factory=lambda: ChainPlant(elements=12, step=5e-4))
+    already: tuple[Law, ...] = ()
 
     def gap(self, *laws: Law) -> float:
         """With the laws against without them, at the same K and C [mm]."""
@@ -49,20 +51,26 @@ class Yardstick:
 
         Estimated by linear least squares on differences of 2 % in K and in C.
         """
-        change = self._change(laws)
+        return self._refitted(self._change(laws))
+
+    def refitted_step(self, before: Law, after: Law) -> float:
+        """The same, from one law to another [mm]."""
+        return self._refitted(self._change((after,)) - self._change((before,)))
+
+    def _refitted(self, change: Array) -> float:
         best = np.linalg.lstsq(self._slopes, change, rcond=None)[0]
         return _rms(change - self._slopes @ best)
 
     def _change(self, laws: tuple[Law, ...]) -> Array:
-        return self._watch(laws) - self._nominal
+        return self._watch((*self.already, *laws)) - self._nominal
 
     @cached_property
     def _nominal(self) -> Array:
-        return self._watch(())
+        return self._watch(self.already)
 
     @cached_property
     def _slopes(self) -> Array:
-        softer, looser = self._watch((), k=1.02), self._watch((), c=1.02)
+        softer, looser = self._watch(self.already, k=1.02), self._watch(self.already, c=1.02)
         return np.stack([softer - self._nominal, looser - self._nominal], axis=1)
 
     def _watch(self, laws: tuple[Law, ...], k: float = 1.0, c: float = 1.0) -> Array:
@@ -85,20 +93,22 @@ class Scaled:
     reached: bool
 
 
-def scale_to_gap(law: Law, millimetres: float, yardstick: Yardstick, refit: bool = False) -> Scaled:
+def scale_to_gap(
+    law: Law, millimetres: float, yardstick: Yardstick, refit: bool = False, *, tolerance: float = TOLERANCE, steps: int = 14
+) -> Scaled:
     """Scale a law so that the markers move by this much [mm].
 
     That is at the same K and C or, with `refit`, beyond the best change of them. Secant steps on the
-    logarithms, kept inside of what is known to be too weak and too strong; ends within 10 % or at the
+    logarithms, kept inside of what is known to be too weak and too strong; ends within the tolerance or at the
     law's limit.
     """
     measure = yardstick.refitted_gap if refit else yardstick.gap
     tried: list[tuple[float, float]] = []  # factor on the strength, gap [mm]
     factor = 1.0
-    for _ in range(14):
+    for _ in range(steps):
         scaled = law.scaled(factor)
         tried.append((factor, measure(scaled)))
-        if abs(tried[-1][1] / millimetres - 1) < TOLERANCE:
+        if abs(tried[-1][1] / millimetres - 1) < tolerance:
             return Scaled(scaled, tried[-1][1], True)
         factor = _next_factor(tried, millimetres)
         if law.scaled(factor) == scaled:

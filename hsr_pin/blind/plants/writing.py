@@ -39,8 +39,9 @@ def observe(motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Mar
     points = []
     for marker, (along, off) in zip(markers, error, strict=True):
         arc = float(np.clip(marker.arc_length + along, 0.0, arm.length))
-        off = off + sum(law.offset() for law in laws)
-        x, z = motion.at(arc, off)
+        angle = motion.angle_at(arc)
+        shifts = [law.shift(marker.arc_length / arm.length, angle) for law in acting(laws, "shift")]
+        x, z = motion.at(arc, off + sum(each[1] for each in shifts), sum(each[0] for each in shifts))
         x = x + sum(law.base(motion.t) for law in acting(laws, "base"))
         points.append(arm.to_world(x, z))
     out = np.stack(points, axis=1)
@@ -95,5 +96,5 @@ def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> s
         if trial.tip_mass:
             lines += [f"tip_mass = {trial.tip_mass}  # kg"]
         if trial.release:
-            lines += [f"t_start = {trial.release}  # s, released"]
+            lines += [f"t_start = {round(trial.release + trial.late, 3)}  # s, released"]
     return "\n".join(lines) + "\n"

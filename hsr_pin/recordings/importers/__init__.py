@@ -2,21 +2,8 @@
 
 from hsr_pin.recordings.importers.assemble import Imported, import_recordings
 from hsr_pin.recordings.importers.bodies import Body
-from hsr_pin.recordings.importers.c3d import read_c3d
 from hsr_pin.recordings.importers.capture import Capture
 from hsr_pin.recordings.importers.detect import read_capture
-from hsr_pin.recordings.importers.optitrack import read_optitrack
 from hsr_pin.recordings.importers.settings import ImportSettings
-from hsr_pin.recordings.importers.vicon import read_vicon
 
-__all__ = [
-    "Body",
-    "Capture",
-    "ImportSettings",
-    "Imported",
-    "import_recordings",
-    "read_c3d",
-    "read_capture",
-    "read_optitrack",
-    "read_vicon",
-]
+__all__ = ["Body", "Capture", "ImportSettings", "Imported", "import_recordings", "read_capture"]

@@ -39,18 +39,6 @@ class Alignment:
         return np.asarray((positions - self.origin) @ self.rotation.T)
 
 
-def axis_vector(text: str, what: str = "axis") -> Array:
-    """(3,) the unit vector of ``"+z"``, ``"-y"``, ``"x"``.
-
-    Raises:
-        InputError: anything else.
-    """
-    sign, name = (text[0], text[1:]) if text[:1] in "+-" and text else ("+", text)
-    if name.lower() not in ("x", "y", "z"):
-        raise InputError(what, expected="an axis of the laboratory: +x, -x, +y, -y, +z or -z", received=repr(text))
-    return np.asarray(np.eye(3)["xyz".index(name.lower())] * (-1.0 if sign == "-" else 1.0))
-
-
 def straight_pose(captures: Sequence[Array], stretch: Sequence[Array]) -> Array:
     """(B, 3) [m] where the bodies are when the arm is straightest: the median of the frames of the longest reach.
 

@@ -9,15 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
-from hsr_pin.recordings.grid import even_grid
-from hsr_pin.recordings.importers.alignment import axis_vector, mount_of
+from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.importers.alignment import mount_of
 from hsr_pin.recordings.importers.bodies import Body, choose, every_point, matches
 from hsr_pin.recordings.importers.capture import Capture
-from hsr_pin.recordings.importers.command_rows import CommandRows, read_command_rows
-from hsr_pin.recordings.importers.detect import read_capture
+from hsr_pin.recordings.importers.command_rows import CommandRows
+from hsr_pin.recordings.importers.detect import read_capture, read_commands_of
+from hsr_pin.recordings.importers.mapping import TableMapping
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
-from hsr_pin.recordings.importers.straight import StraightArm, straight_arm
+from hsr_pin.recordings.importers.straight import StraightArm, pointing, straight_arm
+from hsr_pin.recordings.importers.up import Up, axis_vector, choose_up
+from hsr_pin.recordings.importers.warnings import warnings
 from hsr_pin.recordings.outliers import spikes
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
@@ -39,11 +42,13 @@ class Imported:
         dataset: its notes, and those of each trajectory, say what was done.
         in_plane: (trials,) [m] root mean square motion in the bending plane, of the markers beyond the base.
         out_of_plane: (trials,) [m] the same out of it.
+        warnings: what may be wrong with it, one sentence each.
     """
 
     dataset: Dataset
     in_plane: tuple[float, ...]
     out_of_plane: tuple[float, ...]
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +72,9 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
     if not files:
         raise InputError("files", expected="at least one file to import", received="none")
     inputs = per_trial(settings.inputs, len(files), "inputs")
-    captures = [read_capture(path, settings.unit) for path in files]
+    captures = [read_capture(path, settings.unit, settings.mapping) for path in files]
     bodies = _bodies(settings, captures[0])
-    tracked = [_track(capture, bodies, path) for capture, path in zip(captures, inputs, strict=True)]
+    tracked = [_track(capture, bodies, path, settings.mapping) for capture, path in zip(captures, inputs, strict=True)]
     try:
         return _assemble(tracked, bodies, settings)
     except RecordingError as error:
@@ -91,20 +96,24 @@ def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
     return tuple(replace(body, arc_length=0.0) if body.name.lower() in BASE_NAMES else body for body in bodies)
 
 
-def _track(capture: Capture, bodies: Sequence[Body], input_path: str | Path | None) -> _Tracked:
+def _track(capture: Capture, bodies: Sequence[Body], path: str | Path | None, mapping: TableMapping | None) -> _Tracked:
     positions, notes = choose(capture, bodies)
     without = np.where(spikes(positions)[:, :, None], np.nan, positions)
-    command = None if input_path is None else read_command_rows(input_path)
-    return _Tracked(capture, positions, without, command, [*capture.notes, *notes])
+    return _Tracked(capture, positions, without, read_commands_of(capture, path, mapping), [*capture.notes, *notes])
 
 
 def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: ImportSettings) -> Imported:
-    up_axis = settings.up or tracked[0].capture.up
-    up = axis_vector(up_axis, "up")
     origin = None if settings.origin is None else np.array(settings.origin, dtype=float)
-    arm = straight_arm(bodies, [one.without_spikes for one in tracked], origin=origin, mount=settings.mount, up=up)
+    seen_points = [one.without_spikes for one in tracked]
+    axes = {one.capture.up.axis for one in tracked}
+    if settings.up is None and len(axes) > 1:
+        received = ", ".join(sorted(axis or "unknown" for axis in axes))
+        raise InputError("up", expected="files of one laboratory", received=received, hint="say which axis is up with --up")
+    chosen = choose_up(settings.up, tracked[0].capture.up, lambda: pointing(bodies, seen_points, origin), settings.mount)
+    up = axis_vector(chosen.axis or "", "up")
+    arm = straight_arm(bodies, seen_points, origin=origin, mount=settings.mount, up=up)
     mount = settings.mount or mount_of(arm.direction, up)
-    _check_mount(mount, arm, up, up_axis)
+    _check_mount(mount, arm, up, chosen)
     motions = [Motion(one.capture.time, one.without_spikes[:, arm.order], one.command) for one in tracked]
     if settings.own_plane:
         planes = [fit_plane([motion], arm, mount, up, settings.bending) for motion in motions]
@@ -128,12 +137,17 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         mount=mount,
         trials=tuple(trials),
         description=settings.description,
-        notes=(f"imported: {mount} arm, {up_axis} of the laboratory is up", *arm.notes),
+        notes=(f"imported: {mount} arm, {chosen.axis} of the laboratory is up, {chosen.why}", *arm.notes),
     )
-    return Imported(dataset, tuple(within for within, _ in spreads), tuple(out for _, out in spreads))
+    return Imported(
+        dataset,
+        tuple(within for within, _ in spreads),
+        tuple(out for _, out in spreads),
+        warnings(dataset, spreads, settings.up is not None),
+    )
 
 
-def _check_mount(mount: str, arm: StraightArm, up: Array, up_axis: str) -> None:
+def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
     slope = float(arm.direction @ up)
     fits = {"hanging": slope < -HALFWAY, "upright": slope > HALFWAY, "horizontal": abs(slope) < NEARLY_VERTICAL}[mount]
     if not fits:
@@ -141,7 +155,7 @@ def _check_mount(mount: str, arm: StraightArm, up: Array, up_axis: str) -> None:
             "mount",
             expected=f"an arm that is {mount}",
             received=f"one that points {np.degrees(np.arcsin(np.clip(slope, -1, 1))):.0f} deg above the horizontal",
-            hint=f"is {up_axis} of the laboratory up? say it with --up",
+            hint=f"is {chosen.axis} of the laboratory up, {chosen.why}? if not, say which with --up",
         )
 
 
@@ -168,21 +182,21 @@ def _facts(settings: ImportSettings, trials: int) -> list[dict[str, float | None
 
 
 def _trajectory(one: _Tracked, world: Array, markers: tuple[Marker, ...], notes: Sequence[str]) -> Trajectory:
-    time, kept = one.capture.time, list(notes)
     try:
-        grid = even_grid(time)
+        trajectory, _ = on_even_grid(Trajectory(one.capture.time, markers, world))
     except ValueError:
-        raise RecordingError("time", expected="nearly even sampling", received="almost all gap", file=one.capture.path) from None
-    if grid is not None:
-        time, world = grid.time, grid.positions(world)
-        kept.append(grid.note)
+        hint = "split the recording at long pauses"
+        expected, received = "nearly even sampling", "almost all gap"
+        raise RecordingError("time", expected=expected, received=received, hint=hint, file=one.capture.path) from None
+    kept = [*notes, *trajectory.notes]
     if one.command is None:
-        return Trajectory(time, markers, world, notes=tuple(kept))
+        return replace(trajectory, notes=tuple(kept))
+    time = trajectory.time
     held = one.command.held_at(time)
     if one.command.time[0] > time[0] + 1e-9:
         kept.append(f"the input begins at {one.command.time[0]:g} s; its first row was held before that")
     torque, pressures = (held[:, 0], None) if one.command.names == ("tau",) else (None, held)
-    return Trajectory(time, markers, world, torque=torque, pressures=pressures, notes=tuple(kept))
+    return replace(trajectory, torque=torque, pressures=pressures, notes=tuple(kept))
 
 
 def _trial(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path) -> Trial:

@@ -9,8 +9,9 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.delimited import number
 from hsr_pin.recordings.importers.capture import Capture, seen
-from hsr_pin.recordings.text import nearest, number
+from hsr_pin.recordings.text import nearest
 from hsr_pin.trajectory import Array
 
 
@@ -68,21 +69,62 @@ def every_point(capture: Capture) -> tuple[Body, ...]:
 def choose(capture: Capture, bodies: Sequence[Body]) -> tuple[Array, list[str]]:
     """(T, B, 3) [m] positions of bodies in the laboratory's frame, and notes.
 
-    A body of several points is their mean where all of them were seen, and a gap elsewhere: the mean of fewer would leap.
+    A body of several points is their mean where all of them were seen, and a gap elsewhere: the mean of fewer would leap. Points
+    that no frame shows together are labels of one marker, which was given a new one when it came back: they count as one point.
 
     Raises:
         RecordingError: a source matches no point of the file; the nearest is named.
     """
-    notes, columns = [], []
+    notes: list[str] = []
+    columns = []
     for body in bodies:
         indices = sorted({index for source in body.sources for index in matches(capture, source)})
-        points = capture.positions[:, indices]
+        merged = [_merged(capture, group, body, notes) for group in _labels(capture, indices)]
+        points = np.stack(merged, axis=1)
         count = seen(points).sum(axis=1)
-        some = int(np.sum((count > 0) & (count < len(indices))))
+        some = int(np.sum((count > 0) & (count < len(merged))))
         if some:
-            notes.append(f"{body.name}: {some} samples are gaps because not all of its {len(indices)} points were seen")
+            notes.append(f"{body.name}: {some} samples are gaps because not all of its {len(merged)} points were seen")
         columns.append(points.mean(axis=1))
     return np.stack(columns, axis=1), notes
+
+
+def _labels(capture: Capture, indices: Sequence[int]) -> list[list[int]]:
+    """Points grouped by marker: those that no frame shows together may be one; of several, the one nearest by."""
+    shown = {index: seen(capture.positions[:, index]) for index in indices}
+    groups: list[list[int]] = []
+    for index in sorted(indices, key=lambda one: int(np.argmax(shown[one]))):
+        mine = np.flatnonzero(shown[index])
+        free = [group for group in groups if len(mine) and not any((shown[index] & shown[other]).any() for other in group)]
+        if not free:
+            groups.append([index])
+            continue
+        min(free, key=lambda group: _apart(capture, group[-1], index)).append(index)
+    return groups
+
+
+def _apart(capture: Capture, before: int, after: int) -> float:
+    """How far one point appears [m] from where another was seen last; endless if that was never seen."""
+    places = [capture.positions[seen(capture.positions[:, index]), index] for index in (before, after)]
+    return float(np.linalg.norm(places[1][0] - places[0][-1])) if all(len(each) for each in places) else np.inf
+
+
+def _merged(capture: Capture, group: Sequence[int], body: Body, notes: list[str]) -> Array:
+    """(T, 3) [m] a marker under whichever of its labels it was seen."""
+    points = capture.positions[:, group]
+    if len(group) == 1:
+        return np.asarray(points[:, 0])
+    which = np.where(seen(points).any(axis=1), np.argmax(seen(points), axis=1), -1)
+    frames = np.flatnonzero(which >= 0)
+    changes = np.flatnonzero(np.diff(which[frames]))
+    before, after = frames[changes], frames[changes + 1]
+    leap = np.linalg.norm(points[after, which[after]] - points[before, which[before]], axis=1).max(initial=0.0)
+    names = ", ".join(capture.names[index] for index in group)
+    notes.append(
+        f"{body.name}: {names} are never seen together and were taken for labels of one marker, which leaps by up to "
+        f"{1e3 * leap:.3g} mm where its label changes"
+    )
+    return np.asarray(np.where((which >= 0)[:, None], points[np.arange(len(points)), which], np.nan))
 
 
 def matches(capture: Capture, source: str) -> list[int]:

@@ -1,40 +1,74 @@
-"""C3D (https://www.c3d.org), the exchange format of motion capture, read with ezc3d.
+"""C3D (https://www.c3d.org), the exchange format of motion capture.
 
-ezc3d is C++ and trusts its file: one with a broken byte can crash or hang it. It therefore runs in a process of its own.
+The points are read here and not by a library: the libraries that there are trust what a file says of its own layout, and many say
+it wrong (a rate of analog channels that is missing or rounded), so that positions come out of the wrong bytes; a damaged one
+takes gigabytes or ends the process. Here the size of the file has the last word.
 """
 
 from __future__ import annotations
 
-import io
-import re
-import subprocess
-import sys
+import struct
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.files import read_bytes
+from hsr_pin.recordings.importers.c3d_parameters import BLOCK, Parameters, floats, read_parameters
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
+from hsr_pin.recordings.importers.up import Up
 
 #: Second byte of every file.
 MAGIC = 0x50
-#: A file is made of blocks of so many bytes.
-BLOCK = 512
-#: What the fourth byte of the parameters says of a file whose numbers begin with their high byte.
-BIG_ENDIAN = 86
-#: Reading takes less than this, and this for each byte [s].
-PATIENCE, PATIENCE_PER_BYTE = 30.0, 1e-6
+#: Units as they stand in texts of four letters.
+CUT_UNITS = {"mete": "meters", "mill": "millimeters"}
+#: Largest file [bytes].
+LARGEST = 1_000_000_000
+#: Scales that differ by less than this share are the same.
+SAME_SCALE = 1e-3
+#: The last frame of a recording too long for its header.
+TOO_LONG = 0xFFFF
+#: Points that are no places, as Vicon names them.
+NO_PLACES = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
+#: Which axis systems have upwards, by a word in their name. POINT:Y_SCREEN does not tell: Qualisys and ART write what is not up.
+CONVENTIONS = {
+    "vicon": ("+z", "Vicon"),
+    "qualisys": ("+z", "Qualisys"),
+    "motion analysis": ("+z", "Motion Analysis"),
+    "a.r.t": ("+z", "ART"),
+    "dtrack": ("+z", "ART"),
+    "charnwood": ("+z", "Codamotion"),
+    "optitrack": ("+y", "Motive"),
+}
 
-_READER = """
-import sys, numpy, ezc3d
-content = ezc3d.c3d(sys.argv[1])
-point = content["parameters"]["POINT"]
-texts = {key: [str(value) for value in point[key]["value"]] for key in point
-         if key.startswith("LABELS") or key in ("UNITS", "Y_SCREEN")}
-numpy.savez(sys.stdout.buffer, points=content["data"]["points"][:3], rate=point["RATE"]["value"],
-            residuals=content["data"]["meta_points"]["residuals"], **{key: numpy.array(texts[key], dtype=str) for key in texts})
-"""
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the points are.
+
+    Attributes:
+        start: of the first frame [bytes].
+        points: in a frame.
+        analog: samples of analog channels after them.
+        frames: of them.
+        real: numbers are of 32 bits; else of 16, to be scaled.
+        scale: units of length for 1.
+    """
+
+    start: int
+    points: int
+    analog: int
+    frames: int
+    real: bool
+    scale: float
+
+    @property
+    def stride(self) -> int:
+        """From frame to frame [bytes]."""
+        return (4 * self.points + self.analog) * (4 if self.real else 2)
 
 
 def is_c3d(head: bytes) -> bool:
@@ -50,62 +84,158 @@ def read_c3d(path: Path, unit: str | None = None) -> Capture:
         unit: of length, in place of what the file says.
 
     Raises:
-        RecordingError: the file cannot be read as C3D, holds no points, or gives no rate or unit.
+        RecordingError: the file is cut short or damaged, holds no points, or gives no rate or unit.
     """
-    content = _content(path)
-    points = content["points"].astype(float)  # (3, K, T)
-    unseen = content["residuals"].reshape(points.shape[1:]).T < 0
-    labels = [str(label) for key in sorted(content, key=_number) if key.startswith("LABELS") for label in content[key]]
-    labels += [f"point {index + 1}" for index in range(len(labels), points.shape[1])]
-    rate = float(content["rate"][0]) if len(content["rate"]) else 0.0
+    data = read_bytes(path, LARGEST)
+    try:
+        parameters = read_parameters(data)
+    except (ValueError, IndexError, struct.error) as error:
+        hint = "export it anew"
+        raise RecordingError("not a C3D file that can be read: damaged", received=error, hint=hint, file=path) from error
+    layout = _layout(data, parameters, path)
+    rate = parameters.number("POINT", "RATE") or float(floats(data[20:24], parameters.processor)[0])
     if not (rate > 0 and np.isfinite(rate)):
-        raise RecordingError("POINT:RATE", expected="a number of Hz", received=rate, file=path)
-    said = unit or _text(content, "UNITS")
-    positions = points.transpose(2, 1, 0) * metres(said, None if unit else path)
-    positions[unseen | ~np.asarray(np.isfinite(positions).all(axis=2), dtype=bool)] = np.nan
-    screen = _text(content, "Y_SCREEN").lower()
+        raise RecordingError("POINT:RATE", expected="a number of Hz", received=rate, hint="export it anew", file=path)
+    said = unit or next(iter(parameters.texts("POINT", "UNITS")), "")
+    said = CUT_UNITS.get(said.lower(), said)
+    labels = parameters.texts("POINT", "LABELS")[: layout.points]
+    labels = [label or f"point {index + 1}" for index, label in enumerate(labels)]
+    labels += [f"point {index + 1}" for index in range(len(labels), layout.points)]
+    places = _places(parameters, labels)
+    positions = _positions(data, layout, parameters.processor)[:, places] * metres(said, None if unit else path)
+    notes = [f"imported from {path.name} (C3D, {said}, {rate:g} Hz)"]
+    if len(places) < layout.points:
+        notes.append(f"{layout.points - len(places)} angles, forces and other outputs of a model were left out")
     return capture(
         path,
-        "C3D",
+        "C3D" if not _maker(parameters) else f"C3D of {_maker(parameters)}",
         np.arange(len(positions)) / rate,
-        [label.strip() for label in labels[: points.shape[1]]],
+        [labels[place] for place in places],
         positions,
-        up=screen if re.fullmatch(r"[+-][xyz]", screen) else "+z",
-        notes=[f"imported from {path.name} (C3D, {said}, {rate:g} Hz)"],
+        up=_up(parameters),
+        unit=said,
+        notes=notes,
     )
 
 
-def _content(path: Path) -> dict[str, Any]:
-    """The points and their parameters, read in a process of its own."""
-    data = path.read_bytes()
-    parameters = (data[0] - 1) * BLOCK
-    if len(data) < parameters + 4 or len(data) < parameters + data[parameters + 2] * BLOCK:
-        raise RecordingError("not a C3D file that can be read", received="a file that is cut short", file=path)
-    try:
-        reader = subprocess.run(
-            [sys.executable, "-c", _READER, str(path.resolve())],
-            capture_output=True,
-            timeout=PATIENCE + PATIENCE_PER_BYTE * len(data),
-            check=False,
+def _layout(data: bytes, parameters: Parameters, path: Path) -> Layout:
+    """What the header, the parameters and the size of the file agree on."""
+    order, processor = parameters.order, parameters.processor
+    if len(data) < BLOCK:
+        raise RecordingError("the file is cut short", expected="a header of 512 bytes", received=len(data), file=path)
+    points, analog, first, last = struct.unpack_from(f"{order}4H", data, 2)
+    block, samples = struct.unpack_from(f"{order}2H", data, 16)
+    scale = _scale(float(floats(data[12:16], processor)[0]), parameters.number("POINT", "SCALE"), path)
+    used = parameters.number("POINT", "USED")
+    frames = _frames(parameters, last - first + 1 if last != TOO_LONG else 0)
+    analogs = _analogs(parameters, analog, samples)
+    starts = [(start - 1) * BLOCK for start in (block, int(parameters.number("POINT", "DATA_START") or 0)) if start > 1]
+    counts = [int(count) for count in dict.fromkeys((points, used)) if count]
+    shapes = [
+        Layout(start, count, channels, number, scale < 0, abs(scale))
+        for start in dict.fromkeys(starts)
+        for count in counts
+        for channels in analogs
+        for number in frames or [(len(data) - start) // Layout(start, count, channels, 0, scale < 0, 1).stride]
+    ]
+    if not shapes:
+        raise RecordingError(
+            "no marker in the file", expected="points", received=f"{points} points", hint="export them too", file=path
         )
-    except subprocess.TimeoutExpired:
-        raise RecordingError("not a C3D file that can be read", received="no end to it", file=path) from None
-    if reader.returncode != 0:
-        said = reader.stderr.decode("utf-8", "replace").strip().split("\n")[-1][:120]
-        raise RecordingError("not a C3D file that can be read", received=said or "a crash of the reader", file=path)
-    with np.load(io.BytesIO(reader.stdout)) as archive:
-        content = {key: archive[key] for key in archive.files}
-    order: Literal["big", "little"] = "big" if data[parameters + 3] == BIG_ENDIAN else "little"
-    first, last = (int.from_bytes(data[at : at + 2], order) for at in (6, 8))
-    if content["points"].shape[2] < last - first + 1 and last < 0xFFFF:  # a longer recording says so elsewhere
-        received = f"{content['points'].shape[2]} of {last - first + 1} frames"
-        raise RecordingError("the file is cut short", expected="all frames", received=received, file=path)
-    return content
+    left = [len(data) - shape.start - shape.frames * shape.stride for shape in shapes]
+    fitting = next((shape for shape, rest in zip(shapes, left, strict=True) if 0 <= rest < BLOCK), None)
+    if fitting is not None:
+        return fitting
+    if len({(shape.start, shape.stride) for shape in shapes}) == 1 and max(left) >= 0:
+        return shapes[max(range(len(left)), key=lambda index: (left[index] >= 0, -left[index]))]
+    raise _does_not_fit(shapes, left, len(data), path)
 
 
-def _text(content: dict[str, Any], key: str) -> str:
-    return str(content[key][0]).strip() if key in content and len(content[key]) else ""
+def _scale(header: float, parameter: float | None, path: Path) -> float:
+    """Units of length for 1, negative where numbers are of 32 bits: the header and the parameter must agree on what matters."""
+    hint = "export it anew, with numbers of 32 bits if there is a choice"
+    scale = header if parameter is None else parameter
+    if not np.isfinite(scale) or scale == 0:
+        raise RecordingError("POINT:SCALE", expected="a number, not zero", received=scale, hint=hint, file=path)
+    other_kind = (header < 0) != (scale < 0)
+    if np.isfinite(header) and header != 0 and (other_kind or (scale > 0 and abs(header - scale) > SAME_SCALE * scale)):
+        expected, received = f"{header:.6g}, as in the header", f"{scale:.6g}"
+        raise RecordingError("POINT:SCALE", expected=expected, received=received, hint=hint, file=path)
+    return scale
 
 
-def _number(key: str) -> int:
-    return int(re.sub(r"\D", "", key) or 0)
+def _does_not_fit(shapes: list[Layout], left: list[int], size: int, path: Path) -> RecordingError:
+    shape = shapes[0]
+    if max(left) < 0:
+        there = max(0, size - shape.start) // shape.stride
+        received, hint = f"{there} of {shape.frames} frames", "copy or export it anew"
+        return RecordingError("the file is cut short", expected="all frames", received=received, hint=hint, file=path)
+    return RecordingError(
+        "the layout of the file is in doubt",
+        expected=f"{size} bytes",
+        received=" or ".join(str(one.start + one.frames * one.stride) for one in shapes[:4]),
+        hint="its header and its parameters contradict each other on points or analog channels; export it anew",
+        file=path,
+    )
+
+
+def _frames(parameters: Parameters, header: int) -> list[int]:
+    """How many there may be, what is most to be trusted first."""
+    found = []
+    start, end = (parameters.words("TRIAL", f"ACTUAL_{word}_FIELD") for word in ("START", "END"))
+    if len(start) == len(end) == 2:
+        found.append(end[0] + (end[1] << 16) - start[0] - (start[1] << 16) + 1)
+    for name in ("LONG_FRAMES", "FRAMES"):
+        number = parameters.number("POINT", name)
+        if number is not None and np.isfinite(number) and abs(number) < 1e9:
+            found.append(int(number) & 0xFFFF if number < 0 else int(number))
+    return [number for number in dict.fromkeys([header, *found]) if number > 0 and number != TOO_LONG]
+
+
+def _analogs(parameters: Parameters, header: int, samples: int) -> list[int]:
+    """How many analog samples a frame may have: as the header says, or as the parameters do."""
+    used = parameters.number("ANALOG", "USED") or 0.0
+    rates = parameters.number("ANALOG", "RATE"), parameters.number("POINT", "RATE")
+    found = [header, int(used) * samples]
+    if all(rate is not None and np.isfinite(rate) and rate > 0 for rate in rates):
+        found.append(int(used) * round((rates[0] or 0.0) / (rates[1] or 1.0)))
+    return [number for number in dict.fromkeys(found) if 0 <= number < 1 << 20]
+
+
+def _positions(data: bytes, layout: Layout, processor: int) -> NDArray[np.float64]:
+    """(T, K, 3) [as the file has it]; NaN where a point was not seen."""
+    width = 4 * layout.points
+    raw = data[layout.start : layout.start + layout.frames * layout.stride]
+    if layout.real:
+        values: NDArray[Any] = floats(raw, processor).reshape(layout.frames, -1)[:, :width]
+        scale = 1.0
+    else:
+        values = np.frombuffer(raw, ">i2" if processor == 86 else "<i2").reshape(layout.frames, -1)[:, :width]
+        scale = layout.scale
+    values = values.reshape(layout.frames, layout.points, 4)
+    with np.errstate(invalid="ignore"):  # damaged numbers
+        positions = values[:, :, :3].astype(np.float64) * scale
+    unseen = (values[:, :, 3] < 0) | ~np.isfinite(positions).all(axis=2) | (np.abs(positions) > 1e9).any(axis=2)
+    positions[unseen] = np.nan
+    return positions
+
+
+def _places(parameters: Parameters, labels: list[str]) -> list[int]:
+    """The points that are places, and no outputs of a model."""
+    others = {label for name in NO_PLACES for label in parameters.texts("POINT", name) if label}
+    return [index for index, label in enumerate(labels) if label not in others]
+
+
+def _maker(parameters: Parameters) -> str:
+    return " ".join(text for name in ("COMPANY", "SOFTWARE") for text in parameters.texts("MANUFACTURER", name)[:1] if text)[:60]
+
+
+def _up(parameters: Parameters) -> Up:
+    maker = _maker(parameters).lower()
+    for word, (axis, system) in CONVENTIONS.items():
+        if word in maker:
+            return Up(axis, f"as {system} has it")
+    screen = next(iter(parameters.texts("POINT", "Y_SCREEN")), "")
+    if screen.lower() == "+z":
+        return Up("+z", "as POINT:Y_SCREEN has it")
+    return Up(None, f"no maker that is known, and POINT:Y_SCREEN is {screen or 'not there'}, which systems fill in as they like")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.grid import GAP
+from hsr_pin.recordings.importers.up import Up
+from hsr_pin.recordings.sampling import implausible
 from hsr_pin.trajectory import Array
 
 #: Names of length units, in lower case, in metres.
@@ -39,7 +42,9 @@ class Capture:
         time: (T,) [s], increasing, from 0 at the first frame in the file.
         names: (K,) of the points, each once, as the system has them.
         positions: (T, K, 3) [m] in the laboratory's frame; NaN where not seen.
-        up: the laboratory's axis that this system has upwards unless told otherwise (``"+z"``).
+        up: what the file tells about the laboratory's axis that points upwards.
+        unit: of length in the file.
+        start: [s] the first frame on the clock of the file.
         notes: one sentence each.
     """
 
@@ -48,12 +53,31 @@ class Capture:
     time: Array
     names: tuple[str, ...]
     positions: Array
-    up: str
+    up: Up
+    unit: str
+    start: float = 0.0
     notes: tuple[str, ...] = ()
+
+    @property
+    def rate(self) -> float:
+        """Frames in a second [Hz], where none is missing."""
+        steps = np.diff(self.time)
+        return float(1 / steps[steps <= GAP * np.median(steps)].mean())
 
 
 def capture(
-    path: Path, system: str, time: Array, names: Sequence[str], positions: Array, *, up: str, notes: Sequence[str] = ()
+    path: Path,
+    system: str,
+    time: Array,
+    names: Sequence[str],
+    positions: Array,
+    *,
+    up: Up,
+    unit: str,
+    factor: float = 1.0,
+    start: float = 0.0,
+    notes: Sequence[str] = (),
+    encoding: str = "",
 ) -> Capture:
     """A capture that has been looked through: points that are not seen are NaN, names are unique, time begins at 0.
 
@@ -61,13 +85,17 @@ def capture(
         path: as in :class:`Capture`.
         system: likewise.
         up: likewise.
+        unit: likewise.
+        start: [s] to be added to the times for those on the clock of the file.
         time: (T,) [s].
         names: (K,) a name that comes again is given a number.
-        positions: (T, K, 3) [m]; a point at exactly (0, 0, 0), or with a coordinate missing, was not seen.
+        positions: (T, K, 3); a point at exactly (0, 0, 0), or with a coordinate missing, was not seen.
+        factor: metres in one of their unit.
         notes: so far.
+        encoding: of the text, if not UTF-8.
 
     Raises:
-        RecordingError: no point, fewer than two frames, or time that does not increase.
+        RecordingError: no point, fewer than two frames, or time that does not increase or is not that of a motion.
     """
     if not names:
         raise RecordingError("no marker in the file", expected="columns or labels of points", file=path)
@@ -77,16 +105,23 @@ def capture(
     if not np.all(steps > 0):
         frame = int(np.argmin(steps > 0)) + 1
         raise RecordingError("time", expected="frames in order", received=f"{time[frame]:.9g} s at frame {frame + 1}", file=path)
-    notes = list(notes)
+    facts = implausible(time)
+    if facts is not None:
+        raise RecordingError("time", **asdict(facts), file=path)
+    notes = [*notes, f"read as {encoding}"] if encoding else list(notes)
     positions = np.array(positions, dtype=float)
-    zero = np.all(positions == 0, axis=2)
+    if factor != 1.0:
+        positions *= factor
+    zero = ~positions.any(axis=2)
     if zero.any():
         notes.append(f"{int(zero.sum())} samples at exactly (0, 0, 0) were taken as not seen")
-    partial = np.isnan(positions).any(axis=2) & ~np.isnan(positions).all(axis=2)
+    missing = np.isnan(positions)
+    partial = missing.any(axis=2) & ~missing.all(axis=2)
     if partial.any():
         notes.append(f"{int(partial.sum())} samples with a coordinate missing were taken as not seen")
-    positions[zero | partial] = np.nan
-    return Capture(path, system, time - time[0], _unique(names), positions, up, tuple(notes))
+    if zero.any() or partial.any():
+        positions[zero | partial] = np.nan
+    return Capture(path, system, time - time[0], _unique(names), positions, up, unit, start + float(time[0]), tuple(notes))
 
 
 def seen(positions: Array) -> NDArray[np.bool_]:
@@ -112,10 +147,12 @@ def metres(unit: str, path: Path | None = None, line: int | None = None, column:
 
 
 def _unique(names: Sequence[str]) -> tuple[str, ...]:
-    taken: list[str] = []
-    for name in names:
-        number, candidate = 2, name
+    taken: dict[str, int] = {}
+    for name in ("".join(letter if letter.isprintable() else "?" for letter in name) for name in names):
+        number, candidate = taken.get(name, 0) + 1, name
         while candidate in taken:
-            candidate, number = f"{name} #{number}", number + 1
-        taken.append(candidate)
+            number += 1
+            candidate = f"{name} #{number}"
+        taken[candidate] = 1
+        taken[name] = max(taken[name], number) if name in taken else number
     return tuple(taken)

@@ -2,44 +2,104 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.files import check_regular
 from hsr_pin.recordings.importers.c3d import is_c3d, read_c3d
 from hsr_pin.recordings.importers.capture import Capture
+from hsr_pin.recordings.importers.command_rows import CommandRows, read_command_rows
+from hsr_pin.recordings.importers.mapped import read_mapped, read_mapped_commands
+from hsr_pin.recordings.importers.mapping import TableMapping
 from hsr_pin.recordings.importers.optitrack import is_optitrack, read_optitrack
+from hsr_pin.recordings.importers.optitrack_legacy import is_optitrack_legacy, read_optitrack_legacy
+from hsr_pin.recordings.importers.plain import head_text
+from hsr_pin.recordings.importers.qualisys import is_qualisys, read_qualisys
+from hsr_pin.recordings.importers.rosbag import is_bag, read_bag, read_bag_commands
+from hsr_pin.recordings.importers.trc import is_trc, read_trc
 from hsr_pin.recordings.importers.vicon import is_vicon, read_vicon
 
+#: So much of the beginning tells the format [bytes].
+HEAD = 8192
 
-def read_capture(path: str | Path, unit: str | None = None) -> Capture:
-    """Read the file of any tracking system that is known.
+_TEXTS: tuple[tuple[Callable[[str], bool], Callable[[Path, str | None], Capture]], ...] = (
+    (is_optitrack, read_optitrack),
+    (is_optitrack_legacy, read_optitrack_legacy),
+    (is_qualisys, read_qualisys),
+    (is_trc, read_trc),
+    (is_vicon, read_vicon),
+)
+
+
+def read_capture(path: str | Path, unit: str | None = None, mapping: TableMapping | None = None) -> Capture:
+    """Read the file of any tracking system that is known, or any table with a mapping.
 
     Args:
-        path: the file.
+        path: the file; a bag of ROS 2 may be a folder.
         unit: of length, in place of what the file says.
+        mapping: what stands where in a table; one without points leaves the file to the readers of known systems.
 
     Raises:
         RecordingError: with file, line and column of the first fault.
         InputError: ``unit`` is not a unit of length.
+        MissingDependencyError: a bag, without what reads bags.
     """
     path = Path(path)
-    try:
-        with path.open("rb") as file:
-            head = file.read(4096)
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
-        raise RecordingError("cannot read the file", received=getattr(error, "strerror", None) or error, file=path) from error
+    if mapping is not None and mapping.points:
+        return read_mapped(path, mapping, unit)
+    head = _head(path)
+    if is_bag(path, head):
+        return read_bag(path, unit)
+    if path.is_dir():
+        expected = "a file, or the folder of a ROS 2 bag with its metadata.yaml"
+        raise RecordingError("cannot read the file", expected=expected, received="a folder", file=path)
     if is_c3d(head):
         return read_c3d(path, unit)
-    text = head.decode("utf-8-sig", "replace")
-    if is_optitrack(text):
-        return read_optitrack(path, unit)
-    if is_vicon(text):
-        return read_vicon(path, unit)
+    text = head_text(head)
+    for is_one, read in _TEXTS:
+        if is_one(text):
+            return read(path, unit)
     raise RecordingError(
         "format not recognised",
-        expected="a CSV of Vicon Nexus or Tracker, a CSV of OptiTrack Motive, or C3D",
+        expected="CSV of Vicon or OptiTrack, TSV of Qualisys, TRC, C3D, or a ROS bag",
         received="an empty file" if not head.strip() else repr(text[:40]),
+        hint="for any other table write a mapping, and give it with --map",
         file=path,
         line=1,
         column=1,
     )
+
+
+def read_commands_of(recording: Capture, path: str | Path | None, mapping: TableMapping | None) -> CommandRows | None:
+    """The input of a recording: of a file of its own, or, where a mapping says so, of the recording's file; None: it has none.
+
+    Args:
+        recording: whose clock it is put on.
+        path: of the input; None: no file of its own.
+        mapping: where it is in a table or a bag; without one the file has columns ``t,P1,P2`` or ``t,tau``.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+        MissingDependencyError: a bag, without what reads bags.
+    """
+    wanted = None if mapping is None else mapping.input
+    if mapping is None or wanted is None:
+        return None if path is None else read_command_rows(path)
+    source = recording.path if path is None else Path(path)
+    if is_bag(source, _head(source)):
+        return read_bag_commands(source, wanted, recording)
+    return read_mapped_commands(source, mapping, wanted, recording)
+
+
+def _head(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            return b""
+        check_regular(path, None)
+        with path.open("rb") as file:
+            return file.read(HEAD)
+    except RecordingError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        raise RecordingError("cannot read the file", received=getattr(error, "strerror", None) or error, file=path) from error

@@ -1,4 +1,4 @@
-"""OptiTrack Motive, CSV export, header versions 1.20 to 1.29 (Motive 2 and 3).
+"""OptiTrack Motive, CSV export with a format version 1.x in its first line.
 
 The first line is pairs of keys and values (``Format Version,1.23,...,Length Units,Meters,...``). Lines of types, names and
 identifiers follow, then one of kinds (``Position``, ``Rotation``), one of columns (``Frame,Time (Seconds),X,Y,Z,...``), frames.
@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
-from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
+from hsr_pin.recordings.importers.clock import frame_times
+from hsr_pin.recordings.importers.sheet import Sheet, positive, read_sheet
+from hsr_pin.recordings.importers.up import Up
 
 #: A marker that was seen goes before the place that a solved body gives to it.
 _FIRST = ("Marker", "Rigid Body", "Rigid Body Marker")
+#: Versions before 1.2 do not say their unit.
+DEFAULT_UNIT = "Meters"
 
 
 def is_optitrack(head: str) -> bool:
@@ -33,37 +35,41 @@ def read_optitrack(path: Path, unit: str | None = None) -> Capture:
         RecordingError: with file, line and column of the first fault.
     """
     sheet = read_sheet(path)
-    facts = dict(zip(sheet.rows[0][::2], sheet.rows[0][1::2], strict=False))
+    facts = dict(zip(sheet.row(0)[::2], sheet.row(0)[1::2], strict=False))
     version = facts.get("Format Version", "")
-    if not version.startswith("1.2"):
+    if not version.startswith("1."):
         raise sheet.fault(
-            0, 1, "Format Version", expected="1.2x", received=repr(version[:40]), hint="export it anew with Motive 2 or 3"
+            0, 1, "Format Version", expected="1.x", received=repr(version[:40]), hint="export it anew with Motive 2 or 3"
         )
     if facts.get("Coordinate Space", "Global") != "Global":
-        raise sheet.fault(0, 0, "Coordinate Space", expected="Global", received=facts["Coordinate Space"][:40])
-    said = unit or facts.get("Length Units", "")
-    factor = metres(said, None if unit else path, 1, 1)
-    axis_row = next((row for row in range(1, len(sheet.rows)) if sheet.field(row, 0).lower() == "frame"), None)
-    if axis_row is None or axis_row < 3:
+        received, hint = facts["Coordinate Space"][:40], "export it anew with global coordinates"
         raise sheet.fault(
-            len(sheet.rows) - 1, 0, "columns", expected="a line that begins with Frame, under the names", received="none"
+            0, sheet.row(0).index("Coordinate Space") + 1, "Coordinate Space", expected="Global", received=received, hint=hint
         )
-    points = _points(sheet, axis_row)
-    rows = range(axis_row + 1, len(sheet.rows))
+    said = unit or facts.get("Length Units", DEFAULT_UNIT)
+    factor = metres(said, None if unit else path, 1, 1)
+    axis_row = next((row for row in range(1, min(12, len(sheet))) if sheet.field(row, 0).lower() == "frame"), None)
+    if axis_row is None or axis_row < 3:
+        received = repr(sheet.field(3, 0)[:40])
+        raise sheet.fault(3, 0, "columns", expected="a line that begins with Frame, under the names", received=received)
     if not sheet.field(axis_row, 1).lower().startswith("time"):
         raise sheet.fault(axis_row, 1, "columns", expected="Time (Seconds)", received=repr(sheet.field(axis_row, 1)[:40]))
-    time = sheet.numbers(rows, [1])[:, 0]
-    if np.isnan(time).any():
-        raise sheet.fault(rows[int(np.argmax(np.isnan(time)))], 1, "time", expected="a number", received="no value")
-    values = sheet.numbers(rows, [index + axis for index, _ in points for axis in range(3)])
+    points = _points(sheet, axis_row)
+    rows = range(axis_row + 1, len(sheet))
+    values = sheet.numbers(rows, [0, 1, *(index + axis for index, _ in points for axis in range(3))], ("frame", "time"))
+    sheet.check_count(rows, positive(facts.get("Total Exported Frames", "")), "Total Exported Frames in line 1")
+    time, note = frame_times(values[:, 0], positive(facts.get("Export Frame Rate", "")), values[:, 1])
     return capture(
         path,
         "OptiTrack CSV",
         time,
         [name for _, name in points],
-        values.reshape(len(time), len(points), 3) * factor,
-        up="+y",
-        notes=[f"imported from {path.name} (OptiTrack CSV {version}, {said})"],
+        values[:, 2:].reshape(len(rows), len(points), 3),
+        up=Up("+y", "as Motive has it"),
+        unit=said,
+        factor=factor,
+        notes=[f"imported from {path.name} (OptiTrack CSV {version}, {said})", *([note] if note else [])],
+        encoding=sheet.encoding,
     )
 
 
@@ -72,7 +78,7 @@ def _points(sheet: Sheet, axis_row: int) -> list[tuple[int, str]]:
     labelled = {sheet.field(row, 1): row for row in range(1, axis_row)}
     type_row, name_row = labelled.get("Type", 1), labelled.get("Name", 2)
     found = []
-    for index in range(2, len(sheet.rows[axis_row]) - 2):
+    for index in range(2, len(sheet.row(axis_row)) - 2):
         axes = [sheet.field(axis_row, index + axis).upper() for axis in range(3)]
         if axes == ["X", "Y", "Z"] and sheet.field(axis_row - 1, index) == "Position":
             found.append((index, sheet.field(type_row, index), sheet.field(name_row, index)))

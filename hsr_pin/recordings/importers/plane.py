@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
-from hsr_pin.recordings.importers.alignment import Alignment, axis_vector, bending_direction, frame
+from hsr_pin.recordings.importers.alignment import Alignment, bending_direction, frame
 from hsr_pin.recordings.importers.capture import seen
 from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.straight import StraightArm
+from hsr_pin.recordings.importers.up import axis_vector
 from hsr_pin.trajectory import Array
 
 #: Correlation of input and tip below which the input does not tell which way is positive.

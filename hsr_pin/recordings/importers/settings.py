@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.importers.bodies import Body
+from hsr_pin.recordings.importers.mapping import TableMapping
 from hsr_pin.trajectory import MOUNTS
 
 _Value = TypeVar("_Value")
@@ -40,7 +41,8 @@ class ImportSettings:
         damping: [Nm s/rad].
         tip_mass: [kg].
         t_start: [s] on the capture's clock, 0 at its first frame.
-        inputs: CSV files ``t,P1,P2`` or ``t,tau`` on the same clock.
+        inputs: CSV files ``t,P1,P2`` or ``t,tau`` on the same clock; with a mapping, files as it says.
+        mapping: what stands where in tables that are not of a known system, and in those of the input.
     """
 
     mass: float
@@ -60,6 +62,7 @@ class ImportSettings:
     tip_mass: Sequence[float] = ()
     t_start: Sequence[float] = ()
     inputs: Sequence[str | Path] = ()
+    mapping: TableMapping | None = None
 
     def __post_init__(self) -> None:
         if self.mount is not None and self.mount not in MOUNTS:

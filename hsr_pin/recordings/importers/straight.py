@@ -80,12 +80,51 @@ def straight_arm(
         far = _farthest(bodies, captures, origin)
         reference = [positions[:, base] if base is not None else origin for positions in captures]
         reach = [np.linalg.norm(positions[:, far] - at, axis=1) for positions, at in zip(captures, reference, strict=True)]
+        shown = np.concatenate(reach)
+        shown = shown[np.isfinite(shown)]
+        if base is not None and len(shown):
+            _check_base(places, origin, float(np.median(shown)), bodies[base].name)
         pose = straight_pose(captures, reach)
     order = sorted(range(len(bodies)), key=lambda index: (index != base, float(np.linalg.norm(pose[index] - origin))))
     pose = pose[order]
     markers = _markers([bodies[index] for index in order], pose, origin, notes)
     direction = (pose[-1] - origin) / np.linalg.norm(pose[-1] - origin)
     return StraightArm(origin, direction, pose, markers, tuple(order), tuple(notes))
+
+
+def _check_base(places: Array, origin: Array, reach: float, name: str) -> None:
+    """An arm whose base goes farther than itself reaches is not clamped, and has no pose in the laboratory."""
+    moved = float(np.percentile(np.linalg.norm(places - origin, axis=1), 99))
+    if moved > reach:
+        raise RecordingError(
+            f"the base, {name!r}, moves",
+            expected=f"a base that is clamped; the arm reaches {reach:.3g} m from it",
+            received=f"{moved:.3g} m of motion",
+            hint="is it the right point (--base)? cut off where the arm is carried about",
+        )
+
+
+def pointing(bodies: Sequence[Body], captures: Sequence[Array], origin: Array | None) -> Array | None:
+    """(3,) the unit vector from the base to the farthest body in the straightest pose; None without a base.
+
+    Args:
+        bodies: as in :func:`straight_arm`.
+        captures: likewise.
+        origin: likewise.
+
+    Raises:
+        RecordingError: no frame shows all bodies.
+    """
+    base = next((index for index, body in enumerate(bodies) if body.arc_length == 0), None)
+    if base is not None:
+        places = np.concatenate([positions[:, base][seen(positions[:, base])] for positions in captures])
+        origin = np.median(places, axis=0) if len(places) else None
+    if origin is None:
+        return None
+    far = _farthest(bodies, captures, origin)
+    pose = straight_pose(captures, [np.linalg.norm(positions[:, far] - origin, axis=1) for positions in captures])
+    reach = pose[far] - origin
+    return np.asarray(reach / np.linalg.norm(reach)) if np.linalg.norm(reach) > 0 else None
 
 
 def _first(bodies: Sequence[Body]) -> tuple[int, Body]:

@@ -1,7 +1,8 @@
 """Vicon Nexus and Vicon Tracker, CSV export.
 
 A file is made of sections. Each has its title alone on a line (``Trajectories``, ``Objects``, ...), the frame rate, a line of
-names, a line of columns (``Frame,Sub Frame,X,Y,Z,...``; objects have ``RX,RY,RZ,TX,TY,TZ``), a line of units, then frames.
+names, a line of columns (``Frame,Sub Frame,X,Y,Z,...``; objects have ``RX,RY,RZ,TX,TY,TZ``), a line of units, then frames. Old
+ones (Workstation, Nexus 1) have ``TRAJECTORIES``, ``100.00,Hz``, and ``Field #,X,Y,Z,...`` without units, which are mm.
 """
 
 from __future__ import annotations
@@ -14,12 +15,15 @@ import numpy as np
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
 from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
+from hsr_pin.recordings.importers.up import Up
 from hsr_pin.trajectory import Array
 
 #: Sections that hold points; of an object or a segment, its origin.
 POINTS = ("Trajectories", "Markers", "Objects", "Segments")
 #: Sections that there are besides, and that are passed over.
-OTHERS = ("Devices", "Model Outputs", "Joints", "Events")
+OTHERS = ("Devices", "Model Outputs", "Joints", "Events", "Analog", "Force Plates")
+#: What the column of frames is called.
+FRAME = ("frame", "field #")
 #: Without a line of units.
 DEFAULT_UNIT = "mm"
 
@@ -35,7 +39,8 @@ class _Section:
 
 def is_vicon(head: str) -> bool:
     """Whether the beginning of a text file looks like this format."""
-    return any(line.strip(' ,;"\r') in POINTS + OTHERS for line in head.split("\n")[:20])
+    known = {title.lower() for title in POINTS + OTHERS}
+    return any(line.strip(' ,;\t"\r').lower() in known for line in head.split("\n")[:20])
 
 
 def read_vicon(path: Path, unit: str | None = None) -> Capture:
@@ -49,39 +54,38 @@ def read_vicon(path: Path, unit: str | None = None) -> Capture:
         RecordingError: with file, line and column of the first fault.
     """
     sheet = read_sheet(path)
-    starts = [row for row in range(len(sheet.rows)) if _title(sheet, row) in POINTS]
-    sections = [_section(sheet, row, unit) for row in starts]
+    every, starts = sheet.titles(POINTS + OTHERS), sheet.titles(POINTS)
+    ends = [next((other for other in every if other > row), len(sheet)) for row in starts]
+    sections = [_section(sheet, row, end, unit) for row, end in zip(starts, ends, strict=True)]
     if not sections:
         raise RecordingError("no section with points", expected=" or ".join(POINTS), file=path, line=1, column=1)
     first = sections[0]
     for row, section in zip(starts[1:], sections[1:], strict=True):
         if section.rate != first.rate or not np.array_equal(section.frames, first.frames):
             raise sheet.fault(row, 0, "section", expected="the frames of the section before", received="others")
-    units = sorted(set().union(*(section.units for section in sections)))
+    units = ", ".join(sorted(set().union(*(section.units for section in sections))))
     return capture(
         path,
         "Vicon CSV",
         (first.frames - first.frames[0]) / first.rate if len(first.frames) else first.frames,
         [name for section in sections for name in section.names],
         np.concatenate([section.positions for section in sections], axis=1),
-        up="+z",
-        notes=[f"imported from {path.name} (Vicon CSV, {', '.join(units)}, {first.rate:g} Hz)"],
+        up=Up("+z", "as Vicon has it"),
+        unit=units,
+        notes=[f"imported from {path.name} (Vicon CSV, {units}, {first.rate:g} Hz)"],
+        encoding=sheet.encoding,
     )
 
 
-def _title(sheet: Sheet, row: int) -> str:
-    return sheet.field(row, 0) if not any(sheet.rows[row][1:]) else ""
-
-
-def _section(sheet: Sheet, start: int, unit: str | None) -> _Section:
+def _section(sheet: Sheet, start: int, end: int, unit: str | None) -> _Section:
     title = sheet.field(start, 0)
     rate_row, name_row, axis_row = start + 1, start + 2, start + 3
-    if not sheet.is_number(rate_row, 0) or float(sheet.field(rate_row, 0)) <= 0:
+    if not sheet.is_number(rate_row, 0) or sheet.value(rate_row, 0) <= 0:
         raise sheet.fault(
-            rate_row, 0, f"frame rate of {title}", expected="a number of Hz", received=repr(sheet.field(rate_row, 0))
+            rate_row, 0, f"frame rate of {title}", expected="a number of Hz", received=repr(sheet.field(rate_row, 0)[:40])
         )
-    rate = float(sheet.field(rate_row, 0))
-    if sheet.field(axis_row, 0).lower() != "frame":
+    rate = sheet.value(rate_row, 0)
+    if sheet.field(axis_row, 0).lower() not in FRAME:
         raise sheet.fault(
             axis_row,
             0,
@@ -89,24 +93,18 @@ def _section(sheet: Sheet, start: int, unit: str | None) -> _Section:
             expected="a line that begins with Frame",
             received=repr(sheet.field(axis_row, 0)[:40]),
         )
-    labels = [label.upper() for label in sheet.rows[axis_row]]
+    labels = [label.upper() for label in sheet.row(axis_row)]
     triples = [i for i in range(1, len(labels) - 2) if labels[i : i + 3] in (["X", "Y", "Z"], ["TX", "TY", "TZ"])]
-    has_units = not sheet.is_number(axis_row + 1, 0)
+    has_units = axis_row + 1 < end and not sheet.is_number(axis_row + 1, 0)
     names, factors, units = [], [], set()
     for index in triples:
         named = next((i for i in range(index, 0, -1) if sheet.field(name_row, i)), index)
         names.append(sheet.field(name_row, named))
         said = unit or (sheet.field(axis_row + 1, index) if has_units else DEFAULT_UNIT)
-        line, column = sheet.lines[min(axis_row + 1, len(sheet.lines) - 1)], index + 1
+        line, column = int(sheet.lines[min(axis_row + 1, len(sheet) - 1)]), index + 1
         factors.append(metres(said, None if unit else sheet.path, line, column))
         units.add(said)
-    begin = axis_row + 1 + has_units
-    end = begin
-    while end < len(sheet.rows) and sheet.is_number(end, 0):
-        end += 1
-    if end < len(sheet.rows) and _title(sheet, end) not in POINTS + OTHERS:
-        raise sheet.fault(end, 0, "frame", expected="a number, or another section", received=repr(sheet.field(end, 0)[:40]))
-    frames = sheet.numbers(range(begin, end), [0])[:, 0]
-    values = sheet.numbers(range(begin, end), [index + axis for index in triples for axis in range(3)])
-    positions = values.reshape(len(frames), len(triples), 3) * np.array(factors).reshape(1, -1, 1)
-    return _Section(frames, rate, names, positions, units)
+    rows = range(axis_row + 1 + has_units, end)
+    values = sheet.numbers(rows, [0, *(index + axis for index in triples for axis in range(3))], ("frame",))
+    positions = values[:, 1:].reshape(len(values), len(triples), 3) * np.array(factors).reshape(1, -1, 1)
+    return _Section(values[:, 0], rate, names, positions, units)

@@ -60,6 +60,7 @@ def motive(path, names, positions, unit="Meters", version="1.23", labelled=True,
     kinds = [*["Rotation"] * 4, *["Position"] * 3, "Mean Marker Error", *["Position"] * 3 * len(names)]
     axes = ["X", "Y", "Z", "W", "X", "Y", "Z", "", *["X", "Y", "Z"] * len(names)]
     rows = [["Format Version", version, "Take Name", "a, take", "Export Frame Rate", f"{rate:.6f}", "Length Units", unit]]
+    rows[0] += ["Total Exported Frames", len(positions)]
     rows += [[], ["", "Type" if labelled else "", *types], ["", "Name" if labelled else "", *labels]]
     if labelled:
         rows.append(["", "ID", *["4CF0B31A"] * len(labels)])
@@ -84,7 +85,63 @@ def c3d(path, names, positions, unit="mm", rate=RATE, up="+Z"):
     path.with_suffix(".c3d").rename(path)
 
 
-WRITERS = {"nexus": nexus, "tracker": tracker, "motive": motive, "c3d": c3d}
+def old_nexus(path, names, positions, rate=RATE):
+    """Vicon Workstation and Nexus 1: titles in capitals, a unit of the rate, no units of length."""
+    rows = [["EVENTS"], [f"{rate:g}", "Hz"], ["Subject", "Context", "Name", "Time (s)", "Description"], []]
+    rows += [["TRAJECTORIES"], [f"{rate:.6f}", "Hz"], [""] + [cell for name in names for cell in (name, "", "")]]
+    rows += [["Field #", *["X", "Y", "Z"] * len(names)]]
+    rows += [[i + 1, *fields(MM * frame)] for i, frame in enumerate(positions)]
+    rows += [[], ["ANALOG"], ["1000.000000", "Hz"], ["Sample #", "Fx"], [1, "0.5"], [2, "0.6"]]
+    path.write_text(text_of(rows), encoding="utf-8")
+
+
+def legacy_motive(path, names, positions, rate=RATE):
+    """Motive before 1.5: each row says what it is; every marker that was seen follows its frame."""
+    lines = ['comment,"OptiTrack Export Data"', "righthanded", "info,version,1.1", f"info,framecount,{len(positions)}"]
+    lines += ["info,rigidbodycount,1", 'rigidbody,"Base",7,3,0,0,0,0,0,0,0,0,0']
+    for i, frame in enumerate(positions):
+        body = [7, 9, 9, 9, 0, 0, 0, 1, 0, 0, 0]
+        seen = [(place, name) for place, name in zip(frame, names, strict=True) if np.isfinite(place).all()]
+        markers = [cell for n, (place, name) in enumerate(seen) for cell in (*fields(place), n + 1, name)]
+        lines.append(",".join(map(str, ["frame", i, f"{i / rate:.8f}", 1, *body, len(seen), *markers])))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def qualisys(path, names, positions, rate=RATE, columns=True, version=""):
+    """Qualisys Track Manager: keys and values, then (where asked for) a line of columns with frame and time."""
+    lines = [f"FILE_VERSION\t{version}"] if version else []
+    lines += [f"NO_OF_FRAMES\t{len(positions)}", "NO_OF_CAMERAS\t8", f"NO_OF_MARKERS\t{len(names)}", f"FREQUENCY\t{rate:g}"]
+    lines += ["TIME_STAMP\t2026-01-19, 10:19:43.755\t2063631.96", "DATA_INCLUDED\t3D", "MARKER_NAMES\t" + "\t".join(names)]
+    if columns:
+        lines.append("\t".join(["Frame", "Time", *(f"{name} {axis}" for name in names for axis in "XYZ")]))
+    for i, frame in enumerate(positions):
+        lead = [str(i + 1), f"{i / rate:.5f}"] if columns else []
+        lines.append("\t".join([*lead, *fields(MM * frame)]) + "\t")
+    path.write_bytes(("\r\n".join(lines) + "\r\n").encode())
+
+
+def trc(path, names, positions, unit="mm", rate=RATE):
+    """Motion Analysis and OpenSim."""
+    factor = {"mm": MM, "m": 1.0}[unit]
+    keys = ["DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units", "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"]
+    values = [f"{rate:.2f}", f"{rate:.2f}", len(positions), len(names), unit, f"{rate:.2f}", 1, len(positions)]
+    lines = ["PathFileType\t4\t(X/Y/Z)\ttake.trc", "\t".join(keys), "\t".join(map(str, values))]
+    lines += ["Frame#\tTime\t" + "\t\t\t".join(names) + "\t\t"]
+    lines += ["\t\t" + "\t".join(f"{axis}{n + 1}" for n in range(len(names)) for axis in "XYZ"), ""]
+    lines += ["\t".join([str(i + 1), f"{i / rate:.3f}", *fields(factor * frame)]) for i, frame in enumerate(positions)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+WRITERS = {
+    "nexus": nexus,
+    "tracker": tracker,
+    "old nexus": old_nexus,
+    "motive": motive,
+    "legacy motive": legacy_motive,
+    "qualisys": qualisys,
+    "trc": trc,
+    "c3d": c3d,
+}
 
 
 class Laboratory:

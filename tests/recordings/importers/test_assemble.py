@@ -174,6 +174,26 @@ def test_several_points_are_averaged_and_all_of_them_must_be_seen(record, labora
     assert any("5 samples are gaps" in note for note in trial.trajectory.notes)
 
 
+def test_two_labels_of_one_marker_are_merged(record, laboratory):
+    """The system lost the tip twice and gave it a new label each time; of a second marker beside it the mean is taken still."""
+    lab = laboratory()
+    whole = lab.positions
+    labels = np.full((len(whole), 3, 3), np.nan)
+    for label, frames in enumerate((slice(0, 100), slice(104, 220), slice(221, None))):
+        labels[frames, label] = whole[frames, 2]
+    offset = np.array([0.01, 0.0, 0.0])
+    lab.positions = np.concatenate([whole[:, :2], labels - offset, whole[:, 2:] + offset], axis=1)
+    names = ("Arm:base", "Arm:mid", "Arm:A", "Arm:B", "Arm:C", "Arm:D")
+    bodies = (*BODIES[:2], Body("tip", ("A", "B", "C", "D"), 0.24))
+    trial = import_recordings([record(lab, names=names)], settings(markers=bodies)).dataset.trials[0]
+    tip = trial.trajectory.marker("tip")
+    assert np.flatnonzero(np.isnan(tip[:, 0])).tolist() == [100, 101, 102, 103, 220]
+    assert np.nanmax(np.abs(tip - lab.world[:, 2])) < 2e-6
+    assert any(
+        "Arm:A, Arm:B, Arm:C are never seen together and were taken for labels of one marker" in n for n in trial.trajectory.notes
+    )
+
+
 def test_files_of_one_session_share_a_frame_and_each_becomes_a_trial(record, laboratory):
     labs = [laboratory(), laboratory()]
     labs[1].positions = labs[1].positions[:200]

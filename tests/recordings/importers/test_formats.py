@@ -28,8 +28,15 @@ SYSTEMS = [
     ("motive", {}, "OptiTrack CSV", "+y"),
     ("motive", {"unit": "Millimeters", "version": "1.25"}, "OptiTrack CSV", "+y"),
     ("motive", {"unit": "Centimeters", "version": "1.20", "labelled": False}, "OptiTrack CSV", "+y"),
+    ("motive", {"version": "1.0", "labelled": False}, "OptiTrack CSV", "+y"),
+    ("old nexus", {}, "Vicon CSV", "+z"),
+    ("legacy motive", {}, "OptiTrack CSV", "+y"),
+    ("qualisys", {}, "Qualisys TSV 3D", "+z"),
+    ("qualisys", {"columns": False, "version": "2.0.0"}, "Qualisys TSV 3D", "+z"),
+    ("trc", {}, "TRC", None),
+    ("trc", {"unit": "m"}, "TRC", None),
     ("c3d", {}, "C3D", "+z"),
-    ("c3d", {"unit": "m", "up": "-Y"}, "C3D", "-y"),
+    ("c3d", {"unit": "m", "up": "-Y"}, "C3D", None),
 ]
 
 
@@ -38,7 +45,7 @@ def test_points_come_back_in_metres_with_their_names_and_gaps(tmp_path, writers,
     names, positions = points
     writers[system](tmp_path / "take", names, positions, **options)
     capture = read_capture(tmp_path / "take")
-    assert (capture.system, capture.up) == (told, up)
+    assert (capture.system, capture.up.axis) == (told, up)
     assert set(names) <= set(capture.names)
     found = capture.positions[:, [capture.names.index(name) for name in names]]
     if system == "motive":  # the rigid body has the name of its first marker; the marker goes first
@@ -46,6 +53,7 @@ def test_points_come_back_in_metres_with_their_names_and_gaps(tmp_path, writers,
     assert np.array_equal(np.isnan(found), np.isnan(positions))
     assert np.nanmax(np.abs(found - positions)) < 1e-6
     assert np.allclose(capture.time, np.arange(len(positions)) / 120, atol=1e-6)
+    assert capture.rate == pytest.approx(120)
 
 
 def test_a_unit_may_be_said_in_place_of_the_files(tmp_path, writers, points):
@@ -81,7 +89,7 @@ FAULTS = {
     "no columns": ("nexus", "Frame,Sub Frame,X", "Picture,Sub Frame,X", 12, "columns"),
     "text among numbers": ("nexus", "\n9,0,", "\n9,0,x", 16, "a finite number"),
     "frame that is no number": ("nexus", "\n9,0,", "\nlast,0,", 16, "frame"),
-    "version": ("motive", "1.23", "1.3", 1, "Format Version"),
+    "version": ("motive", "1.23", "2.3", 1, "Format Version"),
     "unit unknown": ("motive", "Meters", "Furlongs", 1, "unit"),
     "no line of columns": ("motive", "Frame,Time", "Picture,Time", None, "columns"),
     "no time": ("motive", "Frame,Time", "Frame,Clock", 7, "Time (Seconds)"),
@@ -117,7 +125,7 @@ def test_a_file_that_is_not_there_is_refused(tmp_path):
         read_capture(tmp_path / "nowhere.csv")
 
 
-@pytest.mark.parametrize("system", ["nexus", "tracker", "motive"])
+@pytest.mark.parametrize("system", ["nexus", "tracker", "old nexus", "motive", "legacy motive", "qualisys", "trc"])
 @QUICK
 @given(cuts=st.lists(st.tuples(st.integers(0, 3000), st.integers(0, 12), st.binary(max_size=5)), min_size=1, max_size=3))
 def test_a_csv_with_random_bytes_changed_is_read_or_refused(tmp_path, writers, points, system, cuts):
@@ -136,13 +144,3 @@ def test_a_csv_with_random_bytes_changed_is_read_or_refused(tmp_path, writers, p
         return
     assert np.isfinite(capture.time).all()
     assert not np.isinf(capture.positions).any()
-
-
-@pytest.mark.parametrize("length", [3, 511, 600, 1500, 3200])
-def test_a_c3d_cut_short_is_refused(tmp_path, writers, points, length):
-    writers["c3d"](tmp_path / "take", *points)
-    content = (tmp_path / "take").read_bytes()
-    assert len(content) > length
-    (tmp_path / "take").write_bytes(content[:length])
-    with pytest.raises(RecordingError):
-        read_capture(tmp_path / "take")

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, NamedTuple, TypeVar
 import numpy as np
 
 from ..arm import Arm, Array
+from ..program import Trial
 
 AnyLaw = TypeVar("AnyLaw", bound="Law")
 
@@ -25,12 +26,13 @@ class Joints:
     """The joints of one simulation.
 
     s (n,): arc length over L; keq: declared stiffness [Nm/rad]; stiffness (n,): the true one, for the
-    whole arm [Nm/rad].
+    whole arm [Nm/rad]; damping: declared, of the whole arm [Nm s/rad].
     """
 
     s: Array
     keq: float
     stiffness: Array
+    damping: float = 0.05
 
 
 class State(NamedTuple):
@@ -61,10 +63,11 @@ class Law(ABC):
     """One piece of physics that the nominal model lacks.
 
     `strength` names the field that makes it stronger, `limit` the largest size of that field that is
-    still believable.
+    still believable; `variant` is the name of a form that the catalogue does not have.
     """
 
     name: ClassVar[str]
+    variant: ClassVar[str] = ""
     strength: ClassVar[str]
     limit: ClassVar[float]
 
@@ -80,7 +83,8 @@ class Law(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and parameters, for an answer file."""
-        return {"name": self.name, **asdict(self)}  # type: ignore[call-overload]
+        form = {"variant": self.variant} if self.variant else {}
+        return {"name": self.name, **form, **asdict(self)}  # type: ignore[call-overload]
 
     def acts(self, place: str) -> bool:
         """Whether the law does anything in the method of this name."""
@@ -88,8 +92,8 @@ class Law(ABC):
 
     # Where a law may act.
 
-    def arm(self, arm: Arm, keq: float) -> Arm:
-        """The arm as it truly is, at the declared stiffness `keq` [Nm/rad]."""
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
+        """The arm as it truly is in a trial."""
         return arm
 
     def stiffness(self, s: Array) -> Array:
@@ -128,9 +132,12 @@ class Law(ABC):
         """Displacement of the base along x of the arm frame, (K,) [m]."""
         return np.zeros_like(t)
 
-    def offset(self) -> float:
-        """Distance of the markers from the backbone, towards +x when straight [m]."""
-        return 0.0
+    def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
+        """How far a marker at s of L sits from its place, along the arm and off it (towards +x when straight), (T,) [m].
+
+        angle (T,): direction of the arm there [rad].
+        """
+        return np.zeros_like(angle), np.zeros_like(angle)
 
     def seen(self, points: Array) -> Array:
         """Marker points (T, M, 3) in the world [m] as the cameras see them."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from hsr_pin.errors import EffectError
 
-from ..arm import Arm
+from ..arm import Arm, Array
+from ..program import Trial
 from .law import Law, sign
 
 
@@ -40,7 +41,7 @@ class GravityTilt(Law):
     def draw(cls, rng: np.random.Generator) -> GravityTilt:
         return cls(0.05 * sign(rng), str(rng.choice(["mount", "frame"])))
 
-    def arm(self, arm: Arm, keq: float) -> Arm:
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
         seen = arm.tilt_seen and self.form == "mount"
         return replace(arm, tilt=arm.tilt + self.angle, tilt_seen=seen)
 
@@ -61,7 +62,7 @@ class TipMass(Law):
     def draw(cls, rng: np.random.Generator) -> TipMass:
         return cls(0.015)
 
-    def arm(self, arm: Arm, keq: float) -> Arm:
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, tip_mass=arm.tip_mass + self.mass)
 
 
@@ -81,7 +82,7 @@ class AddedMass(Law):
     def draw(cls, rng: np.random.Generator) -> AddedMass:
         return cls(0.04)
 
-    def arm(self, arm: Arm, keq: float) -> Arm:
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, added_mass=arm.added_mass + self.mass)
 
 
@@ -104,5 +105,5 @@ class MarkerOffset(Law):
     def draw(cls, rng: np.random.Generator) -> MarkerOffset:
         return cls(0.004 * sign(rng))
 
-    def offset(self) -> float:
-        return self.distance
+    def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
+        return np.zeros_like(angle), np.full_like(angle, self.distance)

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Arm, Array
+from ..program import Trial
 from .law import Joints, Law, Nodes, State, sign
 
 
@@ -227,7 +228,7 @@ class Wall(Law):
     def draw(cls, rng: np.random.Generator) -> Wall:
         return cls(0.15)
 
-    def arm(self, arm: Arm, keq: float) -> Arm:
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, wall=self.far - self.nearness)
 
 
@@ -251,3 +252,47 @@ class SkewPlane(Law):
         c, s = np.cos(self.angle), np.sin(self.angle)
         x, y, z = np.moveaxis(points, -1, 0)
         return np.stack([c * x - s * y, s * x + c * y, z], axis=-1)
+
+
+@dataclass(frozen=True)
+class CameraScale(Law):
+    """The cameras were calibrated with a wand of the wrong length, so that everything is seen larger.
+
+    Z. Zhang, Camera Calibration with One-Dimensional Objects, IEEE T-PAMI 26, 2004.
+
+    excess: over the true size [-].
+    """
+
+    name: ClassVar[str] = "camera_scale"
+    strength: ClassVar[str] = "excess"
+    limit: ClassVar[float] = 0.1
+    excess: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> CameraScale:
+        return cls(0.02 * sign(rng))
+
+    def seen(self, points: Array) -> Array:
+        return points * (1 + self.excess)
+
+
+@dataclass(frozen=True)
+class MarkerSlip(Law):
+    """Markers have slipped towards the base, the one at the base excepted: their arc lengths are wrong.
+
+    U. Della Croce et al., Gait & Posture 21, 2005: misplacement of landmarks.
+
+    slip: of the tip's marker [m]; those between by their share of the way.
+    """
+
+    name: ClassVar[str] = "marker_slip"
+    strength: ClassVar[str] = "slip"
+    limit: ClassVar[float] = 0.05
+    slip: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> MarkerSlip:
+        return cls(0.006)
+
+    def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
+        return np.full_like(angle, -self.slip * s), np.zeros_like(angle)

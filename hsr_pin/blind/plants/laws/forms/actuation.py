@@ -1,0 +1,339 @@
+"""Laws between the command and the moment along the arm, in other forms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...arm import Array
+from ...program import RATE
+from ..law import Joints, Law, State, sign
+from .scale import KEQ, check_scale, drawn
+
+
+def _level(scale: str, keq: float) -> float:
+    """How much a size is larger at this stiffness level than at the lower one."""
+    return keq / KEQ if scale == "stiffness" else 1.0
+
+
+@dataclass(frozen=True)
+class SecondOrderLag(Law):
+    """A lag of second order, T^2 y'' + 2 z T y' + y = u: line and muscle, the one after the other, perhaps ringing.
+
+    Exact for a held command (K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, ch. 2).
+
+    time: T [s]; ratio: z [-]; scale: what the time goes with (``stays`` or ``stiffness``: higher pressure, slower line).
+    """
+
+    name: ClassVar[str] = "actuator_lag"
+    variant: ClassVar[str] = "second_order"
+    strength: ClassVar[str] = "time"
+    limit: ClassVar[float] = 0.3
+    time: float = 0.0
+    ratio: float = 1.0
+    scale: str = "stays"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> SecondOrderLag:
+        return cls(0.015, float(rng.uniform(0.6, 1.2)), drawn(rng, "stays", "stiffness"))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        if self.time <= 0:
+            return tau
+        from scipy.signal import cont2discrete, lfilter, lfilter_zi
+
+        lag = self.time * _level(self.scale, keq)
+        b, a, _ = cont2discrete(([1.0], [lag**2, 2 * self.ratio * lag, 1.0]), t[1] - t[0], method="zoh")
+        out, _ = lfilter(b.ravel(), a, tau, zi=lfilter_zi(b.ravel(), a) * tau[0])
+        return np.asarray(out)
+
+
+@dataclass(frozen=True)
+class UnequalLag(Law):
+    """Filling and venting take unlike times.
+
+    P. Beater, Pneumatic Drives, Springer 2007, ch. 5: first order, with the one time while the torque's size grows, with
+    the other while it falls.
+
+    time: of filling [s]; ratio: venting over filling [-].
+    """
+
+    name: ClassVar[str] = "actuator_lag"
+    variant: ClassVar[str] = "unequal"
+    strength: ClassVar[str] = "time"
+    limit: ClassVar[float] = 0.4
+    time: float = 0.0
+    ratio: float = 2.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> UnequalLag:
+        return cls(0.025, float(rng.choice([rng.uniform(0.3, 0.55), rng.uniform(1.8, 3.2)])))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        if self.time <= 0:
+            return tau
+        dt = float(t[1] - t[0])
+        fill, vent = (-np.expm1(-dt / time) for time in (self.time, self.time * self.ratio))
+        out, now = np.empty_like(tau), float(tau[0])
+        for k, wanted in enumerate(tau.tolist()):
+            out[k] = now
+            now += (fill if abs(wanted) > abs(now) else vent) * (wanted - now)
+        return out
+
+
+@dataclass(frozen=True)
+class ChokedLag(Law):
+    """Flow is choked: far from its goal the torque rises at a fixed rate, near to it as a first-order lag.
+
+    Sonic flow through the valve (ISO 6358-1:2013): y' = clip((u - y) / T, -r, r) with r so that the whole of `span` Keq
+    takes 3 T.
+
+    time: T [s]; span: [rad].
+    """
+
+    name: ClassVar[str] = "actuator_lag"
+    variant: ClassVar[str] = "choked"
+    strength: ClassVar[str] = "time"
+    limit: ClassVar[float] = 0.4
+    time: float = 0.0
+    span: float = 0.9
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> ChokedLag:
+        return cls(0.02, float(rng.uniform(0.6, 1.2)))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        if self.time <= 0:
+            return tau
+        dt = float(t[1] - t[0])
+        share, most = -np.expm1(-dt / self.time), self.span * keq / (3 * self.time) * dt
+        out, now = np.empty_like(tau), float(tau[0])
+        for k, wanted in enumerate(tau.tolist()):
+            out[k] = now
+            now += min(max(share * (wanted - now), -most), most)
+        return out
+
+
+@dataclass(frozen=True)
+class JitteredDelay(Law):
+    """Each command arrives late by a time of its own; none overtakes another, it waits for those before it.
+
+    J. Nilsson, Real-Time Control Systems with Delays, PhD thesis, Lund 1998, ch. 3.
+
+    delay: mean, without the waiting [s]; jitter: largest departure from it, over it [-]; seed: of the delays.
+    """
+
+    name: ClassVar[str] = "dead_time"
+    variant: ClassVar[str] = "jittered"
+    strength: ClassVar[str] = "delay"
+    limit: ClassVar[float] = 0.3
+    delay: float = 0.0
+    jitter: float = 0.7
+    seed: int = 0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> JitteredDelay:
+        return cls(0.03, float(rng.uniform(0.5, 0.95)), int(rng.integers(1 << 31)))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        packet = np.floor(t * RATE + 1e-6).astype(int)  # which command each instant belongs to
+        first, index = np.unique(packet, return_index=True)
+        rng = np.random.default_rng([self.seed, round(100 * clock)])
+        late = self.delay * (1 + self.jitter * rng.uniform(-1, 1, first.size))
+        arrival = np.maximum.accumulate(t[index] + late)
+        known = np.searchsorted(arrival, t, side="right") - 1
+        return np.asarray(tau[index][np.maximum(known, 0)])
+
+
+@dataclass(frozen=True)
+class RestartedDelay(Law):
+    """Two computers whose clocks are set anew for every trial: the delay is another in each.
+
+    D. L. Mills, Internet Time Synchronization: the Network Time Protocol, IEEE Trans. Commun. 39, 1991.
+
+    delay: mean [s]; spread: largest departure from it, over it [-]; seed: of the delays.
+    """
+
+    name: ClassVar[str] = "dead_time"
+    variant: ClassVar[str] = "restarted"
+    strength: ClassVar[str] = "delay"
+    limit: ClassVar[float] = 0.3
+    delay: float = 0.0
+    spread: float = 0.6
+    seed: int = 0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> RestartedDelay:
+        return cls(0.03, float(rng.uniform(0.3, 0.8)), int(rng.integers(1 << 31)))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        own = np.random.default_rng([self.seed, round(100 * clock)]).uniform(-1, 1)
+        late = self.delay * (1 + self.spread * own)
+        return np.interp(t - late, t, tau)
+
+
+@dataclass(frozen=True)
+class DriftingBias(Law):
+    """An offset that comes over the session, as the sensors and regulators warm up.
+
+    J. Fraden, Handbook of Modern Sensors, 5th ed., 2016, ch. 3.
+
+    bias: in the end [N m]; time: of the approach, on the session's clock [s]; scale: what the bias goes with.
+    """
+
+    name: ClassVar[str] = "torque_bias"
+    variant: ClassVar[str] = "drifting"
+    strength: ClassVar[str] = "bias"
+    limit: ClassVar[float] = 0.5
+    bias: float = 0.0
+    time: float = 60.0
+    scale: str = "stays"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> DriftingBias:
+        return cls(0.05 * sign(rng), float(rng.uniform(20.0, 60.0)), drawn(rng, "stays", "stiffness"))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        grown = 1 - 0.7 * np.exp(-(clock + np.maximum(t, 0.0)) / self.time)
+        return np.asarray(tau + self.bias * _level(self.scale, keq) * grown)
+
+
+@dataclass(frozen=True)
+class PartialBias(Law):
+    """A moment on a part of the arm: one muscle is shorter there.
+
+    R. J. Webster, B. A. Jones, IJRR 29, 2010: sections of piecewise constant moment.
+
+    bias: [N m]; start: of that part, over L, which goes to the tip; scale: what the bias goes with (``stiffness``: the arm
+    was glued bent).
+    """
+
+    name: ClassVar[str] = "torque_bias"
+    variant: ClassVar[str] = "partial"
+    strength: ClassVar[str] = "bias"
+    limit: ClassVar[float] = 0.6
+    bias: float = 0.0
+    start: float = 0.4
+    scale: str = "stays"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> PartialBias:
+        return cls(0.06 * sign(rng), float(rng.uniform(0.2, 0.5)), drawn(rng, "stays", "stiffness"))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        size = -self.bias * _level(self.scale, joints.keq)
+        return np.where(joints.s > self.start, size, 0.0), memory
+
+
+@dataclass(frozen=True)
+class SaturatingMap(Law):
+    """The torque levels off, tau = T tanh(tau_c / T): muscles lose force as they shorten.
+
+    B. Tondu, Modelling of the McKibben Artificial Muscle: a Review, J. Intell. Mater. Syst. Struct. 23, 2012.
+
+    curvature: Keq / T [1/rad].
+    """
+
+    name: ClassVar[str] = "torque_map"
+    variant: ClassVar[str] = "saturating"
+    strength: ClassVar[str] = "curvature"
+    limit: ClassVar[float] = 1.2
+    curvature: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> SaturatingMap:
+        return cls(0.4)
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        if self.curvature <= 0:
+            return tau
+        top = keq / self.curvature
+        return np.asarray(top * np.tanh(tau / top))
+
+
+@dataclass(frozen=True)
+class ThresholdMap(Law):
+    """Nothing moves until the bladder fills its braid: a threshold, passed smoothly.
+
+    C.-P. Chou, B. Hannaford, IEEE T-RA 12, 1996.
+
+    threshold: [N m]; scale: what the threshold goes with.
+    """
+
+    name: ClassVar[str] = "torque_map"
+    variant: ClassVar[str] = "threshold"
+    strength: ClassVar[str] = "threshold"
+    limit: ClassVar[float] = 0.3
+    threshold: float = 0.0
+    scale: str = "stays"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> ThresholdMap:
+        return cls(0.06, drawn(rng, "stays", "stiffness"))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        edge = self.threshold * _level(self.scale, keq)
+        if edge <= 0:
+            return tau
+        return np.asarray(tau - edge * np.tanh(tau / edge))
+
+
+@dataclass(frozen=True)
+class ShortMuscles(Law):
+    """The muscles end before the tip.
+
+    R. J. Webster, B. A. Jones, IJRR 29, 2010: the tip section carries no moment.
+
+    bare: share of the arm without muscles [-].
+    """
+
+    name: ClassVar[str] = "torque_decay"
+    variant: ClassVar[str] = "short_muscles"
+    strength: ClassVar[str] = "bare"
+    limit: ClassVar[float] = 0.6
+    bare: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> ShortMuscles:
+        return cls(0.15)
+
+    def torque(self, s: Array) -> Array:
+        soft = 0.02  # over L: where they end is no knife's edge
+        return np.asarray(np.clip((1 - self.bare - s) / soft + 0.5, 0.0, 1.0)) if self.bare > 0 else np.ones_like(s)
+
+
+@dataclass(frozen=True)
+class ParabolicTorque(Law):
+    """Actuation falls slowly at first and fast towards the tip, 1 - a s^2, as in a tapering bellows.
+
+    F. Renda et al., IEEE T-RO 30, 2014: the moment goes with the radius at which a cable or chamber sits.
+
+    decay: a [-].
+    """
+
+    name: ClassVar[str] = "torque_decay"
+    variant: ClassVar[str] = "parabolic"
+    strength: ClassVar[str] = "decay"
+    limit: ClassVar[float] = 1.0
+    decay: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> ParabolicTorque:
+        return cls(0.25)
+
+    def torque(self, s: Array) -> Array:
+        return np.asarray(1 - self.decay * s**2)

@@ -1,0 +1,197 @@
+"""Creep and damping in other forms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ...arm import Array
+from ..law import Joints, Law, State, sign
+from .scale import DAMPING, KEQ, check_scale, drawn, unit
+
+
+def _branches(times: Array, shares: Array, state: State, memory: Array) -> tuple[Array, Array]:
+    """Bending that Maxwell branches carry, weighed (n,) [rad], and where each is relaxed after the step (k, n)."""
+    keep = np.zeros((times.size, 1)) if state.rest else np.exp(-state.dt / times)[:, None]
+    anchor = state.bend + (memory - state.bend) * keep
+    return shares @ (state.bend - anchor), anchor
+
+
+@dataclass(frozen=True)
+class Relaxations(Law):
+    """Three relaxation times, a decade and a half apart.
+
+    The generalised Maxwell solid (R. M. Christensen, Theory of Viscoelasticity, 2nd ed., 1982, ch. 1).
+
+    ratio: stiffness of the three branches together over K [-]; time: the middle one [s]; spread: between neighbours [-];
+    scale: what the branches' stiffness goes with.
+    """
+
+    name: ClassVar[str] = "viscoelastic"
+    variant: ClassVar[str] = "three_times"
+    strength: ClassVar[str] = "ratio"
+    limit: ClassVar[float] = 3.0
+    ratio: float = 0.0
+    time: float = 0.4
+    spread: float = 6.0
+    scale: str = "stiffness"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Relaxations:
+        return cls(0.3, float(rng.uniform(0.3, 0.7)), float(rng.uniform(5.0, 9.0)), drawn(rng))
+
+    def memory(self, joints: Joints) -> Array:
+        return np.zeros((3, joints.s.size))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        times = self.time * self.spread ** np.array([-1.0, 0.0, 1.0])
+        carried, anchor = _branches(times, np.full(3, 1 / 3), state, memory)
+        return self.ratio * unit(self.scale, joints) * carried, anchor
+
+
+@dataclass(frozen=True)
+class PowerLawCreep(Law):
+    """Creep without a time of its own: it goes on with a power of time, as in rubber.
+
+    The springpot (F. Mainardi, Fractional Calculus and Waves in Linear Viscoelasticity, Imperial College Press 2010), by
+    eight Maxwell branches from 0.02 to 60 s whose stiffness falls with the power `order` of their time.
+
+    ratio: stiffness of all branches together over K [-]; order: 0 to 1 [-]; scale: what the stiffness goes with.
+    """
+
+    name: ClassVar[str] = "viscoelastic"
+    variant: ClassVar[str] = "power_law"
+    strength: ClassVar[str] = "ratio"
+    limit: ClassVar[float] = 4.0
+    ratio: float = 0.0
+    order: float = 0.3
+    scale: str = "stiffness"
+    _TIMES: ClassVar[Array] = np.geomspace(0.02, 60.0, 8)
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> PowerLawCreep:
+        return cls(0.4, float(rng.uniform(0.15, 0.4)), drawn(rng, "stays", "stiffness"))
+
+    def memory(self, joints: Joints) -> Array:
+        return np.zeros((self._TIMES.size, joints.s.size))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        shares = self._TIMES**-self.order
+        carried, anchor = _branches(self._TIMES, shares / shares.sum(), state, memory)
+        return self.ratio * unit(self.scale, joints) * carried, anchor
+
+
+@dataclass(frozen=True)
+class PowerDamping(Law):
+    """Damping with another power than two, M = c |b'|^(p - 1) b'.
+
+    Powers of the rate: B. Ravindra, A. K. Mallik, Performance of Non-linear Vibration Isolators under Harmonic Excitation,
+    J. Sound Vib. 170, 1994; 1.5 stands for flow between laminar and turbulent.
+
+    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; power: p; scale: what c goes with.
+    """
+
+    name: ClassVar[str] = "quadratic_damping"
+    variant: ClassVar[str] = "power"
+    strength: ClassVar[str] = "coefficient"
+    limit: ClassVar[float] = 3.0
+    coefficient: float = 0.0
+    power: float = 1.5
+    scale: str = "damping"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> PowerDamping:
+        return cls(0.1, 1.5, drawn(rng))
+
+    def viscous(self, joints: Joints, state: State) -> Array:
+        at_one = self.coefficient * DAMPING / KEQ * unit(self.scale, joints)
+        return np.asarray(at_one * np.abs(state.rate) ** (self.power - 1))
+
+
+@dataclass(frozen=True)
+class OneWayDamping(Law):
+    """Quadratic damping one way only: what has flowed in through a wide valve leaves through a narrow one.
+
+    J. C. Dixon, The Shock Absorber Handbook, 2nd ed., 2007, ch. 6: M = c |b'| b' while b' has the sign of `way`.
+
+    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; scale: what c goes with.
+    """
+
+    name: ClassVar[str] = "quadratic_damping"
+    variant: ClassVar[str] = "one_way"
+    strength: ClassVar[str] = "coefficient"
+    limit: ClassVar[float] = 3.0
+    coefficient: float = 0.0
+    way: int = 1
+    scale: str = "damping"
+
+    def __post_init__(self) -> None:
+        check_scale(self.scale)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> OneWayDamping:
+        return cls(0.1, int(sign(rng)), drawn(rng))
+
+    def viscous(self, joints: Joints, state: State) -> Array:
+        at_one = self.coefficient * DAMPING / KEQ * unit(self.scale, joints)
+        return np.asarray(at_one * np.maximum(self.way * state.rate, 0.0))
+
+
+@dataclass(frozen=True)
+class CuffDamping(Law):
+    """A cuff damps one end of the arm; the mean over the arm is kept.
+
+    Lumped, non-proportional damping (S. Adhikari, Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014,
+    ch. 2).
+
+    excess: C in the cuff over C elsewhere, less one [-]; reach: of the cuff, over L; end: 0 base, 1 tip.
+    """
+
+    name: ClassVar[str] = "damping_gradient"
+    variant: ClassVar[str] = "cuff"
+    strength: ClassVar[str] = "excess"
+    limit: ClassVar[float] = 30.0
+    excess: float = 0.0
+    reach: float = 0.3
+    end: int = 0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> CuffDamping:
+        return cls(1.0, float(rng.uniform(0.2, 0.35)), int(rng.integers(2)))
+
+    def damping(self, s: Array) -> Array:
+        inside = np.abs(s - self.end) < self.reach
+        return np.where(inside, 1 + self.excess, 1.0) / (1 + self.excess * self.reach)
+
+
+@dataclass(frozen=True)
+class ExponentialDamping(Law):
+    """Damping that falls or grows exponentially along the arm; the mean is kept (S. Adhikari, as above, ch. 2).
+
+    rate: log of C at the tip over C at the base [-].
+    """
+
+    name: ClassVar[str] = "damping_gradient"
+    variant: ClassVar[str] = "exponential"
+    strength: ClassVar[str] = "rate"
+    limit: ClassVar[float] = 5.0
+    rate: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> ExponentialDamping:
+        return cls(0.8 * sign(rng))
+
+    def damping(self, s: Array) -> Array:
+        mean = np.expm1(self.rate) / self.rate if self.rate else 1.0
+        return np.asarray(np.exp(self.rate * s) / mean)

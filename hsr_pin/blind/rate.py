@@ -1,0 +1,34 @@
+"""So many of so many, with an honest interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Rate:
+    """So many of so many, with the exact 95 % interval of the probability (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
+
+    hits: int
+    of: int
+
+    @property
+    def share(self) -> float:
+        """0 to 1; nan of nothing."""
+        return self.hits / self.of if self.of else float("nan")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 %."""
+        from scipy.stats import binomtest
+
+        if not self.of:
+            return 0.0, 1.0
+        low, high = binomtest(self.hits, self.of).proportion_ci()
+        return float(low), float(high)
+
+    def __str__(self) -> str:
+        if not self.of:
+            return "no case"
+        low, high = self.interval
+        return f"{100 * self.share:.0f} % ({self.hits} of {self.of}; {100 * low:.0f} to {100 * high:.0f} %)"

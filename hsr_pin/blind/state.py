@@ -1,0 +1,35 @@
+"""What a check has written so far, read back: it may have been damaged meanwhile."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from hsr_pin.errors import InputError
+
+
+def read_state(file: Path, hint: str) -> dict[str, Any]:
+    """A JSON object that `hsr-blind` wrote.
+
+    Raises:
+        InputError: it is none, with ``hint`` for what to do about it.
+    """
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError("damaged", expected="what hsr-blind wrote", received=reason, hint=hint, file=file) from error
+    if not isinstance(document, dict):
+        kind = type(document).__name__
+        raise InputError("damaged", expected="what hsr-blind wrote", received=f"a {kind}", hint=hint, file=file)
+    return document
+
+
+def stands(file: Path) -> bool:
+    """Whether a file is there, and whole."""
+    try:
+        read_state(file, "")
+    except InputError:
+        return False
+    return True

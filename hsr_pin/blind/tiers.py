@@ -1,0 +1,114 @@
+"""The tiers of a check: what each is made of.
+
+- ``clean``: an arm with one effect or two, or none, or one from outside; tiny nuisances
+- ``messy``: the same with one effect at most, four to eight small ones beside it, and a bad recording
+- ``forms``: a law in another form than the catalogue's, as clean as the first
+- ``real``: recordings of hardware with a cause withheld (`hsr_pin.blind.real`)
+- ``change``: two recordings of one messy arm, of which something is another in the second, or nothing
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hsr_pin.blind.cases import INPUTS, MOUNTS, PAIR_SIZES, PROGRAMS, Case, Content, balanced, crossed, plan_clean, quotas
+from hsr_pin.blind.plants.laws import CATALOGUE, FORMS, OUTSIDE, PARAMETERS
+from hsr_pin.errors import InputError
+
+#: Tiers that the plants record -> share of a check.
+TIERS: dict[str, float] = {"clean": 0.27, "messy": 0.53, "forms": 0.20}
+#: Kind of case -> share of its tier.
+MESSY_SHARES: dict[str, float] = {"single": 0.625, "none": 0.2, "outside": 0.175}
+CHANGE_SHARES: dict[str, float] = {"appears": 0.35, "grows": 0.2, "parameter": 0.2, "nothing": 0.25}
+#: Share of pairs whose two recordings have unlike programs.
+UNLIKE = 0.4
+
+
+def plan(seed: int, counts: Mapping[str, int], programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
+    """The cases of a check that the plants record, in an order that tells nothing.
+
+    Args:
+        seed: of all of it.
+        counts: tier -> number of cases.
+        programs: that may be recorded.
+    """
+    if unknown := set(counts) - set(TIERS):
+        raise InputError("tier", expected=" or ".join(TIERS), received=min(unknown))
+    cases: list[Case] = []
+    for place, tier in enumerate(TIERS):
+        count = counts.get(tier, 0)
+        if count < 0:
+            raise InputError(f"cases of {tier}", expected="zero or more", received=count)
+        if count and tier == "clean":
+            cases += plan_clean(seed, count, programs)
+        elif count:
+            rng = np.random.default_rng([seed, place])
+            cases += _recorded(rng, tier, (_messy if tier == "messy" else _forms)(rng, count), programs)
+    return tuple(cases)
+
+
+def plan_changes(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
+    """Pairs of recordings, some of them with unlike programs."""
+    if count < 1:
+        raise InputError("pairs", expected="one or more", received=count)
+    rng = np.random.default_rng([seed, 10])
+    cases = _recorded(rng, "change", _changes(rng, count), programs)
+    unlike = rng.permutation(count) < UNLIKE * count
+    return tuple(
+        replace(case, later=_other(rng, case.program, programs) if other else case.program)
+        for case, other in zip(cases, unlike, strict=True)
+    )
+
+
+def by_shares(count: int) -> dict[str, int]:
+    """Tier -> number of cases, of so many in all."""
+    if count < 1:
+        raise InputError("cases", expected="one or more", received=count)
+    return quotas(count, TIERS)
+
+
+def shuffled(seed: int, cases: Iterable[Case]) -> tuple[Case, ...]:
+    """In an order that tells nothing, and named by it."""
+    found = list(cases)
+    order = np.random.default_rng([seed, 20]).permutation(len(found))
+    return tuple(replace(found[k], name=f"case_{place:03d}") for place, k in enumerate(order, start=1))
+
+
+def _recorded(rng: np.random.Generator, tier: str, contents: Sequence[Content], programs: Sequence[str]) -> list[Case]:
+    """On the chain, which knows every law."""
+    recordings = zip(*(balanced(rng, choices, len(contents)) for choices in (programs, MOUNTS, INPUTS)), strict=True)
+    return [
+        Case("", *content, "chain", mount, program, given, int(rng.integers(1 << 31)), tier)
+        for content, (program, mount, given) in zip(contents, recordings, strict=True)
+    ]
+
+
+def _messy(rng: np.random.Generator, count: int) -> list[Content]:
+    number = quotas(count, MESSY_SHARES)
+    found: list[Content] = [("none", (), ())] * number["none"]
+    for kind, names in (("single", CATALOGUE), ("outside", OUTSIDE)):
+        found += _singles(rng, kind, list(names), number[kind])
+    return found
+
+
+def _forms(rng: np.random.Generator, count: int) -> list[Content]:
+    return _singles(rng, "form", list(FORMS), count)
+
+
+def _changes(rng: np.random.Generator, count: int) -> list[Content]:
+    number = quotas(count, CHANGE_SHARES)
+    found: list[Content] = [("nothing", (), ())] * number["nothing"]
+    for kind, names in (("appears", CATALOGUE), ("grows", CATALOGUE), ("parameter", PARAMETERS)):
+        found += _singles(rng, kind, list(names), number[kind])
+    return found
+
+
+def _singles(rng: np.random.Generator, kind: str, names: Sequence[str], count: int) -> list[Content]:
+    return [(kind, (law,), (size,)) for law, size in crossed(rng, names, count, PAIR_SIZES)]
+
+
+def _other(rng: np.random.Generator, program: str, programs: Sequence[str]) -> str:
+    return str(rng.choice([name for name in programs if name != program] or [program]))

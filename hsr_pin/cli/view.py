@@ -1,0 +1,89 @@
+"""``hsr-view``: a page to look at recordings, and to try what the model may lack."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.cli.command import run
+
+if TYPE_CHECKING:
+    from hsr_pin.view.session import Session
+    from hsr_pin.view.settings import Settings
+
+
+@click.command(name="hsr-view", context_settings={"max_content_width": 100})
+@click.argument("dataset", metavar="DATASET")
+@click.option(
+    "--links", type=click.IntRange(1, 100), default=12, show_default=True, metavar="N", help="Links of the simulated arm."
+)
+@click.option("--placement", type=click.Choice(["mid", "base"]), default="mid", show_default=True, help="Of its joints.")
+@click.option(
+    "--from", "result", metavar="RESULT.json", help="Of hsr-fit --json or hsr-diagnose --json: a button sets what it found."
+)
+@click.option("--report", metavar="REPORT.html", help="Of hsr-diagnose --html: the page links to it.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Of the page.  [default: any that is free]")
+@click.option("--open/--no-open", "opened", default=True, help="Open the page in the browser.  [default: open]")
+def command(dataset: str, **options: Any) -> None:
+    """Show recordings beside the model on a page, with a slider for stiffness, damping and every effect.
+
+    The trial is simulated anew while a slider moves. The page is served to this machine only, until Ctrl-C.
+    """
+    from hsr_pin.recordings.read import read_dataset
+    from hsr_pin.view.page import Page
+    from hsr_pin.view.report import ReportServer
+    from hsr_pin.view.session import Session
+
+    content = None if options["report"] is None else _report(options["report"])
+    session = Session.of(read_dataset(dataset), options["links"], options["placement"])
+    found = {} if options["result"] is None else _found(session, options["result"], dataset)
+    server = None if content is None else ReportServer(content)
+    page = Page(session, found=found, report=server.address if server else "", port=options["port"])
+    try:
+        click.echo(f"{page.address}  (Ctrl-C ends)")
+        if options["opened"]:
+            import webbrowser
+
+            webbrowser.open(page.address)
+        while True:
+            time.sleep(0.5)
+    except KeyboardInterrupt:
+        click.echo("")
+    finally:
+        page.stop()
+        if server is not None:
+            server.stop()
+
+
+def _report(path: str) -> bytes:
+    from pathlib import Path
+
+    from hsr_pin.errors import InputError
+
+    content = Path(path).read_bytes()
+    if b"<html" not in content[:2000].lower():
+        raise InputError("--report", expected="a page written by hsr-diagnose --html", received="no HTML", file=path)
+    return content
+
+
+def _found(session: Session, result: str, dataset: str) -> dict[str, Settings]:
+    """What a result says of each trial."""
+    from hsr_pin.export.document import read_result
+    from hsr_pin.robot.specification import ArmSpecification
+    from hsr_pin.view.settings import Settings
+
+    found = {}
+    for each in session.experiment.runs:
+        declared = ArmSpecification.from_trial(session.experiment.dataset, each.trial)
+        model = read_result(result, keq=declared.keq, dataset=dataset)
+        # another trial of this stiffness may declare another damping
+        found[each.trial.name] = Settings.of(model, declared.keq, declared.damping, declared.mass)
+    return found
+
+
+def main() -> None:
+    """Entry point of ``hsr-view``."""
+    sys.exit(run(command))

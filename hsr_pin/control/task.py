@@ -1,0 +1,211 @@
+"""What a learner is asked for: tips that reach a target or follow a path, of one arm or of a thousand side by side.
+
+The environments of :mod:`~hsr_pin.control.environment` and :mod:`~hsr_pin.control.vector` are made of it, and say what is seen.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hsr_pin.control.dynamics import ArmDynamics
+from hsr_pin.control.fleet import ArmFleet, FleetState, failed
+from hsr_pin.control.reach import rest_at_tip, static_poses
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.trajectory import Array
+
+#: Bounds of observed rates: [m/s] and [rad/s].
+FASTEST, FASTEST_BENDING = 20.0, 200.0
+#: How far an observation looks ahead along the path [s].
+AHEAD = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Episodes:
+    """Where B arms are.
+
+    Attributes:
+        fleet: their state.
+        count: (B,) steps since the last reset.
+        targets: (B, steps + 1, 2) [m] x and z of the target at every step.
+        tips: (B, 2) [m] x and z of the tips, as they are seen.
+    """
+
+    fleet: FleetState
+    count: NDArray[np.int64]
+    targets: Array
+    tips: Array
+
+    @property
+    def target(self) -> Array:
+        """(B, 2) [m] now."""
+        return self.targets[np.arange(len(self.count)), self.count]
+
+    @property
+    def distance(self) -> Array:
+        """(B,) [m] of the tips from their targets."""
+        return np.asarray(np.linalg.norm(self.tips - self.target, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """What a step of B arms has led to.
+
+    Attributes:
+        episodes: where they are now; an arm that failed is where it was.
+        rewards: (B,).
+        terminated, truncated: (B,).
+        failures: what became of those that failed.
+    """
+
+    episodes: Episodes
+    rewards: Array
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+    failures: dict[int, str]
+
+
+class TipTask(ABC):
+    """What both tasks share.
+
+    Args:
+        arms: (B,) the arms; targets are places where their tips can rest.
+        effects: (B,) what acts on each beside the nominal model.
+        largest_torque: what an action of 1 gives [N m], for all arms or for each; default: what bends an arm by one radian.
+        dt: [s] that an action is held.
+        duration: of an episode [s].
+        integrator: a name from ``hsr_pin.simulation.integrator``.
+    """
+
+    def __init__(
+        self,
+        arms: Sequence[ArmSpecification],
+        effects: Sequence[Sequence[Effect]],
+        *,
+        largest_torque: ArrayLike | None,
+        dt: float,
+        duration: float,
+        integrator: str,
+    ) -> None:
+        self.fleet = ArmFleet(arms, effects, integrator=integrator)
+        self.arms = self.fleet.columns.nominal
+        self.largest_torque = np.broadcast_to(self.arms.keq if largest_torque is None else largest_torque, len(arms)).astype(
+            float
+        )
+        if not (np.all((self.largest_torque > 0) & (self.largest_torque < np.inf)) and 0 < dt <= duration < np.inf):
+            raise InputError(
+                "environment",
+                expected="largest_torque and dt above zero, duration at least dt",
+                received=f"{self.largest_torque}, {dt}, {duration}",
+            )
+        self.dt, self.steps = dt, round(duration / dt)
+        self._nominal = Columns(self.arms, ())
+        self._tips = marker_map(self.fleet.columns.arms, self.arms.length[:, None])
+        place, one = np.tile(1.5 * self.arms.length[:, None], 2), np.ones((len(arms), 1))
+        rates = FASTEST * one, FASTEST * one, self.arms.bending_limit[:, None], FASTEST_BENDING * one
+        self.highest = np.hstack([place, *rates, place, place])
+
+    def __len__(self) -> int:
+        return len(self.arms)
+
+    @abstractmethod
+    def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
+        """(K, steps + 1, 2) [m] x and z of the targets of K arms, each drawn with its own generator, or as ``options`` say.
+
+        The options that are used are taken out.
+        """
+
+    def settled(self, torque: float) -> FleetState:
+        """All arms at rest under a torque [N m].
+
+        Raises:
+            InputError: one that an action could not give, or under which an arm cannot rest within its bending limit.
+        """
+        bound = float(self.largest_torque.min())
+        if not -bound <= torque <= bound:
+            raise InputError("torque", expected=f"{-bound:.4g} to {bound:.4g} N m", received=torque)
+        state, found = self.fleet.settled(np.full(len(self), float(torque)))
+        if not np.all(found & (np.abs(state.chain[0].sum(axis=1)) <= self.fleet.limit)):
+            raise InputError("torque", expected="one that the arm can rest under", received=torque)
+        return state
+
+    def step(self, episodes: Episodes, shares: Array) -> Stepped:
+        """Hold torques (B,), as shares of ``largest_torque``, for ``dt``."""
+        count = np.minimum(episodes.count + 1, self.steps)
+        state, _ = self.fleet.advance(episodes.fleet, shares * self.largest_torque, self.dt)
+        lost = self.fleet.lost(state)
+        failures = {int(b): failed(episodes.count[b] * self.dt, state.chain[0, b]) for b in np.flatnonzero(lost)}
+        if lost.all():
+            state = episodes.fleet
+        elif failures:
+            state = state._replace(chain=np.where(lost[:, None], episodes.fleet.chain, state.chain))
+        now = self.episodes(state, count, episodes.targets)
+        rewards = np.where(lost, -2.0 * (self.steps - episodes.count), -now.distance / self.arms.length)
+        return Stepped(now, rewards, lost, ~lost & (count >= self.steps), failures)
+
+    def episodes(self, fleet: FleetState, count: NDArray[np.int64], targets: Array) -> Episodes:
+        """Where the arms are, in some state."""
+        return Episodes(fleet, count, targets, self.fleet.observe(fleet)[:, -1, [0, 2]])
+
+    def observations(self, episodes: Episodes) -> Array:
+        """(B, 10) what is seen."""
+        q, v = episodes.fleet.chain[:2]
+        rates = self._tips.velocities(q, v)[:, 0, [0, 2]]
+        bending = np.column_stack([q.sum(axis=1), v.sum(axis=1)])
+        ahead = np.minimum(episodes.count + round(AHEAD / self.dt), self.steps)
+        later = episodes.targets[np.arange(len(self)), ahead]
+        seen = np.hstack([episodes.tips, rates, bending, episodes.target, later])
+        return np.asarray(np.clip(seen, -self.highest, self.highest))
+
+    def rest_tips(self, members: NDArray[np.intp], shares: Array) -> Array:
+        """(K, T, 2) [m] where the tips of K arms rest under torques, as shares (K, T) of ``largest_torque``."""
+        arms = self._nominal.members(members)
+        poses = static_poses(arms, (shares * self.largest_torque[members, None]).T)
+        tips = marker_map(arms.arms, arms.arms.length[:, None]).positions(poses)
+        return np.asarray(tips[:, :, 0, [0, 2]].swapaxes(0, 1))
+
+
+class Reach(TipTask):
+    """Bring the tip to a place where it can rest, and hold it there."""
+
+    def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
+        """One each: ``options["target"]`` (2,) [m], or the nearest place to it where the tip can rest."""
+        if "target" in options:
+            point = options.pop("target")
+            targets = np.array([self._nearest(int(b), point) for b in members])[:, None]
+        else:
+            targets = self.rest_tips(members, np.array([own.uniform(-0.9, 0.9, 1) for own in random]))
+        return np.repeat(targets, self.steps + 1, axis=1)
+
+    def _nearest(self, member: int, point: ArrayLike) -> Array:
+        bound = self.largest_torque[member]
+        return rest_at_tip(ArmDynamics(self.arms.specification(member)), point, (-bound, bound)).tip[[0, 2]]
+
+
+class Follow(TipTask):
+    """Follow a target that wanders along the places where the tip can rest: three sines of up to 1 Hz, from rest."""
+
+    def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
+        """``options["path"]`` (steps + 1, 2) [m] as it is, or drawn ones."""
+        if "path" in options:
+            path = np.asarray(options.pop("path"), dtype=float)
+            if path.shape != (self.steps + 1, 2) or not np.isfinite(path).all():
+                raise InputError(
+                    "path", expected=f"finite x and z [m], shape ({self.steps + 1}, 2)", received=f"shape {path.shape}"
+                )
+            return np.tile(path, (len(members), 1, 1))
+        return self.rest_tips(members, 0.9 * np.array([self._wave(own) for own in random]))
+
+    def _wave(self, random: np.random.Generator) -> Array:
+        time = np.arange(self.steps + 1)[:, None] * self.dt
+        frequency, share = random.uniform(0.2, 1.0, 3), random.uniform(-1.0, 1.0, 3)
+        return np.sin(2 * np.pi * frequency * time) @ share / 3

@@ -1,0 +1,203 @@
+"""What speaks for each part of a model, and for each kind of physics, without asking that the model closes the gap.
+
+A part is supported if it takes away much of the gap; if every model without it, however mended, is certainly and clearly worse
+(a model confidence set: P. R. Hansen, A. Lunde, J. M. Nason, Econometrica 79, 2011); if it has the same size wherever it acts, in
+every level, amplitude, direction and half of the record (invariance: J. Peters, P. Buehlmann, N. Meinshausen, J. R. Stat. Soc. B
+78, 2016), as a true law has and a stand-in has not; and if that size is far from none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
+from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.hypothesis import PLAIN
+from hsr_pin.identification.nuisance import whitened
+from hsr_pin.identification.step import damped_inverse
+from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Support:
+    """For one part, or one kind.
+
+    Attributes:
+        name: of the effect, of the open number of the arm, or of the kind.
+        kind: of physics.
+        share: of the squared gap, by how much the best model without it (of no more parts) leaves more.
+        lead: that, over all that the best model takes away: 1 where nothing else helps at all.
+        margin: that, over the difference that is tolerated in a model that is not exact.
+        frequency: of resampled trials, in how many the best model is better than that one.
+        drift: RMS difference of its size between environments, beyond noise, over its size; NaN where it acts in one alone.
+        clear: standard errors of its size from none.
+    """
+
+    name: str
+    kind: str
+    share: float
+    lead: float
+    margin: float
+    frequency: float
+    drift: float
+    clear: float
+
+
+def supports(
+    experiment: Experiment, best: Candidate, base: Candidate, tried: Sequence[Candidate], tolerated: float, seed: int
+) -> tuple[tuple[Support, ...], tuple[Support, ...]]:
+    """For each part of the best model, and for each of its kinds.
+
+    Args:
+        experiment: the recordings.
+        best: the model.
+        base: stiffness and damping fitted, nothing else.
+        tried: every fitted model.
+        tolerated: [m^2] difference of mean squares by which a model may be worse and not be told from the best.
+        seed: of the resampling.
+    """
+    gap, left = structure(base.heldout), structure(best.heldout)
+    drifts, clear = drift(experiment, best.fit), clearness(best.fit)
+
+    def against(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
+        rival = min(
+            (
+                other
+                for other in (base, *tried)
+                if lacks(other) and len(other.names) <= len(best.names) and (name == kind or not other.contains(best))
+            ),
+            key=lambda other: squares(other.heldout).mean,
+        )
+        gain = squares(rival.heldout).mean - squares(best.heldout).mean
+        own = [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
+        return Support(
+            name,
+            kind,
+            gain / max(gap, tolerated),
+            gain / max(gap - left, tolerated),
+            gain / tolerated,
+            frequency_of_gain(best.heldout, rival.heldout, seed),
+            float(np.nanmean([drifts[each] for each in own])) if any(np.isfinite(drifts[each]) for each in own) else float("nan"),
+            max(clear[each] for each in own),
+        )
+
+    parts = tuple(
+        against(part.name, part.kind, lambda other, name=part.name: name not in other.names)  # type: ignore[misc]
+        for part in best.fit.hypothesis.parts
+    )
+    kinds = tuple(against(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
+    return parts, kinds
+
+
+def clearness(fit: Fit) -> dict[str, float]:
+    """For each part the largest of its amplitudes, in standard errors from none."""
+    errors = uncertainty(fit).standard_error
+    found: dict[str, float] = {}
+    for fact, value, error in zip(fit.hypothesis.parameters, fit.values, errors, strict=True):
+        name = fact.name.partition(".")[0]
+        if fact.amplitude or fact.name in PLAIN:
+            found[name] = max(found.get(name, 0.0), abs(value - fact.neutral) / max(error, 1e-12))
+    return found
+
+
+def drift(experiment: Experiment, fit: Fit) -> dict[str, float]:
+    """For each part how much its size differs between environments, over its size: one Gauss-Newton step in each of them."""
+    model = fit.hypothesis
+    amplitudes = {
+        part.name: [k for k, f in enumerate(model.parameters) if _owner(f.name) == part.name and (f.amplitude or f.name in PLAIN)]
+        for part in model.parts
+    }
+    squares_of: dict[str, list[float]] = {name: [] for name in amplitudes}
+    for masks in environments(experiment, fit):
+        estimates = [_step(fit, chosen) for chosen in masks]
+        for name, places in amplitudes.items():
+            size = np.array([fit.values[k] - model.parameters[k].neutral for k in places])
+            weight = float(size @ size)
+            if weight <= 0:
+                continue
+            for one in range(len(estimates)):
+                for other in range(one):
+                    (a, va), (b, vb) = estimates[one], estimates[other]
+                    difference = (a - b)[places]
+                    noise = float((va + vb)[places].sum())
+                    if noise < weight:  # an environment in which it hardly acts tells nothing
+                        squares_of[name].append(max(0.0, float(difference @ difference) - noise) / weight)
+    return {name: sqrt(float(np.mean(found))) if found else float("nan") for name, found in squares_of.items()}
+
+
+def _owner(name: str) -> str:
+    return name.partition(".")[0]
+
+
+def environments(experiment: Experiment, fit: Fit) -> Iterator[list[list[NDArray[np.bool_]]]]:
+    """Ways to cut the recordings in two or more, each as masks (T,) for each run in each part."""
+    runs = experiment.runs
+    whole = [np.ones(len(run.time), dtype=bool) for run in runs]
+    none = [np.zeros(len(run.time), dtype=bool) for run in runs]
+
+    def by(labels: Sequence[object]) -> list[list[NDArray[np.bool_]]]:
+        return [
+            [w if own == label else n for w, n, own in zip(whole, none, labels, strict=True)] for label in dict.fromkeys(labels)
+        ]
+
+    sizes = np.array([_size(run) for run in runs])
+    cuts: list[Sequence[object]] = [
+        [run.trial.keq for run in runs],
+        [bool(abs(size) > np.median(np.abs(sizes))) for size in sizes],
+        [bool(size > 0) for size in sizes],
+        [run.trial.tip_mass for run in runs],
+        [k % 2 for k in range(len(runs))],
+    ]
+    for labels in cuts:
+        if len(set(labels)) > 1:
+            yield by(labels)
+    yield [
+        [np.arange(len(run.time)) < len(run.time) // 2 for run in runs],
+        [np.arange(len(run.time)) >= len(run.time) // 2 for run in runs],
+    ]
+
+
+def _size(run: Run) -> float:
+    """How far a run goes, with its side: the torque of largest size, or how far aside the arm is held."""
+    if np.ptp(run.torque) > 0:
+        return float(run.torque[np.argmax(np.abs(run.torque - run.torque[0]))])
+    seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.in_plane).all(axis=2))
+    marker = max(k for k in range(seen.shape[1]) if seen[:, k].sum() >= 0.5 * seen.sum(axis=0).max())
+    places = run.in_plane[seen[:, marker], marker]
+    moved = places - np.median(places, axis=0)
+    k = int(np.argmax((moved**2).sum(axis=1)))
+    return float(moved[k][np.argmax(np.abs(moved[k]))])
+
+
+def _step(fit: Fit, masks: Sequence[NDArray[np.bool_]]) -> tuple[Array, Array]:
+    """Where the fit would go on a part of the data alone, and the variance of each value (P,).
+
+    Residuals last: they count for as many as their correlation says.
+    """
+    scale, rows, slopes, last = fit.hypothesis.scale, [], [], []
+    for k, mask in enumerate(masks):
+        weights = fit.weights[k] * mask[:, None, None]
+        seen = weights > 0
+        if not seen.any():
+            continue
+        basis = (fit.nuisance[k] * weights[..., None])[seen]
+        r = np.nan_to_num(fit.residuals[k]) * weights
+        rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[seen], basis))
+        slopes.append(whitened((fit.slopes[k] * weights[..., None] * scale)[seen], basis))
+        last.append(float((r[1:] * r[:-1]).sum() / max((r**2).sum(), 1e-300)))
+    if not rows:
+        return fit.values.copy(), np.full(len(fit.values), np.inf)
+    residual, J = np.concatenate(rows), np.vstack(slopes)
+    inverse = damped_inverse(J, 1e-3)
+    rho = float(np.clip(np.mean(last), 0.0, 0.999))
+    variance = float(residual @ residual) / max(len(residual) - len(scale), 1) * (1 + rho) / (1 - rho)
+    step = np.clip(-inverse @ (J.T @ residual), -3.0, 3.0)
+    return fit.values + scale * step, scale**2 * np.diag(inverse) * variance

@@ -1,0 +1,47 @@
+"""Damping over rate, as a power."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.vector import limited
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+#: Rate of bending of the whole arm [rad/s] at which the moment is the coefficient; below SLOWEST and beyond FASTEST it is a line.
+UNIT, SLOWEST, FASTEST = 3.0, 0.3, 15.0
+
+
+@dataclass(frozen=True)
+class DampingCurve(Effect):
+    """m = coefficient (|rate| / 3 rad/s)^power in the direction of the rate: 0.3 is nearly dry, 2 is quadratic."""
+
+    name = "damping_curve"
+    lacks = "damping is another function of the rate"
+    cause = "any damping that is local"
+    citation = (
+        "S. J. Elliott, M. Ghandchi Tehrani, R. S. Langley, Nonlinear damping and quasi-linear modelling, "
+        "Phil. Trans. A 373 (2015)"
+    )
+    kind = "damping"
+    flexible = True
+    passive = True
+
+    coefficient: float = parameter(
+        0.0, lower=0.0, upper=3.0, unit="Nm", scale=0.05, amplitude=True, description="moment at 3 rad/s"
+    )
+    power: float = parameter(1.5, lower=0.3, upper=3.0, unit="1", scale=0.3, description="of the rate")
+
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        rate = limited(bending.rate, FASTEST)
+        size = np.maximum(np.abs(rate), SLOWEST) / UNIT
+        return p.coefficient * size ** (p.power - 1.0) * bending.rate / UNIT
+
+    def tangent(self, keq: Array) -> tuple[Any, Any]:
+        steepest = np.maximum((FASTEST / UNIT) ** (self.power - 1.0), (SLOWEST / UNIT) ** (self.power - 1.0))
+        return 0.0, self.coefficient / UNIT * np.minimum(steepest, 5.0)

@@ -1,0 +1,29 @@
+"""An arm that is bent where no torque acts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.parameters import parameter
+
+
+@dataclass(frozen=True)
+class PresetBend(Effect):
+    """m = -k angle0: the springs are at ease when the whole arm is bent by angle0."""
+
+    name = "preset_bend"
+    lacks = "the arm at ease is bent"
+    cause = "moulding, creep under its own weight, tubes that pull"
+    citation = "D. Trivedi, A. Lotfi, C. D. Rahn, Geometrically exact models for soft robotic manipulators, IEEE TRO 24 (2008)"
+    kind = "elastic"
+    passive = True
+
+    angle: float = parameter(
+        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="of the whole arm at ease"
+    )
+
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return -p.angle * bending.keq * bending.stiffness + 0.0 * bending.angle

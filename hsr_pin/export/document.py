@@ -1,0 +1,189 @@
+"""A fit or a diagnosis, read from the JSON that hsr-fit and hsr-diagnose write; fields that are not asked for may be anything."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hsr_pin.effects.catalogue import effect_named
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError
+from hsr_pin.export.model import CorrectedModel
+from hsr_pin.identification.arm_document import levels
+from hsr_pin.identification.hypothesis import ARM, LINKS
+from hsr_pin.recordings.read import read_dataset
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Marker
+
+#: Fitted factors on numbers of the arm.
+_SCALES = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
+#: Verdicts that say which effects act; with any other the best of all models is taken.
+_CERTAIN = ("identified", "parameters", "no_gap")
+
+
+def read_result(
+    path: str | Path, *, keq: float | None = None, dataset: str | Path | None = None, changes: Mapping[str, Any] | None = None
+) -> CorrectedModel:
+    """The model that a fit or a diagnosis found.
+
+    Args:
+        path: of the JSON.
+        keq: the declared stiffness [Nm/rad] that is meant; None: the only one.
+        dataset: folder of the recordings, for a document that does not tell what they declare.
+        changes: of the arm, by field ("links", "tip_mass" ...), made last.
+
+    Raises:
+        InputError: not such a document, not the arm's numbers in it, several stiffnesses and none chosen.
+        EffectError: it tells of an effect that this hsr_pin does not know.
+        RecordingError: the dataset cannot be read.
+    """
+    document = _read(path)
+    declared = _declared(document, path, dataset)
+    level = _level(declared["levels"], keq, path)
+    if "candidates" in document:
+        values, effects, origin = _diagnosis(document, declared, level["keq"], path)
+    else:
+        values, effects, origin = _fit(document, declared, path)
+    arm = ArmSpecification(
+        links=declared.get("links", LINKS),
+        placement=declared.get("placement", "mid"),
+        mount=declared["mount"],
+        **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
+        **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
+    )
+    scaled = {field: getattr(arm, field) * _factor(values, name, arm.keq, path) for name, field in _SCALES.items()}
+    told = f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted"
+    return CorrectedModel(
+        replace(arm, **{**scaled, **(changes or {})}),
+        effects,
+        _factor(values, "torque_gain", arm.keq, path),
+        tuple(Marker(str(marker["name"]), float(marker["arc_length"])) for marker in declared["markers"]),
+        origin=(*origin, told),
+    )
+
+
+def _read(path: str | Path) -> dict[str, Any]:
+    expected = "the JSON of hsr-fit --json or hsr-diagnose --json"
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+    except json.JSONDecodeError as error:
+        raise InputError(
+            "not JSON", expected=expected, received=error.msg, file=path, line=error.lineno, column=error.colno
+        ) from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "bytes that are not UTF-8 text"
+        raise InputError("cannot read the file", expected=expected, received=reason, file=path) from error
+    if not isinstance(document, dict) or not ("candidates" in document or "parameters" in document):
+        raise InputError("not a result", expected=expected, received=type(document).__name__, file=path)
+    if document.get("schema") != 1:
+        hint = "read it with the hsr_pin that wrote it"
+        raise InputError("schema", expected="1", received=document.get("schema"), hint=hint, file=path)
+    return document
+
+
+def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | None) -> dict[str, Any]:
+    """The section ``arm``, or what the recordings declare."""
+    if dataset is not None:
+        read = read_dataset(dataset)
+        rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
+        markers = [{"name": marker.name, "arc_length": marker.arc_length} for marker in read.markers]
+        chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
+        found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount")}
+        return {**found, "levels": rows, "markers": markers, **chain}
+    arm = document.get("arm")
+    needed = ("length", "mass", "diameter", "mount", "levels", "markers")
+    if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
+        hint = "give the recordings too: --dataset DIR"
+        raise InputError("arm", expected=f"a section with {', '.join(needed)}", received="none", hint=hint, file=path)
+    return arm
+
+
+def _level(rows: list[dict[str, float]], keq: float | None, path: str | Path) -> dict[str, float]:
+    known = " or ".join(f"{row['keq']:g}" for row in rows)
+    if keq is None and len(rows) > 1:
+        raise InputError("--keq", expected=f"one of the declared stiffnesses, {known} Nm/rad", received="none", file=path)
+    chosen = [row for row in rows if keq is None or math.isclose(row["keq"], keq, rel_tol=1e-6)]
+    if not chosen:
+        raise InputError("--keq", expected=f"a declared stiffness, {known} Nm/rad", received=keq, file=path)
+    return chosen[0]
+
+
+def _diagnosis(
+    document: dict[str, Any], declared: dict[str, Any], keq: float, path: str | Path
+) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
+    """Values of the parameters, effects, and where they come from."""
+    verdict, tried = document.get("verdict", {}), document["candidates"]
+    if not tried:
+        raise InputError("candidates", expected="at least one fitted model", received="none", file=path)
+    chosen = tried[0]
+    if verdict.get("status") in _CERTAIN:
+        wanted = sorted(verdict.get("effects", []))
+        chosen = next((each for each in tried if sorted(each["effects"]) == wanted), chosen)
+    values = {name: _value(fact, name, path) for name, fact in chosen["parameters"].items()}
+    names = [name for name in chosen["effects"] if name not in ARM]  # an open number of the arm may stand among them
+    acting = [row["name"] for row in declared.get("effects", ())]
+    names = acting if sorted(acting) == sorted(names) else names  # in the order in which they act, where it is told
+    options: dict[str, dict[str, str]] = {name: {} for name in names}
+    for name, choice in chosen.get("options", {}).items():
+        effect, _, option = name.partition(".")
+        options.setdefault(effect, {})[option] = choice
+    resized, level = chosen.get("resized", ()), keq / declared["levels"][0]["keq"]
+    effects = tuple(_effect(name, values, options[name], level if name in resized else 1.0) for name in names)
+    origin = [f"a diagnosis of {document.get('dataset')}: {verdict.get('sentence', '')}".strip()]
+    if verdict.get("status") not in _CERTAIN:
+        told = " + ".join(chosen["effects"]) or "no effect"
+        origin.append(f"the verdict leaves open what acts; this is the model with the smallest error, with {told}")
+    return values, effects, tuple(origin)
+
+
+def _fit(
+    document: dict[str, Any], declared: dict[str, Any], path: str | Path
+) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
+    values = {name: _value(fact, name, path) for name, fact in document["parameters"].items()}
+    rows = declared.get("effects") or [{"name": name} for name in document.get("effects", [])]
+    effects = []
+    for row in rows:
+        known = {f"{row['name']}.{name}": value for name, value in row.get("parameters", {}).items()}
+        effects.append(_effect(row["name"], {**known, **values}, row.get("options", {})))
+    return values, tuple(effects), (f"a fit to {document.get('dataset')}",)
+
+
+def _effect(name: str, values: dict[str, float], options: dict[str, str], level: float = 1.0) -> Effect:
+    """The effect at its values; one whose amplitude goes with the stiffness level against its law, at that level."""
+    kind = effect_named(name)
+    facts = {}
+    for fact in kind.parameters():
+        if f"{name}.{fact.name}" in values:
+            value = values[f"{name}.{fact.name}"]
+            scaled = value * level ** getattr(kind, "resizes", 0) if fact.amplitude else value
+            facts[fact.name] = value if level == 1.0 else min(max(scaled, fact.lower), fact.upper)
+    return kind(**facts, **options)
+
+
+def _factor(values: dict[str, float], base: str, keq: float, path: str | Path) -> float:
+    """A fitted factor at a declared stiffness; 1 if it was not fitted."""
+    fitted = {name: value for name, value in values.items() if name.partition("@")[0] == base}
+    if base in fitted or not fitted:
+        return fitted.get(base, 1.0)
+    for name, value in fitted.items():
+        if math.isclose(float(name.partition("@")[2]), keq, rel_tol=1e-6):
+            return value
+    raise InputError(base, expected=f"a value at Keq {keq:g} Nm/rad", received=", ".join(fitted), file=path)
+
+
+def _value(fact: Any, name: str, path: str | Path) -> float:
+    value = fact.get("value") if isinstance(fact, dict) else fact
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"parameter {name}", expected="a number", received=repr(value), file=path)
+    return float(value)
+
+
+def _number(section: dict[str, Any], name: str, path: str | Path) -> float:
+    value = section.get(name, 0.0 if name == "tip_mass" else None)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"arm.{name}", expected="a number", received=repr(value), file=path)
+    return float(value)

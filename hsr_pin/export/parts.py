@@ -1,0 +1,87 @@
+"""The effects of a model, sorted by what becomes of them in MuJoCo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import EffectError
+from hsr_pin.export.elements import Elements, elements_of
+from hsr_pin.export.law_text import helpers
+from hsr_pin.export.model import CorrectedModel
+from hsr_pin.export.plain import unseen
+
+#: Laws of the command that the actuator itself can express, behind one another.
+LINEAR = {"actuator_lag", "torque_bias", "dead_time"}
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The effects, sorted by what becomes of them.
+
+    Attributes:
+        elements: the native ones, by effect.
+        called: effects in the joints whose laws the module calls.
+        command: effects whose laws the module applies to the command; empty: the actuator's own elements do.
+        delay: [s] of the command.
+        lag: [s] of the actuator.
+        bias: [N m] of the actuator.
+        missing: what is lost, one sentence each.
+    """
+
+    elements: dict[str, Elements]
+    called: tuple[Effect, ...]
+    command: tuple[Effect, ...]
+    delay: float
+    lag: float
+    bias: float
+    missing: tuple[str, ...]
+
+
+def sort(model: CorrectedModel, major: int) -> Parts:
+    """What MuJoCo of a major version expresses, what its module must do, and what is lost."""
+    elements: dict[str, Elements] = {}
+    called, missing = [], list(unseen(model))
+    for effect in model.effects:
+        if effect.acts_through("moment"):
+            native = elements_of(effect, model, major=major)
+            if native is not None:
+                elements[effect.name] = native
+            elif np.max(effect.tangent(np.full(1, model.arm.keq))[1]) > 0:
+                missing.append(f"{effect.name}: a damper of MuJoCo {major} cannot do it, and without one no step is short enough")
+            else:
+                called.append(effect)
+    muscles = [effect for effect in model.columns.muscles if any(_is_on(effect))]
+    delay = float(sum(np.max(effect.late()) for effect in muscles))
+    simple = {effect.name for effect in muscles} <= LINEAR
+    lag, bias = model.effect("actuator_lag"), model.effect("torque_bias")
+    if delay and major < 4:
+        missing.append(f"dead_time: actuators of MuJoCo {major} are not late; give every command {delay:g} s later")
+        delay = 0.0
+    command = () if simple else tuple(model.effects[i] for i in _places(model, muscles))
+    for effect in (*called, *command):
+        try:
+            helpers([getattr(type(effect), hook) for hook in ("moment", "update", "respond")])
+        except EffectError as error:
+            missing.append(f"{effect.name}: {error}")
+    lost = {line.partition(":")[0] for line in missing} - {"dead_time", "marker_offset", "gravity_tilt"}
+    return Parts(
+        elements,
+        tuple(effect for effect in called if effect.name not in lost),
+        tuple(effect for effect in command if effect.name not in lost),
+        delay,
+        float(lag.time_constant) if simple and lag is not None else 0.0,  # type: ignore[attr-defined]
+        float(bias.bias) if simple and bias is not None else 0.0,  # type: ignore[attr-defined]
+        tuple(missing),
+    )
+
+
+def _places(model: CorrectedModel, muscles: list[Effect]) -> list[int]:
+    kinds = {type(effect) for effect in muscles}
+    return [i for i, effect in enumerate(model.effects) if type(effect) in kinds and effect.acts_through("respond")]
+
+
+def _is_on(effect: Effect) -> list[bool]:
+    return [bool(np.any(getattr(effect, fact.name) != fact.neutral)) for fact in effect.parameters() if fact.amplitude]

@@ -1,0 +1,85 @@
+"""What URDF and SDF cannot say of a model, in words and numbers that can be carried over by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.export.bodies import Bodies
+from hsr_pin.export.model import CorrectedModel
+
+#: What becomes of effects that change bodies, springs, dampers and markers.
+_WAYS = {
+    "arm": "bodies and mount",
+    "stiffness": "springs that differ along the arm",
+    "damping": "dampers that differ along the arm",
+    "observe": "frames of the markers",
+}
+
+
+def friction(model: CorrectedModel) -> float:
+    """[N m] Coulomb friction of each joint."""
+    dry = model.effect("dry_friction")
+    return 0.0 if dry is None else float(dry.level) * model.arm.keq  # type: ignore[attr-defined]
+
+
+def held(model: CorrectedModel) -> tuple[str, ...]:
+    """What the file expresses of the effects."""
+    lines = []
+    for effect in model.effects:
+        lines += [f"{effect.name}: {text}" for hook, text in _WAYS.items() if effect.acts_through(hook)]
+        if effect.name == "dry_friction":
+            lines.append(f"dry_friction: friction of {friction(model):g} N m at each joint, without its give before it slides")
+    return tuple(lines)
+
+
+def unseen(model: CorrectedModel) -> tuple[str, ...]:
+    """What no place of a marker on its link can say."""
+    known = {"marker_offset": ("moved", "kept"), "gravity_tilt": ("world", "base")}
+    lines = []
+    for effect in model.effects:
+        readings = known.get(effect.name, ())
+        if effect.acts_through("observe") and any(value not in readings for _, value in effect.options or (("", ""),)):
+            lines.append(f"{effect.name}: what it makes the cameras see ({_numbers(effect)})")
+    return tuple(lines)
+
+
+def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[str, ...]:
+    """What it does not.
+
+    Args:
+        model: what was written.
+        bodies: its bodies.
+        springs: whether the format has springs.
+    """
+    lines = list(unseen(model))
+    if not springs:
+        values = _row([link.spring for link in bodies.links])
+        lines.append(f"springs: a torque of -k times the angle at each joint, from base to tip k [Nm/rad] = {values}")
+    if bodies.gravity_is_turned:
+        lines.append(f"gravity_tilt: set the gravity of the world to ({_row(bodies.gravity)}) m/s^2")
+    if model.torque_gain != 1.0:
+        lines.append(f"torque_gain: multiply every command by {model.torque_gain:g}")
+    share = _row([link.share for link in bodies.links])
+    for effect in model.effects:
+        if effect.acts_through("actuation"):
+            lines.append(f"{effect.name}: of the command, from base to tip the joints get {share}")
+        elif not any(effect.acts_through(hook) for hook in _WAYS) and effect.name != "dry_friction":
+            lines.append(f"{effect.name}: {effect.lacks} ({_numbers(effect)})")
+    lines.append("actuator: the same torque, the command [N m], at every joint")
+    return tuple(lines)
+
+
+def _numbers(effect: Effect) -> str:
+    facts = [
+        f"{fact.name} {getattr(effect, fact.name):g} {fact.unit if fact.unit != '1' else ''}".strip()
+        for fact in effect.parameters()
+    ]
+    return ", ".join([*facts, *(value for _, value in effect.options)])
+
+
+def _row(values: object) -> str:
+    array = np.asarray(values, dtype=float)
+    if array.size > 1 and np.ptp(array) == 0 and array.size > 3:
+        return f"{array[0]:g} each"
+    return ", ".join(f"{value:g}" for value in array)

@@ -1,0 +1,18 @@
+"""As SDF (http://sdformat.org): what Gazebo and Drake read."""
+
+from __future__ import annotations
+
+from hsr_pin.export.bodies import bodies_of
+from hsr_pin.export.file import Exported
+from hsr_pin.export.model import CorrectedModel
+from hsr_pin.export.plain import friction, held, missing
+from hsr_pin.export.templating import render
+
+
+def to_sdf(model: CorrectedModel) -> Exported:
+    """The model as an SDF with springs, dampers and friction. It has no laws."""
+    bodies = bodies_of(model)
+    lost = missing(model, bodies, springs=True)
+    kept = held(model)
+    text = render("arm.sdf.jinja", model=model, bodies=bodies, friction=friction(model), held=kept, missing=lost)
+    return Exported(text, held=kept, missing=lost, needs=("a reader of SDF 1.7 or later for the frames of the markers",))

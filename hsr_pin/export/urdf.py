@@ -1,0 +1,19 @@
+"""As URDF: what ROS, PyBullet, Drake, Isaac and most others read."""
+
+from __future__ import annotations
+
+from hsr_pin.export.bodies import bodies_of
+from hsr_pin.export.file import Exported
+from hsr_pin.export.model import CorrectedModel
+from hsr_pin.export.plain import friction, held, missing
+from hsr_pin.export.templating import render
+
+
+def to_urdf(model: CorrectedModel) -> Exported:
+    """The model as a URDF with dampers and friction. It has no springs, and no laws."""
+    bodies = bodies_of(model)
+    lost = missing(model, bodies, springs=False)
+    kept = held(model)
+    text = render("arm.urdf.jinja", model=model, bodies=bodies, friction=friction(model), held=kept, missing=lost)
+    needs = ("a fixed base, and the torques of springs and muscles, which a simulator of URDFs must be given in every step",)
+    return Exported(text, held=kept, missing=lost, needs=needs)

@@ -1,0 +1,44 @@
+"""The arm behind a result, for programs that go on with it: what the recordings declare, the fitted chain and its effects.
+
+In SI units, as in ``dataset.toml``: this part of a document can be read without the recordings.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.fit import Fit
+from hsr_pin.robot.specification import default_damping
+
+
+def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
+    """The section ``arm`` of a document; its effects are those of ``fit``, as fitted, in the order in which they act."""
+    dataset, hypothesis = experiment.dataset, fit.hypothesis
+    return {
+        "length": dataset.length,
+        "mass": dataset.mass,
+        "diameter": dataset.diameter,
+        "mount": dataset.mount,
+        "levels": levels([(run.trial.keq, run.trial.damping, run.trial.tip_mass) for run in experiment.runs]),
+        "markers": [{"name": marker.name, "arc_length": marker.arc_length} for marker in dataset.markers],
+        "links": hypothesis.links,
+        "placement": hypothesis.placement,
+        "effects": [
+            {
+                "name": effect.name,
+                "parameters": {fact.name: float(getattr(effect, fact.name)) for fact in effect.parameters()},
+                "options": dict(effect.options),
+            }
+            for effect in hypothesis.effects_at(fit.values)
+        ],
+    }
+
+
+def levels(declared: list[tuple[float, float | None, float]]) -> list[dict[str, float]]:
+    """For each declared Keq [Nm/rad] the damping [Nm s/rad] and the payload [kg] of its first trial."""
+    found: dict[float, dict[str, float]] = {}
+    for keq, damping, tip_mass in declared:
+        loss = default_damping(keq) if damping is None else damping
+        found.setdefault(keq, {"keq": keq, "damping": loss, "tip_mass": tip_mass})
+    return [found[keq] for keq in sorted(found)]

@@ -1,0 +1,90 @@
+"""What belongs to the trial and not to the arm: where it rests, how far it was held aside, when it was let go.
+
+Each is a small number of its own in every trial, about as large as the recordings themselves show (Gaussian prior), and enters
+linearly: it is eliminated from the least squares of a fit instead of being fitted (W. J. Browne, D. Draper, A comparison of
+Bayesian and likelihood-based methods for fitting multilevel models, Bayesian Anal. 1, 2006: a random effect). What it explains
+of a trial is no part of the gap that the laws have to explain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hsr_pin.trajectory import Array
+
+#: How well a release is known beyond noise: the pose [share of the length, at the tip], and the instant [samples].
+HELD, INSTANT = 0.002, 0.25
+#: Standard errors by which the mean of a number over the trials may differ from none by chance.
+_CHANCE = 1.5
+
+
+def whitened(rows: Array, basis: Array) -> Array:
+    """Residuals or derivatives (n, ...) times the inverse root of I + basis basis^T, basis (n, K) with unit priors.
+
+    Their squares add up to the least that is left when the K numbers are fitted too, the squares of these added.
+    """
+    if not basis.shape[1]:
+        return rows
+    u, s, _ = np.linalg.svd(basis, full_matrices=False)
+    shrink = 1 - 1 / np.sqrt(1 + s**2)
+    flat = rows.reshape(len(rows), -1)
+    return np.asarray((flat - u @ (shrink[:, None] * (u.T @ flat))).reshape(rows.shape))
+
+
+def taken_out(
+    residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], common: int | None = None
+) -> list[Array]:
+    """For each trial its residual (T, M, 2) [m] without what its own numbers explain.
+
+    Where all trials rest elsewhere than they should by the same, the arm is another: where the mean of such a number over the
+    trials is more than chance would make it, it stays in the residuals. All releases by one hand may share what the hand does.
+
+    Args:
+        residuals: one (T, M, 2) [m] per trial; NaN in gaps.
+        weights: (T, M, 2) [1/m], zero in gaps.
+        bases: (T, M, 2, K) [m] what one standard deviation of each number makes.
+        common: how many of the numbers, from the first, say something of the arm where all trials share them; default: all.
+    """
+    found = []
+    for residual, weight, basis in zip(residuals, weights, bases, strict=True):
+        seen = weight > 0
+        rows, rest = (basis * weight[..., None])[seen], (np.nan_to_num(residual) * weight)[seen]
+        found.append(np.linalg.solve(rows.T @ rows + np.eye(rows.shape[1]), rows.T @ rest))
+    shared: dict[int, Array] = {}
+    for count in {len(numbers) for numbers in found}:
+        own = np.array([numbers for numbers in found if len(numbers) == count])
+        mean, chance = own.mean(axis=0), _CHANCE / np.sqrt(len(own))
+        shared[count] = (
+            np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0) * (np.arange(count) < (count if common is None else common))
+        )
+    return [
+        residual - basis @ (numbers - shared[len(numbers)])
+        for residual, basis, numbers in zip(residuals, bases, found, strict=True)
+    ]
+
+
+def rest_scatter(rests: Sequence[tuple[object, float, float]], noise: float) -> float:
+    """Standard deviation [m] with which an arm comes to rest where it should in every trial.
+
+    Args:
+        rests: for each trial the group of those that should rest in one place, the place [m] of the farthest marker across the
+            arm, and the bending [m] from which it came: what goes with that is memory of the arm, and no scatter.
+        noise: of a place [m].
+
+    Returns:
+        0 where it is not clearly more than noise, or nothing repeats.
+    """
+    squares = freedom = 0.0
+    for group in dict.fromkeys(key for key, _, _ in rests):
+        places = np.array([(place, origin) for key, place, origin in rests if key == group])
+        if len(places) < 3:
+            continue
+        columns = np.ones((len(places), 1))
+        if np.ptp(places[:, 1]) > 10 * noise and len(places) > 4:
+            columns = np.column_stack([columns, places[:, 1]])
+        left = places[:, 0] - columns @ np.linalg.lstsq(columns, places[:, 0], rcond=None)[0]
+        squares, freedom = squares + float(left @ left), freedom + len(places) - columns.shape[1]
+    variance = squares / freedom - noise**2 if freedom else 0.0
+    return float(np.sqrt(variance)) if variance > 8 * noise**2 / np.sqrt(max(freedom, 1.0)) else 0.0

@@ -1,0 +1,76 @@
+"""How an arm is bent whose markers are seen: the most smoothly held pose that shows them where they are.
+
+The moment along the arm is a sum of Legendre polynomials, as many as the markers can tell; a weak penalty on the higher ones
+keeps noise out of them. Curvature is moment over stiffness, so that the pose of a held arm follows what is fitted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.trajectory import Array
+
+#: Markers are never trusted to better than this [m].
+_SURE = 1e-4
+#: Each mode of curvature is expected to be smaller than the one before by this factor, the first to be about 1 rad.
+_SMOOTH = 3.0
+#: Gauss-Newton steps with each number of modes on the way to all of them, and the longest step [rad].
+_STEPS, _FARTHEST = 4, 1.0
+#: The last steps go on until one is shorter than this [rad], or for so many.
+_DONE, _MOST = 1e-9, 30
+#: Difference for derivatives [rad].
+_WIDTH = 1e-6
+
+
+def modes_of(columns: Columns, seen: int) -> Array:
+    """(C, N, K) joint angles of each mode, for so many markers that are seen."""
+    links = columns.links
+    count = min(2 * seen, 4, links)
+    s = 2 * (np.arange(links) + 0.5) / links - 1
+    return np.polynomial.legendre.legvander(s, max(count, 1) - 1)[None, :, :count] / (links * columns.arrays.profile[..., None])
+
+
+def pose_from_markers(
+    columns: Columns, cameras: Cameras, positions: Array, velocities: Array, noise: float, near: Array | None = None
+) -> tuple[Array, Array, Array]:
+    """The pose and its rate.
+
+    Args:
+        columns: C arms that are seen to be in the same place.
+        cameras: what is seen of them.
+        positions: (M, 3) [m] of the markers; NaN where not seen.
+        velocities: (M, 3) [m/s].
+        noise: of a coordinate [m].
+        near: (K,) amplitudes of the modes, found for a similar arm.
+
+    Returns:
+        (C, N) [rad], (C, N) [rad/s], and the amplitudes (K,) of the modes for the first arm.
+    """
+    seen = np.isfinite(positions).all(axis=1)
+    modes = modes_of(columns, int(seen.sum()))
+    count = modes.shape[2]
+    if count == 0:
+        return np.zeros((2, *modes.shape[:2]))[0], np.zeros(modes.shape[:2]), np.zeros(0)
+    sure, penalty = max(noise, _SURE), _SMOOTH ** np.arange(count)
+    kappa = np.zeros((len(columns), count))
+    plan = [active for active in range(1, count) for _ in range(_STEPS)] + [count] * _MOST
+    if near is not None and len(near) == count:
+        kappa[:], plan = near, [count] * _MOST
+    jacobian = np.empty(0)
+    for active in plan:
+        steps = np.vstack([np.zeros(count), _WIDTH * np.eye(count)[:active]])
+        poses = np.einsum("cnk,tck->tcn", modes, kappa + steps[:, None])
+        shown = cameras.positions(poses)[:, :, seen][..., [0, 2]].reshape(active + 1, len(columns), -1) / sure
+        jacobian = np.moveaxis(shown[1:] - shown[0], 0, -1) / _WIDTH  # (C, 2M, active)
+        miss = shown[0] - positions[seen][:, [0, 2]].ravel() / sure
+        normal = np.swapaxes(jacobian, 1, 2) @ jacobian + np.diag(penalty[:active] ** 2)
+        slope = np.einsum("cmk,cm->ck", jacobian, miss) + penalty[:active] ** 2 * kappa[:, :active]
+        change = np.clip(np.linalg.solve(normal, slope[..., None])[..., 0], -_FARTHEST, _FARTHEST)
+        kappa[:, :active] -= change
+        if active == count and np.abs(change).max() < _DONE:
+            break
+    pull = np.einsum("cmk,m->ck", jacobian, velocities[seen][:, [0, 2]].ravel() / sure)
+    rate = np.linalg.solve(normal, pull[..., None])[..., 0]
+    return np.einsum("cnk,ck->cn", modes, kappa), np.einsum("cnk,ck->cn", modes, rate), kappa[0]

@@ -1,0 +1,223 @@
+"""The same done to many things side by side: in this process, in several, or on a cluster, through any Executor.
+
+Everything in hsr_pin that works side by side takes a ``concurrent.futures.Executor`` (PEP 3148). What all tasks need is sent to
+each worker with them as one :class:`Shared` object, and unpacked there once.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager, suppress
+from functools import lru_cache
+from multiprocessing.connection import Connection
+from typing import Any, Generic, TypeVar
+
+from hsr_pin.errors import InputError, MissingDependencyError, WorkerError
+
+T = TypeVar("T")
+
+#: How often work is begun anew whose worker was lost.
+_TRIES = 3
+#: A scheduler answers within this time [s].
+_PATIENCE = 10
+_LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
+
+
+class Serial(Executor):
+    """Does each task at once, in this process."""
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
+        """The finished task."""
+        done: Future[Any] = Future()
+        try:
+            done.set_result(function(*arguments, **named))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+
+class Shared(Generic[T]):
+    """Something that many tasks need: pickled once, unpacked once by each process that it reaches."""
+
+    def __init__(self, thing: T) -> None:
+        self._packed = pickle.dumps(thing, protocol=pickle.HIGHEST_PROTOCOL)
+        self._mark = hashlib.sha256(self._packed).hexdigest()
+
+    def get(self) -> T:
+        """The thing, the same object at every call in one process."""
+        thing: T = _unpacked(self)
+        return thing
+
+    def __hash__(self) -> int:
+        return hash(self._mark)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Shared) and self._mark == other._mark
+
+
+@lru_cache(maxsize=8)
+def _unpacked(shared: Shared[Any]) -> Any:
+    return pickle.loads(shared._packed)
+
+
+@contextmanager
+def workers(jobs: int | None = None, cluster: str | None = None) -> Iterator[Executor]:
+    """An executor for the time of a ``with`` block.
+
+    Args:
+        jobs: processes; default: one per core. 1: this process alone.
+        cluster: address of a Dask scheduler (``tcp://host:8786``), instead of processes here.
+
+    Raises:
+        InputError: a number of processes that is none, or no scheduler at the address.
+        MissingDependencyError: dask.distributed is not installed.
+    """
+    if cluster is not None:
+        with _dask(cluster) as executor:
+            yield executor
+        return
+    count = os.cpu_count() or 1 if jobs is None else jobs
+    if count < 1:
+        raise InputError("jobs", expected="one or more", received=jobs)
+    if count == 1:
+        yield Serial()
+        return
+    pool = _Pool(count)
+    try:
+        yield pool
+    except BaseException:
+        pool.kill()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def run(
+    executor: Executor, function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], advance: Callable[[], None] = lambda: None
+) -> list[T]:
+    """``function(*task)`` for each task, in their order; the first exception ends it.
+
+    Args:
+        executor: who does it.
+        function: importable by name.
+        tasks: its arguments.
+        advance: called after each answer.
+
+    Raises:
+        WorkerError: workers were lost again and again.
+    """
+    if isinstance(executor, Serial):
+        return [_then(advance, function(*task)) for task in tasks]
+    answers: dict[int, T] = {}
+    for _ in range(_TRIES):
+        futures = {executor.submit(function, *task): n for n, task in enumerate(tasks) if n not in answers}
+        for future in as_completed(futures):
+            try:
+                answers[futures[future]] = _then(advance, future.result())
+            except Exception as error:
+                if not _is_loss(error):
+                    raise
+        if len(answers) == len(tasks):
+            return [answers[n] for n in range(len(tasks))]
+        print(_LOST, file=sys.stderr, flush=True)
+    raise WorkerError(_TRIES)
+
+
+def _then(advance: Callable[[], None], answer: T) -> T:
+    advance()
+    return answer
+
+
+def for_each(
+    work: Callable[[T], None],
+    items: Sequence[T],
+    *,
+    jobs: int | None = 1,
+    cluster: str | None = None,
+    advance: Callable[[], None] = lambda: None,
+) -> None:
+    """Call ``work`` for each item, ``jobs`` at a time or on a cluster; what was done before an exception ends it stays done."""
+    few = jobs if jobs is None or cluster else max(1, min(jobs, len(items)))
+    with workers(few, cluster) as executor:
+        run(executor, work, [(item,) for item in items], advance)
+
+
+class _Pool(Executor):
+    """Processes that end with this one, however it ends; after the loss of one all are replaced by new ones."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._held, self._leash = multiprocessing.Pipe(duplex=False)
+        self._pool = self._begun()
+
+    def _begun(self) -> ProcessPoolExecutor:
+        context = multiprocessing.get_context("spawn")  # forking a process that runs threads is not safe
+        return ProcessPoolExecutor(self._count, context, initializer=_follow, initargs=(self._held,))
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
+        """A task for one of the processes."""
+        with _uninterrupted():
+            try:
+                return self._pool.submit(function, *arguments, **named)
+            except BrokenExecutor:
+                self._pool.shutdown(wait=False, cancel_futures=True)
+                self._pool = self._begun()
+                return self._pool.submit(function, *arguments, **named)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes when they have done what they are at."""
+        self._pool.shutdown(wait=wait, cancel_futures=cancel_futures)
+        self.kill()
+
+    def kill(self) -> None:
+        """End the processes at once."""
+        self._leash.close()
+
+
+def _follow(held: Connection) -> None:
+    """In a worker: end as soon as the other end of a pipe is closed, by the process that began it or by that one's end."""
+
+    def follow() -> None:
+        with suppress(EOFError, OSError):
+            held.recv_bytes()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Processes that are begun within leave Ctrl-C to this one, which hears of it a little later."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _is_loss(error: Exception) -> bool:
+    """Whether a task ended because its worker did: of a pool, or of a Dask cluster (whose error has no common root)."""
+    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
+
+
+@contextmanager
+def _dask(address: str) -> Iterator[Executor]:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise MissingDependencyError("distributed", "cluster") from error
+    try:
+        client: Any = Client(address, timeout=_PATIENCE)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError("cluster", expected="the address of a Dask scheduler that answers", received=address) from error
+    with client:
+        executor: Executor = client.get_executor(pure=False)
+        yield executor

@@ -1,0 +1,171 @@
+"""Any table of numbers, read as a mapping says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.recordings.importers.capture import Capture, capture, metres
+from hsr_pin.recordings.importers.clock import frame_times
+from hsr_pin.recordings.importers.command_rows import CommandRows
+from hsr_pin.recordings.importers.mapping import Column, InputMapping, Place, TableMapping
+from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
+from hsr_pin.recordings.importers.up import Up
+from hsr_pin.recordings.text import nearest
+from hsr_pin.trajectory import Array
+
+#: Lines of units and the like below the names are passed over, up to so many.
+BELOW_NAMES = 10
+#: What may stand before the names.
+COMMENT = ("#", "%")
+
+
+def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> Capture:
+    """Read a recording.
+
+    Args:
+        path: the table.
+        mapping: what stands where.
+        unit: of length, in place of the mapping's.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+    """
+    sheet, names, header = _opened(path, mapping)
+    places = [_place(sheet, names, header, place) for _, triple in mapping.points for place in triple]
+    clocks = [_find(sheet, names, header, column) for column in (mapping.time, mapping.frame) if column is not None]
+    used = [place.column for place in places if isinstance(place.column, int)]
+    rows = _body(sheet, header, [*clocks, *used][0])
+    labels = ["time"] * (mapping.time is not None) + ["frame"] * (mapping.frame is not None)
+    values = sheet.numbers(rows, [*clocks, *used], labels)
+    time, note = _time(sheet, rows, values, mapping)
+    found = iter(values[:, len(clocks) :].T)
+    nothing = np.zeros(len(rows))
+    columns = [nothing if place.column is None else place.sign * next(found) for place in places]
+    said = unit or mapping.unit
+    return capture(
+        path,
+        f"table, by {mapping.path.name}",
+        time,
+        [name for name, _ in mapping.points],
+        np.stack(columns, axis=1).reshape(len(rows), len(mapping.points), 3) * metres(said),
+        up=Up(mapping.up, f"as {mapping.path.name} has it" if mapping.up else f"{mapping.path.name} does not say"),
+        unit=said,
+        notes=[f"imported from {path.name} by {mapping.path.name} ({said})", *([note] if note else [])],
+        encoding=sheet.encoding,
+    )
+
+
+def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping, recording: Capture) -> CommandRows:
+    """Read commands: of a file of their own, or of the recording's. Rows without one are passed over: the last is held.
+
+    Args:
+        path: the table.
+        mapping: of the recording.
+        wanted: what stands where.
+        recording: whose clock the rows are put on.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+    """
+    own = path.resolve() != recording.path.resolve()
+    sheet, names, header = _opened(path, replace(mapping, header=None) if own and mapping.header else mapping)
+    column = wanted.time if wanted.time is not None else mapping.time
+    clocks = [] if column is None else [_find(sheet, names, header, column)]
+    fields = [_find(sheet, names, header, column) for _, column in wanted.columns]
+    rows = _body(sheet, header, [*clocks, *fields][0])
+    values = sheet.numbers(rows, [*clocks, *fields], ["time"] * len(clocks))
+    commands = values[:, len(clocks) :] * wanted.factor
+    given = np.isfinite(commands).all(axis=1)
+    if not given.any():
+        raise sheet.fault(rows[0], fields[0], "no command", expected="a number in some row", received="none")
+    if not own and len(rows) == len(recording.time):
+        stamps = recording.time
+    elif clocks:
+        factor = wanted.time_factor if wanted.time is not None else mapping.time_factor
+        stamps = values[:, 0] * factor - (recording.start if not own or wanted.clock == "shared" else 0.0)
+    else:
+        hint = f"say it in {mapping.path.name}: [input] time"
+        raise sheet.fault(max(header, 0), 0, "no time of the commands", expected="a column of times", hint=hint)
+    _check_order(sheet, rows, stamps)
+    return CommandRows(path, stamps[given], tuple(name for name, _ in wanted.columns), commands[given])
+
+
+def _opened(path: Path, mapping: TableMapping) -> tuple[Sheet, list[str], int]:
+    """The sheet, the names of its columns, and their row; -1 where there are none."""
+    sheet = read_sheet(path)
+    if mapping.separator or mapping.decimal:
+        separator, decimal = mapping.separator or sheet.separator, mapping.decimal or sheet.decimal
+        sheet = replace(sheet, separator=separator, decimal=decimal, _known={})
+    if mapping.header == 0:
+        return sheet, [], -1
+    row = 0 if mapping.header is None else int(np.searchsorted(sheet.lines, mapping.header))
+    if row >= len(sheet) or (mapping.header is not None and sheet.lines[row] != mapping.header):
+        expected = f"names in line {mapping.header}, as the mapping says"
+        raise sheet.fault(len(sheet) - 1, 0, "header", expected=expected, received="none")
+    names = sheet.row(row)[1:] if sheet.field(row, 0) in COMMENT else sheet.row(row)
+    return sheet, [name.lstrip("".join(COMMENT)).strip() for name in names], row
+
+
+def _find(sheet: Sheet, names: list[str], header: int, column: Column) -> int:
+    """Where a column stands, counted from 0."""
+    row = max(header, 0)
+    if isinstance(column, int):
+        width = len(sheet.row(max(header + 1, len(sheet) // 2)))
+        if not 1 <= column <= width:
+            raise sheet.fault(row, 0, f"column {column}", expected=f"1 to {width}", received=column, hint="see the mapping")
+        return column - 1
+    same = [index for index, name in enumerate(names) if name == column.strip()]
+    same = same or [index for index, name in enumerate(names) if name.lower() == column.strip().lower()]
+    if len(same) == 1:
+        return same[0]
+    if same:
+        hint = f"give its number in the mapping: {' or '.join(str(index + 1) for index in same[:4])}"
+        raise sheet.fault(row, same[1], f"column {column!r} stands {len(same)} times in the header", hint=hint)
+    hint = nearest(column, [name for name in names if name][:200], "columns") if names else "without a header, give numbers"
+    raise sheet.fault(row, 0, f"no column {column!r}", hint=hint)
+
+
+def _place(sheet: Sheet, names: list[str], header: int, place: Place) -> Place:
+    """A place with its column counted from 0; a minus before a name or a number turns it round."""
+    column = place.column
+    if column is None:
+        return place
+    if isinstance(column, int):
+        return Place(_find(sheet, names, header, abs(column)), -1.0 if column < 0 else 1.0)
+    bare = column.strip()
+    turned = bare.startswith("-") and bare not in names
+    return Place(_find(sheet, names, header, bare[1:] if turned else bare), -1.0 if turned else 1.0)
+
+
+def _body(sheet: Sheet, header: int, column: int) -> range:
+    """The rows of numbers."""
+    below = range(header + 1, min(len(sheet), header + 1 + BELOW_NAMES))
+    first = next((row for row in below if sheet.is_number(row, column)), None)
+    if first is None:
+        hint = "is the line of the names another? say it: [file] header"
+        raise sheet.fault(header + 1, column, "no rows of numbers under the names", hint=hint)
+    return range(first, len(sheet))
+
+
+def _time(sheet: Sheet, rows: range, values: Array, mapping: TableMapping) -> tuple[Array, str]:
+    stamps = values[:, 0] * mapping.time_factor if mapping.time is not None else None
+    if stamps is not None:
+        _check_order(sheet, rows, stamps)
+    frames = values[:, int(stamps is not None)] if mapping.frame is not None else np.arange(len(values), dtype=float)
+    if stamps is None:
+        return (frames - frames[0]) / (mapping.rate or 1.0), ""
+    if mapping.frame is None:
+        return stamps, ""
+    return frame_times(frames, mapping.rate, stamps)
+
+
+def _check_order(sheet: Sheet, rows: range, stamps: Array) -> None:
+    wrong = np.flatnonzero(np.diff(stamps) <= 0)
+    if wrong.size:
+        row, before = rows[int(wrong[0]) + 1], stamps[int(wrong[0])]
+        expected, received = f"more than {before:.9g} s, the time before it", f"{stamps[int(wrong[0]) + 1]:.9g} s"
+        hint = "take double rows away, or give a frame column and the rate"
+        raise sheet.fault(row, 0, "time", expected=expected, received=received, hint=hint)

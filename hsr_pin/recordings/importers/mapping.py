@@ -1,0 +1,194 @@
+"""A mapping: which columns of somebody's table are what, given once in a TOML file (see docs/importing.md)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hsr_pin.recordings.document import Section, read_document
+from hsr_pin.recordings.importers.capture import UNITS
+from hsr_pin.recordings.importers.up import axis_vector
+from hsr_pin.recordings.text import nearest
+
+#: A column by its name, or by its number counted from 1.
+Column = str | int
+
+#: Seconds in one of each unit of time.
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: Bar in one of each unit of pressure.
+PRESSURE_UNITS = {"bar": 1.0, "mbar": 1e-3, "Pa": 1e-5, "kPa": 1e-2, "MPa": 10.0, "psi": 0.0689475729}
+#: N m in one of each unit of torque.
+TORQUE_UNITS = {"Nm": 1.0, "Nmm": 1e-3}
+#: How the clock of a file of commands stands to that of the recording.
+CLOCKS = ("capture", "shared")
+
+
+@dataclass(frozen=True)
+class Place:
+    """A column as a coordinate: with its sign; None: zero everywhere (a camera that sees a plane)."""
+
+    column: Column | None
+    sign: float = 1.0
+
+
+@dataclass(frozen=True)
+class InputMapping:
+    """Where commands are.
+
+    Attributes:
+        columns: of P1 and P2, or of the torque; in a bag, ``topic:field``.
+        factor: to bar, or to N m.
+        time: column of times, in a file of its own; None: the recording's.
+        time_factor: to seconds.
+        clock: "capture": 0 at the recording's first frame; "shared": that of the recording.
+    """
+
+    columns: tuple[tuple[str, Column], ...]
+    factor: float
+    time: Column | None = None
+    time_factor: float = 1.0
+    clock: str = "capture"
+
+
+@dataclass(frozen=True)
+class TableMapping:
+    """What stands where in a table.
+
+    Attributes:
+        path: of the mapping.
+        points: name and three places of each.
+        time: column of times; None: there is none.
+        time_factor: to seconds.
+        frame: column of frame numbers, with ``rate``.
+        rate: [Hz].
+        unit: of length.
+        up: axis that is up, if said.
+        header: line of the names, counted from 1; 0: there is none; None: the first.
+        separator: between fields; None: told from the file.
+        decimal: mark in numbers; None: likewise.
+        input: where commands are, if anywhere.
+    """
+
+    path: Path
+    points: tuple[tuple[str, tuple[Place, Place, Place]], ...] = ()
+    time: Column | None = None
+    time_factor: float = 1.0
+    frame: Column | None = None
+    rate: float | None = None
+    unit: str = "m"
+    up: str | None = None
+    header: int | None = None
+    separator: str | None = None
+    decimal: str | None = None
+    input: InputMapping | None = None
+
+
+def read_mapping(path: str | Path) -> TableMapping:
+    """Read a mapping.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+    """
+    top = read_document(Path(path))
+    top.only("file", "time", "space", "points", "input")
+    if not {"points", "input"} & set(top.values):
+        raise top.fault("nothing is mapped", expected="[points], or [input]")
+    facts: dict[str, Any] = {}
+    if "points" in top.values:
+        facts |= _time(top) | {"points": _points(top.section("points"))}
+    for name, read in (("space", _space), ("file", _file)):
+        if name in top.values:
+            facts |= read(top.section(name))
+    if "input" in top.values:
+        facts["input"] = _input(top.section("input"))
+    return TableMapping(Path(path), **facts)
+
+
+def _time(top: Section) -> dict[str, Any]:
+    section = top.section("time")
+    section.only("column", "unit", "frame", "rate")
+    column, frame = (_column(section, key) if key in section.values else None for key in ("column", "frame"))
+    rate = section.number("rate", "Hz") if "rate" in section.values else None
+    if column is None and rate is None:
+        raise section.fault("no time", expected="a column of times, or a rate [Hz]")
+    factor = TIME_UNITS[_one_of(section, "unit", TIME_UNITS, "s")]
+    return {"time": column, "time_factor": factor, "frame": frame, "rate": rate}
+
+
+def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], ...]:
+    found = []
+    for name, columns in section.values.items():
+        good = isinstance(columns, list) and len(columns) == 3 and all(_is_column(column) or column == "" for column in columns)
+        if not good or all(column == "" for column in columns):
+            expected = 'three columns, for x, y and z: ["x", "y", "z"], [2, 3, 4], or ["x", "", "-y"] in a plane'
+            raise section.fault(f"point {name!r}", name, expected=expected, received=repr(columns)[:60])
+        x, y, z = (Place(None if column == "" else column) for column in columns)
+        found.append((name, (x, y, z)))
+    if not found:
+        raise section.fault("no point", expected='a line for each, as tip = ["x", "y", "z"]')
+    return tuple(found)
+
+
+def _space(section: Section) -> dict[str, Any]:
+    section.only("unit", "up")
+    facts = {"unit": _one_of(section, "unit", UNITS, "m")}
+    if "up" in section.values:
+        facts["up"] = section.text("up")
+        try:
+            axis_vector(facts["up"], "up")
+        except ValueError as error:
+            raise section.fault("up", "up", expected="+x, -x, +y, -y, +z or -z", received=repr(facts["up"])) from error
+    return facts
+
+
+def _file(section: Section) -> dict[str, Any]:
+    section.only("header", "separator", "decimal")
+    facts: dict[str, Any] = {}
+    if "header" in section.values:
+        header = section.values["header"]
+        if not isinstance(header, int) or isinstance(header, bool) or header < 0:
+            raise section.fault("header", "header", expected="the line of the names, or 0 for none", received=repr(header)[:60])
+        facts["header"] = header
+    for key, known in (("separator", (",", ";", "\t", " ")), ("decimal", (".", ","))):
+        if key in section.values:
+            value = section.values[key]
+            if value not in known:
+                raise section.fault(key, key, expected=" or ".join(map(repr, known)), received=repr(value)[:60])
+            facts[key] = value
+    return facts
+
+
+def _input(section: Section) -> InputMapping:
+    section.only("P1", "P2", "tau", "unit", "time", "time_unit", "clock")
+    names = [name for name in ("P1", "P2", "tau") if name in section.values]
+    if names not in (["P1", "P2"], ["tau"]):
+        raise section.fault("input", expected="P1 and P2, or tau", received=" and ".join(names) or "none")
+    units, usual = (TORQUE_UNITS, "Nm") if names == ["tau"] else (PRESSURE_UNITS, "bar")
+    return InputMapping(
+        columns=tuple((name, _column(section, name)) for name in names),
+        factor=units[_one_of(section, "unit", units, usual)],
+        time=_column(section, "time") if "time" in section.values else None,
+        time_factor=TIME_UNITS[_one_of(section, "time_unit", TIME_UNITS, "s")],
+        clock=_one_of(section, "clock", dict.fromkeys(CLOCKS, 0.0), CLOCKS[0]),
+    )
+
+
+def _is_column(value: object) -> bool:
+    return (isinstance(value, str) and bool(value.strip())) or (isinstance(value, int) and value != 0 and value is not True)
+
+
+def _column(section: Section, key: str) -> Column:
+    value = section.values[key]
+    if not _is_column(value) or (isinstance(value, int) and value < 0):
+        expected = "a column: its name, or its number counted from 1"
+        raise section.fault(key, key, expected=expected, received=repr(value)[:60])
+    return value  # type: ignore[no-any-return]
+
+
+def _one_of(section: Section, key: str, known: dict[str, float], usual: str) -> str:
+    text = section.text(key, usual)
+    if text not in known:
+        hint = nearest(text, known, "units" if "unit" in key else "ones")
+        raise section.fault(key, key, expected=" or ".join(known), received=repr(text[:40]), hint=hint)
+    return text

@@ -1,0 +1,107 @@
+"""Qualisys Track Manager, TSV export of 3D and 6DOF data (docs.qualisys.com, Motion data, 6DOF data).
+
+Lines of a key and its values (``NO_OF_FRAMES``, ``FREQUENCY``, ``DATA_INCLUDED``, ``MARKER_NAMES`` or ``BODY_NAMES``, ...),
+perhaps a line of columns (``Frame Time arm X arm Y ...``), then frames: their number and time if asked for, three columns for
+each marker, or sixteen for each body. In millimetres always; z is up unless somebody turned the axes.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.errors import RecordingError
+from hsr_pin.recordings.importers.capture import Capture, capture, metres
+from hsr_pin.recordings.importers.clock import frame_times
+from hsr_pin.recordings.importers.sheet import Sheet, positive, read_sheet
+from hsr_pin.recordings.importers.up import Up
+from hsr_pin.trajectory import Array
+
+UNIT = "mm"
+#: The kinds of data that hold points: the key of their names, and the columns of each.
+KINDS = {"3D": ("MARKER_NAMES", 3), "6D": ("BODY_NAMES", 16)}
+#: So many rows tell what columns are that have no names.
+LOOK = 20
+_KEYS = ("NO_OF_FRAMES", "FILE_VERSION", "NO_OF_CAMERAS")
+
+
+def is_qualisys(head: str) -> bool:
+    """Whether the beginning of a text file looks like this format."""
+    return head.lstrip('" \t').startswith(_KEYS)
+
+
+def read_qualisys(path: Path, unit: str | None = None) -> Capture:
+    """Read a file.
+
+    Args:
+        path: the file.
+        unit: of length, in place of millimetres.
+
+    Raises:
+        RecordingError: with file, line and column of the first fault.
+    """
+    sheet = read_sheet(path)
+    keys = _keys(sheet)
+    kind = sheet.field(keys.get("DATA_INCLUDED", len(sheet)), 1)
+    if kind not in KINDS:
+        row, hint = keys.get("DATA_INCLUDED", 0), "export 3D data"
+        raise sheet.fault(row, 1, "DATA_INCLUDED", expected=" or ".join(KINDS), received=repr(kind[:40]), hint=hint)
+    key, width = KINDS[kind]
+    if key not in keys:
+        raise RecordingError(f"{key} is missing", expected="a line of names", hint="export with the TSV header", file=path)
+    names = [name for name in sheet.row(keys[key])[1:] if name]
+    rows = range(max(keys.values()) + 1, len(sheet))
+    rate = positive(sheet.field(keys.get("FREQUENCY", len(sheet)), 1))
+    before = _before(sheet, keys, rows, rate)
+    columns = [len(before) + width * place + axis for place in range(len(names)) for axis in range(3)]
+    values = sheet.numbers(rows, [*range(len(before)), *columns], before)
+    stated = keys.get("NO_OF_FRAMES", len(sheet))
+    sheet.check_count(rows, positive(sheet.field(stated, 1)), f"NO_OF_FRAMES in line {sheet.lines[min(stated, len(sheet) - 1)]}")
+    time, note = _time(sheet, keys, values, before, rate)
+    return capture(
+        path,
+        f"Qualisys TSV {kind}",
+        time,
+        names,
+        values[:, len(before) :].reshape(len(rows), len(names), 3),
+        up=Up("+z", "as Qualisys has it"),
+        unit=unit or UNIT,
+        factor=metres(unit or UNIT),
+        notes=[f"imported from {path.name} (Qualisys TSV {kind}, {unit or UNIT})", *([note] if note else [])],
+        encoding=sheet.encoding,
+    )
+
+
+def _keys(sheet: Sheet) -> dict[str, int]:
+    """The row of each key; the line of columns, if there is one, is that of ``Frame`` or of whatever it begins with."""
+    keys: dict[str, int] = {}
+    for row in range(len(sheet)):
+        word = sheet.field(row, 0)
+        if not word[:1].isalpha() or word.lower() == "nan":
+            break
+        keys[word] = row
+    return keys
+
+
+def _before(sheet: Sheet, keys: dict[str, int], rows: range, rate: float | None) -> list[str]:
+    """What comes before the first point: as the line of columns says, or else as the columns look."""
+    titles = [title.lower() for title in sheet.row(rows[0] - 1)[:2]] if rows else []
+    if not any(word.endswith((" X", " x")) or word == "Frame" for word in keys):
+        first = np.array([[sheet.value(row, column) for column in (0, 1)] for row in rows[:LOOK]])
+        steps = np.diff(first, axis=0) if len(first) > 2 else np.zeros((1, 2))
+        titles = ["frame"] if np.all(steps[:, 0] == 1) else []
+        place = len(titles)
+        if rate and place < 2 and np.all(np.abs(steps[:, place] - 1 / rate) < 1e-3 / rate + 2e-5):
+            titles.append("time")
+    return [title for title in titles if title in ("frame", "time")]
+
+
+def _time(sheet: Sheet, keys: dict[str, int], values: Array, before: list[str], rate: float | None) -> tuple[Array, str]:
+    frames = values[:, 0] if "frame" in before else np.arange(len(values), dtype=float)
+    if "time" in before:
+        return frame_times(frames, rate, values[:, before.index("time")])
+    if rate is None:
+        row, hint = keys.get("FREQUENCY", len(sheet)), "export the time column, or write the rate there"
+        raise sheet.fault(row, 1, "FREQUENCY", expected="a number of Hz", received=repr(sheet.field(row, 1)[:40]), hint=hint)
+    return (frames - frames[:1]) / rate, ""

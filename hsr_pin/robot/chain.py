@@ -1,0 +1,108 @@
+"""The rigid bodies of many planar arms as arrays: what Pinocchio makes of each arm's URDF, in closed form.
+
+A test holds it against ``pin.buildModelFromXML`` for any arm; here there is no text to write and read for each of a thousand.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from hsr_pin.robot.specification import ArmSpecification, mount_frame
+from hsr_pin.trajectory import Array
+
+#: Acceleration of gravity [m/s^2], Pinocchio's.
+GRAVITY = 9.81
+_SAME = ("links", "placement", "mount")
+
+
+@dataclass(frozen=True, eq=False)
+class Arms:
+    """B arms that differ in numbers only: an :class:`ArmSpecification` whose numbers are (B,) arrays."""
+
+    links: int
+    placement: str
+    mount: str
+    keq: Array
+    damping: Array
+    length: Array
+    mass: Array
+    diameter: Array
+    tip_mass: Array
+    tilt: Array
+    bending_limit: Array
+
+    #: Names of those that differ.
+    NUMBERS: ClassVar[tuple[str, ...]] = ("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit")
+
+    @classmethod
+    def of(cls, specifications: Sequence[ArmSpecification]) -> Arms:
+        """The same arms side by side; all must have the same number of links, placement and mount."""
+        first = specifications[0]
+        assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
+        numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
+        return cls(first.links, first.placement, first.mount, **numbers)
+
+    def __len__(self) -> int:
+        return len(self.keq)
+
+    def numbers(self) -> dict[str, Array]:
+        """The (B,) arrays by name."""
+        return {name: getattr(self, name) for name in self.NUMBERS}
+
+    def specification(self, column: int) -> ArmSpecification:
+        """One of them."""
+        numbers = {name: float(values[column]) for name, values in self.numbers().items()}
+        return ArmSpecification(links=self.links, placement=self.placement, mount=self.mount, **numbers)  # type: ignore[arg-type]
+
+    def columns(self, members: Any) -> Arms:
+        """Some of them (indices or a slice)."""
+        return dataclasses.replace(self, **{name: values[members] for name, values in self.numbers().items()})
+
+    def frame(self) -> tuple[Array, Array]:
+        """(B, 3) each: unit vectors along the straight arms, and across them towards positive bending, in the world frame."""
+        along, across = mount_frame(self.mount)
+        c, s = np.cos(self.tilt)[:, None], np.sin(self.tilt)[:, None]
+        return c * along + s * across, c * across - s * along
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The links that move, (B, N) each, and gravity.
+
+    Attributes:
+        mass: [kg].
+        lever: [m] from a link's joint to its centre of mass.
+        inertia: [kg m^2] about the centre of mass.
+        reach: [m] from a link's joint to the next one, or to the tip.
+        gravity: (B, 2) [m/s^2] along the straight arm, and across it towards positive bending.
+    """
+
+    mass: Array
+    lever: Array
+    inertia: Array
+    reach: Array
+    gravity: Array
+
+
+def chain_of(arms: Arms) -> Chain:
+    """The links of uniform cylinders that the URDF holds, and the point mass at the tip."""
+    links, element = arms.links, (arms.length / arms.links)[:, None]
+    share = np.ones((1, links))
+    if arms.placement == "mid":
+        share[0, -1] = 0.5  # half a link beyond the last joint; the half before the first does not move
+    reach = share * element
+    mass = share * (arms.mass / links)[:, None]
+    lever = reach / 2
+    inertia = mass * (3 * (arms.diameter / 2)[:, None] ** 2 + reach**2) / 12
+    tip = np.zeros_like(mass)
+    tip[:, -1] = arms.tip_mass
+    together = mass + tip
+    centre = (mass * lever + tip * reach) / together
+    inertia = inertia + mass * (lever - centre) ** 2 + tip * (reach - centre) ** 2
+    along, across = arms.frame()
+    return Chain(together, centre, inertia, reach, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))

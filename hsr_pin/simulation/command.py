@@ -1,0 +1,128 @@
+"""What arrives at the arms of a command: held or interpolated between samples, then what the muscles make of it.
+
+A command that is known is passed through as a whole (:func:`deliver`), one that comes step by step by :class:`Muscles`; both in
+the same cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.trajectory import Array
+
+#: Where the muscles have a memory, or the command is interpolated, the torque is even over cells no longer than this [s].
+CELL = 0.005
+#: No step passes a change of the torque by more than this share of its largest, either way.
+_JUMP = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Delivered:
+    """Torque over time, even within cells.
+
+    Attributes:
+        impulse: (B, C + 1) its integral, in N m times cells.
+        cell: [s].
+        per_sample: cells from sample to sample.
+        initial: (B,) [N m] before the first.
+    """
+
+    impulse: Array
+    cell: float
+    per_sample: int
+    initial: Array
+
+    def until(self) -> Array:
+        """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all."""
+        with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears is a motion that diverges
+            torque = np.diff(self.impulse, axis=1)
+            largest = np.maximum(np.abs(torque).max(axis=1, keepdims=True), 1e-12)
+            jumps = np.abs(np.diff(torque, axis=1)) > _JUMP * largest
+        cells = torque.shape[1]
+        ends = np.full(self.impulse.shape, float(cells))
+        ends[:, : cells - 1] = np.where(jumps, np.arange(1.0, cells), cells)
+        return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1]
+
+
+def deliver(
+    columns: Columns,
+    torque: Array,
+    initial: Array,
+    step: float,
+    *,
+    interpolated: bool = False,
+    substeps: int = 1,
+    respond: Callable[[Columns, Effect, Array, float], Array] | None = None,
+) -> Delivered:
+    """Pass a command through the muscles of all columns.
+
+    Args:
+        columns: the arms.
+        torque: (S, B) or (S, 1) [N m] at the samples.
+        initial: (B,) or (1,) [N m] before the first.
+        step: from sample to sample [s].
+        interpolated: the command goes straight from sample to sample instead of being held.
+        substeps: cells in a sample, at least.
+        respond: how an effect's law is applied to (C, B) torques; default: :func:`by_law`.
+    """
+    per_sample = cells_in(step, substeps, columns.remembering or interpolated)
+    held = np.repeat(torque[:-1], per_sample, axis=0)
+    if interpolated:
+        share = (np.arange(per_sample) + 0.5) / per_sample
+        held = held + np.repeat(np.diff(torque, axis=0), per_sample, axis=0) * np.tile(share, len(torque) - 1)[:, None]
+    flow = np.empty((len(held) + 1, len(columns)))  # the first row is what was before, for ever
+    flow[0], flow[1:] = initial, held
+    cell = step / per_sample
+    for effect in columns.muscles:
+        flow = _late(flow, np.broadcast_to(effect.late(), len(columns)), cell)
+        if effect.acts_through("respond"):
+            flow = (respond or by_law)(columns, effect, flow, cell)
+    with np.errstate(over="ignore"):  # a torque that no arm bears is a motion that diverges
+        impulse = np.vstack([np.zeros(len(columns)), flow[1:].cumsum(axis=0)]).T
+    return Delivered(np.ascontiguousarray(impulse), cell, per_sample, flow[0])
+
+
+def cells_in(step: float, substeps: int, fine: bool) -> int:
+    """Cells in which a command held for ``step`` [s] is passed on: ``substeps`` at least, and where ``fine`` none is long."""
+    return max(substeps, ceil(step / CELL - 1e-6)) if fine else substeps
+
+
+def _late(flow: Array, delay: Array, cell: float) -> Array:
+    """(C, B) the mean over each cell of torques that come later by ``delay`` (B,) [s]; the first row was there for ever."""
+    if not delay.any():
+        return flow
+    ends = np.arange(len(flow)) * 1.0
+    late = flow.copy()
+    for b, lag in enumerate(delay / cell):
+        impulse = np.append(0.0, flow[1:, b].cumsum())
+        heard = ends - lag
+        passed = np.where(heard < 0, heard * flow[0, b], np.interp(heard, ends, impulse))
+        late[1:, b] = np.diff(passed)
+    return late
+
+
+def by_law(columns: Columns, effect: Effect, flow: Array, cell: float) -> Array:
+    """An effect's law on torques (C, B), the first row for ever before, by NumPy."""
+    p, memory = effect.p, (flow[0],) * effect.memories
+    answers = np.empty_like(flow)
+    for n, torque in enumerate(flow):
+        answers[n], memory = effect.respond(p, torque, memory, cell, columns.nominal.keq)
+    return answers
+
+
+def by_machine(columns: Columns, effect: Effect, flow: Array, cell: float) -> Array:
+    """The same by compiled code."""
+    from ctypes import CFUNCTYPE, c_double, c_int64, c_void_p
+
+    from hsr_pin.simulation.laws import address
+
+    loop = CFUNCTYPE(None, *[c_void_p] * 4, c_int64, c_int64, c_double)(address(effect, "respond"))
+    answers, numbers, keq = np.empty_like(flow), columns.numbers_of(effect), np.ascontiguousarray(columns.nominal.keq)
+    loop(flow.ctypes.data, keq.ctypes.data, numbers.ctypes.data, answers.ctypes.data, *flow.shape, cell)
+    return answers

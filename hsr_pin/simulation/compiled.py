@@ -1,0 +1,176 @@
+"""The march and the search for rest as machine code, by numba; compiled at the first use and kept.
+
+The functions of ``march`` and ``rest`` are taken as they stand, with those of ``kernel`` in place of Pinocchio's. What was
+compiled lies in the cache of numba (beside the source, or in the user's cache where the installation cannot be written to) and
+holds for all processes; a process that finds it there starts in some tenths of a second.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import types
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.simulation import kernel, march, rest
+from hsr_pin.simulation.kernel import System
+from hsr_pin.simulation.march import advance
+from hsr_pin.simulation.stamp import stamp
+from hsr_pin.trajectory import Array
+
+_MESSAGE = "hsr_pin: compiling its inner loops, {often}; this takes about half a minute"
+_KEPT, _LOST = "once for this machine", "in every process (no folder to keep them in: NUMBA_CACHE_DIR may name one)"
+_LOCK = threading.RLock()
+
+
+class Loops(NamedTuple):
+    """What is compiled; see :mod:`~hsr_pin.simulation.march` and :mod:`~hsr_pin.simulation.rest`."""
+
+    march: Any
+    apart: Any
+    advance: Any
+    rest: Any
+
+
+def loops() -> Loops:
+    """The compiled functions; compiling is announced on standard error."""
+    with _LOCK:  # a second thread waits for the first
+        return _loops()
+
+
+def ready(effects: Iterable[type[Effect]] = ()) -> None:
+    """Compile all that a fit with these effects will call, before many processes want it."""
+    from hsr_pin.simulation.laws import address
+
+    loops()
+    for kind in effects:
+        for variant in kind.variants():
+            effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
+            for hook in ("moment", "update", "respond"):
+                if effect.acts_through(hook):
+                    address(effect, hook)
+
+
+def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options: Any) -> tuple[Any, bool]:
+    """A function through one of numba's decorators, and whether its machine code is kept: not where there is no folder for it."""
+    try:
+        return decorate(cache=True, **options)(function), True
+    except RuntimeError as error:
+        if "cache" not in str(error):
+            raise
+        return decorate(**options)(function), False
+
+
+@lru_cache(maxsize=1)
+def _loops() -> Loops:
+    from numba import njit
+    from numba.core import event
+
+    all_kept = True
+
+    def made(function: Callable[..., Any], inline: bool = False, **others: Any) -> Any:
+        nonlocal all_kept
+        scope = {**function.__globals__, **others}
+        copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+        copy.__module__ = function.__module__
+        copy.__qualname__ = f"{function.__name__}_{stamp('loops')}"
+        code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
+        all_kept = all_kept and is_kept
+        return code
+
+    call_law = _caller()
+    plain = {name: made(getattr(kernel, name), inline=True) for name in ("substep", "add", "between", "bent", "alone")}
+    plain |= {name: made(getattr(kernel, name), call_law=call_law) for name in ("resist", "remember")}
+    plain["mean_torque"] = made(march.mean_torque, inline=True)
+    plain["extrapolate"] = made(march.extrapolate, **plain)
+    statics = {name: made(getattr(rest, name), **plain) for name in ("laws_at", "imbalance", "newton_step")}
+    plain["march"] = made(march.march, **plain)
+    plain["advance"] = made(march.advance, **plain)
+    apart, steps = made(march.march_apart, **plain), made(brief_advance, **plain)
+    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain, **statics))
+    with event.install_listener("numba:compile", _announcement(_KEPT if all_kept else _LOST)):  # not heard when they are loaded
+        for function, arguments in zip(found, _arguments(), strict=True):
+            function.compile(arguments)  # for these types alone: nothing is ever compiled again unawares
+            function.disable_compile()
+    return found
+
+
+def brief_advance(
+    joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, state: Array, impulse: Array, cell: float,
+    weights: Array, limit: Array,
+) -> int:  # fmt: skip
+    """As :func:`hsr_pin.simulation.march.advance`, for arms in few arrays: at a call from Python, each takes its time.
+
+    ``joints`` (11, B, N) are the first fields of :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
+    """
+    j = joints
+    arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)
+    return advance(arms, state, impulse, cell, weights, limit)
+
+
+def _arguments() -> tuple[Any, ...]:
+    """Types of what each loop takes."""
+    from numba import types as nb
+
+    def reals(dimensions: int, kind: Any = nb.float64, readonly: bool = False) -> Any:
+        return nb.Array(kind, dimensions, "C", readonly=readonly)
+
+    fields = {name: reals(2) for name in System._fields}
+    fields |= {"keq": reals(1), "laws": reals(2, nb.int64), "numbers": reals(3)}
+    system = nb.NamedTuple(list(fields.values()), System)
+    state, number, whole = (reals(2), reals(2), reals(3)), nb.float64, nb.int64
+    weights = reals(2, readonly=True)
+    steps, out = (reals(1), weights, number, number, number), (reals(1), reals(3), reals(3), reals(1), reals(1), reals(2))
+    each = (reals(2), weights, reals(1), number, number), (reals(1), reals(4), reals(4), reals(1), reals(2))
+    flags, few = reals(1, nb.boolean), (reals(3), reals(2), reals(1), reals(2, nb.int64), reals(3))
+    return (
+        nb.void(system, *state, reals(2), number, whole, *steps, *out).args,
+        nb.void(system, whole, whole, *state[:2], reals(4), reals(2), number, whole, *each[0], *each[1]).args,
+        nb.void(*few, reals(3), reals(2), number, weights, reals(1)).args,
+        nb.void(system, system, reals(1), flags, reals(2), flags, whole).args,
+    )
+
+
+def _announcement(often: str) -> Any:
+    """What says, once, that something is being compiled."""
+    from numba.core import event
+
+    class Announcement(event.Listener):  # type: ignore[misc]
+        said = False
+
+        def on_start(self, event: Any) -> None:
+            if not self.said:
+                print(_MESSAGE.format(often=often), file=sys.stderr, flush=True)
+            self.said = True
+
+        def on_end(self, event: Any) -> None:
+            pass
+
+    return Announcement()
+
+
+def _caller() -> Any:
+    """A function for compiled code that calls machine code at an address; arrays are passed as where they begin."""
+    from llvmlite import ir
+    from numba import types as nb
+    from numba.extending import intrinsic
+
+    @intrinsic  # type: ignore[untyped-decorator]
+    def call_law(typing: Any, address: Any, *arguments: Any) -> Any:
+        given = arguments[0] if len(arguments) == 1 and isinstance(arguments[0], nb.BaseTuple) else nb.Tuple(arguments)
+
+        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            passed = []
+            for place, kind in enumerate(given):
+                value = builder.extract_value(values[1], place)
+                passed.append(context.make_array(kind)(context, builder, value).data if isinstance(kind, nb.Array) else value)
+            shape = ir.FunctionType(ir.VoidType(), [value.type for value in passed])
+            builder.call(builder.inttoptr(values[0], shape.as_pointer()), passed)
+            return context.get_dummy_value()
+
+        return nb.void(address, given), generate
+
+    return call_law

@@ -1,0 +1,181 @@
+"""The inner loops, for the compiler: one substep of a planar chain, and what the march does with whole arrays.
+
+Written for numba (``hsr_pin.simulation.compiled``), which turns each function into machine code; they run as Python too, slowly.
+:mod:`hsr_pin.simulation.reference` has the same functions over Pinocchio.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.trajectory import Array
+
+#: Rows of the scratch array for each link: cos, sin, rate of the link, J, hx, hy, 1/D, free torque.
+SCRATCH = 8
+
+
+class System(NamedTuple):
+    """What the loops need to know of B arms.
+
+    Attributes:
+        mass, lever, inertia, reach: (B, N) as in :class:`hsr_pin.robot.chain.Chain`.
+        lean: (B, N) [kg m] first moment of all that a link carries, about its joint.
+        spring, damper: (B, N) [Nm/rad], [Nm s/rad] at the joints.
+        stiff, drag: (B, N) the same with a bound of what the laws add: what is treated implicitly.
+        share: (B, N) of the torque that arrives at each joint.
+        profile: (B, N) stiffness along the arm, over keq.
+        gravity: (B, 2) as in :class:`hsr_pin.robot.chain.Chain`.
+        keq: (B,) [Nm/rad] of the whole arm.
+        laws: (K, 4) of each law the addresses of its moment and its update, and its first state and their number.
+        numbers: (K, P, B) its parameters.
+    """
+
+    mass: Array
+    lever: Array
+    inertia: Array
+    reach: Array
+    lean: Array
+    spring: Array
+    damper: Array
+    stiff: Array
+    drag: Array
+    share: Array
+    profile: Array
+    gravity: Array
+    keq: Array
+    laws: NDArray[np.int64]
+    numbers: Array
+
+    def in_few(self) -> tuple[Any, ...]:
+        """The same in five arrays, the first (11, B, N)."""
+        return np.array(self[:11]), *self[11:]
+
+
+def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
+    """A linearly implicit Euler step of length d [s], in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
+
+    The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7) in the plane, every
+    link in the axes of the base, so that nothing is turned from link to link: an articulated inertia is J about the joint, the
+    coupling h of force and turning, and the apparent mass m in x and y.
+
+    Args:
+        system: the arms.
+        q: (B, N) [rad].
+        v: (B, N) [rad/s].
+        moment: (B, N) [N m] with which the laws resist.
+        torque: (B,) [N m] of the muscles.
+        d: [s].
+        scratch: (SCRATCH, N).
+    """
+    count, links = q.shape
+    c, s, omega, inertia = scratch[0], scratch[1], scratch[2], scratch[3]
+    hx, hy, inverse, free = scratch[4], scratch[5], scratch[6], scratch[7]
+    for b in range(count):
+        gx, gy = system.gravity[b, 0], system.gravity[b, 1]
+        angle, rate = 0.0, 0.0
+        for i in range(links):
+            angle += q[b, i]
+            rate += v[b, i]
+            c[i], s[i], omega[i] = cos(angle), sin(angle), rate
+        # what the links beyond hand down, about the joint that they hang on
+        j_out, hx_out, hy_out, xx, xy, yy, turn, fx, fy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(links):
+            i = links - 1 - k
+            m, ml = system.mass[b, i], system.mass[b, i] * system.lever[b, i]
+            w2 = omega[i] * omega[i]
+            rx, ry = system.reach[b, i] * c[i], system.reach[b, i] * s[i]
+            fx -= w2 * (xx * rx + xy * ry)  # in place of the next joint's, about this one: it moves along a circle
+            fy -= w2 * (xy * rx + yy * ry)
+            sx, sy = xy * rx - xx * ry, yy * rx - xy * ry  # m times the next joint's turning about this one
+            turn += rx * fy - ry * fx - w2 * (hx_out * rx + hy_out * ry)
+            j = j_out + 2 * (hy_out * rx - hx_out * ry) + rx * sy - ry * sx
+            j += system.inertia[b, i] + ml * system.lever[b, i]
+            x, y = hx_out + sx - ml * s[i], hy_out + sy + ml * c[i]
+            turn -= ml * (c[i] * gy - s[i] * gx)
+            fx -= ml * w2 * c[i] + m * gx
+            fy -= ml * w2 * s[i] + m * gy
+            xx += m
+            yy += m
+            stiff, drag = system.stiff[b, i], system.drag[b, i]
+            u = system.share[b, i] * torque[b] - system.spring[b, i] * q[b, i] - system.damper[b, i] * v[b, i]
+            u -= d * stiff * v[b, i] + moment[b, i] + turn
+            over = 1.0 / (j + d * (drag + d * stiff))
+            inertia[i], hx[i], hy[i], inverse[i], free[i] = j, x, y, over, u
+            j_out, hx_out, hy_out = j - j * j * over, x - x * j * over, y - y * j * over
+            xx -= x * x * over
+            xy -= x * y * over
+            yy -= y * y * over
+            turn += j * u * over
+            fx += x * u * over
+            fy += y * u * over
+        alpha, ax, ay = 0.0, 0.0, 0.0
+        for i in range(links):
+            a = (free[i] - inertia[i] * alpha - hx[i] * ax - hy[i] * ay) * inverse[i]
+            alpha += a
+            rx, ry = system.reach[b, i] * c[i], system.reach[b, i] * s[i]
+            w2 = omega[i] * omega[i]
+            ax -= alpha * ry + w2 * rx
+            ay += alpha * rx - w2 * ry
+            v[b, i] += d * a
+            q[b, i] += d * v[b, i]
+
+
+def add(total: Array, weight: float, term: Array) -> None:
+    """Total += weight * term, (B, N) each."""
+    for b in range(total.shape[0]):
+        for i in range(total.shape[1]):
+            total[b, i] += weight * term[b, i]
+
+
+def between(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, angle: Array, rate: Array) -> None:
+    """Angles and rates (B, N) at the share x of a step of length h [s], by the cubic through both ends (Hermite)."""
+    y = 1.0 - x
+    for b in range(q.shape[0]):
+        for i in range(q.shape[1]):
+            rise = q_end[b, i] - q[b, i]
+            first, last = h * v[b, i] - rise, rise - h * v_end[b, i]
+            angle[b, i] = y * q[b, i] + x * q_end[b, i] + x * y * (first * y + last * x)
+            rate[b, i] = (rise + (1.0 - 2.0 * x) * (first * y + last * x) + x * y * (last - first)) / h
+
+
+def bent(q: Array, column: int) -> float:
+    """Bending angle [rad] of a whole arm."""
+    total = 0.0
+    for i in range(q.shape[1]):
+        total += q[column, i]
+    return total
+
+
+def alone(system: Any, b: int) -> Any:
+    """One of the arms."""
+    s, e = system, b + 1
+    return System(
+        s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.lean[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
+        s.drag[b:e], s.share[b:e], s.profile[b:e], s.gravity[b:e], s.keq[b:e], s.laws, np.ascontiguousarray(s.numbers[:, :, b:e]),
+    )  # fmt: skip
+
+
+def call_law(address: int, *arguments: Any) -> None:
+    """Call machine code at an address, arrays passed as where they begin; the compiler has one of its own in this place."""
+    raise NotImplementedError
+
+
+def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
+    """Add the moments of the laws (B, N) [N m] to ``moment``; q, v (B, N), z (states, B, N)."""
+    for k in range(system.laws.shape[0]):
+        first = system.laws[k, 2]
+        call_law(
+            system.laws[k, 0], q, v, system.keq, system.profile, z[first:], system.numbers[k], moment, q.shape[0], q.shape[1]
+        )
+
+
+def remember(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
+    """The laws' memories (states, B, N) after the joints went from ``start`` to ``end`` (B, N) [rad] in ``elapsed`` [s]."""
+    for k in range(system.laws.shape[0]):
+        if system.laws[k, 3]:
+            first, numbers = system.laws[k, 2], system.numbers[k]
+            call_law(system.laws[k, 1], z[first:], start, end, numbers, out[first:], start.shape[0], start.shape[1], elapsed)

@@ -1,0 +1,102 @@
+"""An effect's laws as machine code: each is compiled once, by itself, and called by address with whole arrays.
+
+The text of a small loop is filled in for each law: its number of parameters and of states, and its options, are constants there
+(and 1.0, with which the compiler makes a number of the array without dimensions that ``np.where`` gives it).
+The code is kept beside the law's own file (or in the user's cache where that cannot be written to); a mark of all text that goes
+into it is part of its name.
+"""
+
+from __future__ import annotations
+
+import inspect
+import threading
+import types
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+from hsr_pin.effects.effect import Bending, Effect, parameter_tuple
+from hsr_pin.simulation.compiled import cached
+from hsr_pin.simulation.stamp import law_stamp
+
+_LOCK = threading.RLock()
+
+_HEAD = """
+def {name}({arguments}):
+    for b in range(B):
+        p = Parameters({parameters})
+"""
+
+_MOMENT = """
+        for i in range(N):
+            k = b * N + i
+            moment[k] += 1.0 * law(p, Bending(N * q[k], N * v[k], keq[b], profile[k], ({memory})))
+"""
+
+_UPDATE = """
+        for j in range({states}):
+            for i in range(N):
+                k = b * N + i
+                m = j * B * N + k
+                out[m] = 1.0 * law(p, j, z[m], N * start[k], N * end[k], elapsed)
+"""
+
+_RESPOND = """
+        memory = ({memory})
+        for n in range(S):
+            mean, memory = law(p, torque[n * B + b], memory, step, keq[b])
+            out[n * B + b] = 1.0 * mean
+"""
+
+#: For each kind of law: its loop, its arguments (pointers, then whole numbers, then real ones), and where its memory begins.
+_FORMS = {
+    "moment": (_MOMENT, "q, v, keq, profile, z, numbers, moment, B, N", 7, 2, 0),
+    "update": (_UPDATE, "z, start, end, numbers, out, B, N, elapsed", 5, 2, 1),
+    "respond": (_RESPOND, "torque, keq, numbers, out, S, B, step", 4, 2, 1),
+}
+
+
+def address(effect: Effect, hook: str) -> int:
+    """Where the machine code of a law begins; compiled, or fetched from the cache, at the first call."""
+    with _LOCK:  # a second thread waits for the first
+        return int(_compiled(type(effect), hook, effect.options).address)
+
+
+@cache
+def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...]) -> Any:
+    from numba import cfunc, njit
+    from numba import types as nb
+
+    body, arguments, pointers, integers, reals = _FORMS[hook]
+    facts, choices = kind.parameters(), kind.choices()
+    numbers = [f"numbers[{n} * B + b]" for n in range(len(facts))]
+    chosen = [str(choices[name].index(value)) for name, value in options]
+    memory = "".join(f"z[{j} * B * N + k], " for j in range(kind.states)) if hook == "moment" else "torque[b], " * kind.memories
+    text = (_HEAD + body).format(
+        name=hook, arguments=arguments, parameters=", ".join([*numbers, *chosen]), memory=memory or "", states=kind.states
+    )
+    law: Callable[..., Any] = getattr(kind, hook)
+    scope = {
+        "Bending": Bending,
+        "Parameters": parameter_tuple(kind),
+        "law": njit(_with_helpers(law)),
+        "__name__": kind.__module__,
+    }
+    exec(compile(text, inspect.getfile(law), "exec"), scope)
+    loop: Any = scope[hook]
+    readings = "_".join(value for _, value in options)
+    loop.__qualname__ = f"{kind.__name__}_{hook}_{readings}_{law_stamp(law)}"
+    number = nb.CPointer(nb.float64)
+    signature = nb.void(*[number] * pointers, *[nb.int64] * integers, *[nb.float64] * reals)
+    return cached(partial(cfunc, signature), loop, error_model="numpy")[0]
+
+
+def _with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
+    """The law, with the plain functions that it calls made ready for the compiler too."""
+    from numba import njit
+
+    scope = dict(law.__globals__)
+    for name in law.__code__.co_names:
+        if isinstance(scope.get(name), types.FunctionType):
+            scope[name] = njit(_with_helpers(scope[name]))
+    return types.FunctionType(law.__code__, scope, law.__name__, law.__defaults__, law.__closure__)

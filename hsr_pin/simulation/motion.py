@@ -1,0 +1,173 @@
+"""Columns from their start to their last sample: by the compiled loops or by those over Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from math import inf
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.errors import InputError
+from hsr_pin.simulation import march, reference, rest
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.command import Delivered, by_law, by_machine, deliver
+from hsr_pin.simulation.compiled import Loops, loops
+from hsr_pin.simulation.integrator import FIRST, LONGEST, Integrator
+from hsr_pin.trajectory import Array
+
+Dynamics = Literal["compiled", "aba", "rnea"]
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """What B arms are at one instant.
+
+    Attributes:
+        q, v: (B, N) [rad], [rad/s].
+        z: (states, B, N) memories of the laws in the joints.
+    """
+
+    q: Array
+    v: Array
+    z: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Of B arms.
+
+    Attributes:
+        angles, rates: (S, B, N) [rad], [rad/s] at the samples; 0 after a failure.
+        lost: (B,) [s] from the start to the end of the step in which an arm went beyond its limit, or had no number; infinite:
+            never.
+        beyond: (B, N) [rad] where they were then.
+        end: the state after the last step.
+        steps: [s] the lengths of those that all took; none where each took its own.
+    """
+
+    angles: Array
+    rates: Array
+    lost: Array
+    beyond: Array
+    end: State
+    steps: Array
+
+
+class Engine:
+    """The loops with the arms that they move.
+
+    Args:
+        columns: the arms.
+        dynamics: "compiled", or "aba" or "rnea" over Pinocchio.
+    """
+
+    def __init__(self, columns: Columns, dynamics: Dynamics) -> None:
+        if dynamics not in get_args(Dynamics):
+            raise InputError("dynamics", expected=" or ".join(get_args(Dynamics)), received=repr(dynamics))
+        self.columns, self._limit = columns, np.ascontiguousarray(columns.arms.bending_limit)
+        self._compiled = dynamics == "compiled"
+        self._system: Any
+        self._advance: Callable[..., int]
+        if self._compiled:
+            self._loops, self._system, self._arrays = loops(), columns.system, columns.system
+            self._advance = partial(self._loops.advance, *columns.system.in_few())
+        else:
+            self._loops = Loops(march.march, march.march_apart, march.advance, rest.rest)
+            self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
+            self._advance = partial(self._loops.advance, self._system)
+
+    def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
+        """As :func:`hsr_pin.simulation.command.deliver`."""
+        respond = by_machine if self._compiled else by_law
+        return deliver(self.columns, torque, initial, step, interpolated=interpolated, substeps=substeps, respond=respond)
+
+    def settled(self, torque: Array, wanted: NDArray[np.bool_], near: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Where the arms rest under constant torques.
+
+        Args:
+            torque: (B,) [N m] that arrives.
+            wanted: (B,) columns to solve for.
+            near: (B, N) [rad] where the search begins.
+
+        Returns:
+            (B, N) [rad], 0 where there is no such pose or none was wanted, and (B,) whether there is one.
+        """
+        q, found = np.array(near, order="C"), np.zeros(len(torque), dtype=bool)
+        with np.errstate(all="ignore"):
+            self._loops.rest(self._system, self._arrays, np.ascontiguousarray(torque), wanted, q, found, self.columns.states)
+        return q, found
+
+    def loaded(self, q: Array, v: Array) -> State:
+        """The state of arms at q, v (B, N) that were never bent before and settled there."""
+        z = np.zeros((self.columns.states, *q.shape))
+        if len(z):
+            reference.remembered(self.columns.laws, z.copy(), np.zeros_like(q), q, inf, z)
+        return State(np.array(q), np.array(v), z)
+
+    def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
+        """As :func:`hsr_pin.simulation.march.advance`: steps of one cell each, in place."""
+        if self._compiled:  # there is no time to lose
+            return self._advance(state, impulse, cell, weights, self._limit)
+        with np.errstate(all="ignore"):
+            return self._advance(state, impulse, cell, weights, self._limit)
+
+    def run(self, state: State, command: Delivered, samples: int, method: Integrator, found: NDArray[np.bool_]) -> Motion:
+        """The motion from a state under a command; columns that are not ``found`` (B,) stay where they are."""
+        shape = (samples, *state.q.shape)
+        angles, rates = np.zeros(shape), np.zeros(shape)
+        lost, beyond = np.where(found, inf, 0.0), np.array(state.q, order="C")
+        taken = np.zeros(max(64, 4 * command.impulse.shape[1]))
+        q, v, z = (np.array(part, order="C") for part in (state.q, state.v, state.z))
+        tolerance, first, longest, until = self._steps(command, method)
+        with np.errstate(all="ignore"):  # a column that diverges is reported as such
+            steps = self._loops.march(
+                self._system, q, v, z, command.impulse, command.cell, command.per_sample, until.min(axis=0), self.weights(method),
+                float(tolerance[0]), first, longest, self._limit, angles, rates, lost, taken, beyond,
+            )  # fmt: skip
+        return Motion(angles, rates, lost * command.cell, beyond, State(q, v, z), taken[:steps] * command.cell)
+
+    def run_apart(
+        self, state: State, command: Delivered, samples: int, method: Integrator, found: NDArray[np.bool_], threads: int = 1
+    ) -> Motion:
+        """The same with steps of its own for every column, whose lengths are not told; ``threads`` share the columns."""
+        count, links = state.q.shape
+        angles, rates = np.zeros((2, count, samples, 1, links))
+        lost, beyond = np.where(found, inf, 0.0), np.array(state.q, order="C")
+        q, v = np.array(state.q, order="C"), np.array(state.v, order="C")
+        z = np.array(state.z.swapaxes(0, 1)[:, :, None], order="C")
+        weights, (tolerance, first, longest, until) = self.weights(method), self._steps(command, method)
+
+        def share(begin: int, end: int) -> None:
+            with np.errstate(all="ignore"):
+                self._loops.apart(
+                    self._system, begin, end, q, v, z, command.impulse, command.cell, command.per_sample, until, weights,
+                    tolerance, first, longest, self._limit, angles, rates, lost, beyond,
+                )  # fmt: skip
+
+        ends = np.linspace(0, count, max(1, min(threads, count)) + 1).astype(int).tolist()
+        if len(ends) == 2:
+            share(0, count)
+        else:
+            with ThreadPoolExecutor(threads) as pool:
+                list(pool.map(share, ends[:-1], ends[1:]))
+        angles, rates = (part[:, :, 0].swapaxes(0, 1) for part in (angles, rates))  # (S, B, N)
+        last = State(q, v, np.array(z[:, :, 0].swapaxes(0, 1)))
+        return Motion(angles, rates, lost * command.cell, beyond, last, np.zeros(0))
+
+    def weights(self, method: Integrator) -> Array:
+        """(2, p) of the method that suits the first of the arms."""
+        return method.suited(bool(self.columns.ringing[0])).weights
+
+    def _steps(self, command: Delivered, method: Integrator) -> tuple[Array, float, float, Array]:
+        """(B,) tolerance in radians; the first and the longest step, in cells; (B, C + 1) what no step may pass."""
+        if method.step is not None:
+            until = np.broadcast_to(np.arange(1.0, command.impulse.shape[1] + 1), command.impulse.shape)
+            return np.full(len(self.columns), inf), 1.0, 1.0, np.array(until, order="C")
+        first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
+        until = np.ascontiguousarray(command.until())
+        return method.tolerance / self.columns.arms.length, max(first, 1 / 16), max(longest, 1.0), until

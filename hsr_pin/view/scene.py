@@ -1,0 +1,63 @@
+"""The arm in three dimensions: simulated, as declared, and the markers that were measured."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.trajectory import Array
+
+#: Red, green, blue of what is simulated, declared and measured (Okabe and Ito's, safe for colour-blind readers).
+BLUE, GREY, ORANGE = (0, 114, 178), (170, 170, 175), (213, 94, 0)
+#: Radii over the arm's length.
+_TUBE, _THIN, _BALL = 0.022, 0.014, 0.018
+
+
+class Scene:
+    """What stands in the room.
+
+    Args:
+        server: viser's.
+        length: of the arm [m].
+        along: (3,) where the straight arm points.
+        markers: how many there are.
+    """
+
+    def __init__(self, server: Any, length: float, along: Array, markers: int) -> None:
+        scene = server.scene
+        scene.set_up_direction("+z")
+        middle = along * length / 2  # of the straight arm
+        server.initial_camera.position = middle + np.array([0.0, -2.2 * length, 0.3 * length])
+        server.initial_camera.look_at = middle
+        server.initial_camera.fov = np.deg2rad(45)
+        lines = {"cell_color": (225, 225, 230), "section_color": (225, 225, 230), "cell_size": 0.05, "section_size": 0.05}
+        wall = (0.0, 0.1 * length, 0.0)
+        scene.add_grid("/wall", 4 * length, 4 * length, plane="xz", position=wall, shadow_opacity=0.0, **lines)
+        straight = np.linspace(np.zeros(3), length * along, 3)
+        behind = (0.0, 2 * _TUBE * length, 0.0)  # so that two curves in one place do not mingle
+        thin = _THIN * length
+        self.declared = scene.add_spline_catmull_rom(
+            "/declared", straight, thickness=thin, color=GREY, segments=48, position=behind
+        )
+        self.simulated = scene.add_spline_catmull_rom("/simulated", straight, thickness=_TUBE * length, color=BLUE, segments=48)
+        self._balls = [
+            [scene.add_icosphere(f"/{name}/{i}", size * _BALL * length, colour, cast_shadow=False) for i in range(markers)]
+            for name, colour, size in (("measured", ORANGE, 1.4), ("simulated_markers", BLUE, 1.0))
+        ]
+        self._rods = scene.add_line_segments("/gap", np.zeros((markers, 2, 3)), ORANGE, thickness=2.0, thickness_units="screen")
+
+    def show(self, backbone: Array, declared: Array, simulated: Array, measured: Array) -> None:
+        """One instant: backbones (POINTS, 3), markers (M, 3) [m]; what is not a number is not shown."""
+        for curve, points in ((self.simulated, backbone), (self.declared, declared)):
+            curve.visible = bool(np.isfinite(points).all())
+            if curve.visible:
+                curve.points = np.ascontiguousarray(points[::2], dtype=np.float32)
+        for balls, places in zip(self._balls, (measured, simulated), strict=True):
+            for ball, place in zip(balls, places, strict=True):
+                ball.visible = bool(np.isfinite(place).all())
+                if ball.visible:
+                    ball.position = place
+        both = np.isfinite(measured + simulated).all(axis=1, keepdims=True)
+        rods = np.stack([measured, np.where(both, simulated, measured)], axis=1)
+        self._rods.points = np.nan_to_num(rods).astype(np.float32)

@@ -1,0 +1,111 @@
+"""Recordings and the model of their arm, simulated anew for every setting: a few milliseconds a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hsr_pin.effects.effect import View
+from hsr_pin.identification.evaluation import respond, rms
+from hsr_pin.identification.experiment import Experiment, Run, prepare
+from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.specification import Placement
+from hsr_pin.trajectory import Array, Dataset
+from hsr_pin.view.settings import Settings
+
+#: Points along the backbone that are drawn.
+POINTS = 33
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """One trial, simulated.
+
+    Attributes:
+        backbone: (T, POINTS, 3) [m].
+        markers: (T, M, 3) [m]; NaN from a failure on.
+        error: (T,) [m] RMS distance of the markers from the measured ones; NaN where none is seen.
+        residual: (T, M, 2) [m] simulated minus measured, in the plane.
+        stopped: [s] when the simulation failed; None: never.
+    """
+
+    backbone: Array
+    markers: Array
+    error: Array
+    residual: Array
+    stopped: float | None
+
+    @property
+    def rms(self) -> float:
+        """[m] over the trial; NaN if the simulation failed."""
+        return float("nan") if self.stopped is not None else rms([self.residual])
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """What the page shows.
+
+    Attributes:
+        experiment: the recordings.
+        links, placement: of the simulated chain.
+    """
+
+    experiment: Experiment
+    links: int
+    placement: Placement
+
+    @classmethod
+    def of(cls, dataset: Dataset, links: int, placement: Placement) -> Session:
+        """The usable trials of a dataset.
+
+        Raises:
+            IdentificationError: none is.
+        """
+        return cls(prepare(dataset), links, placement)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the trials."""
+        return tuple(run.trial.name for run in self.experiment.runs)
+
+    @property
+    def noise(self) -> float:
+        """[m] RMS distance that noise alone leaves."""
+        return self.experiment.noise_rms
+
+    def run(self, name: str) -> Run:
+        """A trial by name."""
+        return self.experiment.runs[self.names.index(name)]
+
+    def answer(self, run: Run, settings: Settings) -> Answer:
+        """Simulate a trial."""
+        hypothesis = Hypothesis(settings.effects(), tuple(ARM), self.links, self.placement)
+        values = np.array([[settings.arm(name) for name in ARM]])
+        found = respond(self.experiment, run, hypothesis, values)
+        markers = found.positions[:, 0]
+        residual = markers[..., [0, 2]] - run.in_plane
+        squares = (residual**2).sum(axis=-1)
+        seen = np.isfinite(squares)
+        error = np.sqrt(np.where(seen, squares, 0.0).sum(axis=1) / np.where(seen.any(axis=1), seen.sum(axis=1), np.nan))
+        lost = np.flatnonzero(~np.isfinite(markers).all(axis=(1, 2)))
+        stopped = float(run.time[lost[0]] - run.time[0]) if len(lost) else None
+        return Answer(self._backbone(found), markers, error, residual, stopped)
+
+    def _backbone(self, found: object) -> Array:
+        arms, effects = found.columns.arms, found.columns.effects  # type: ignore[attr-defined]
+        reach = np.linspace(0.0, self.experiment.dataset.length, POINTS)
+        places, angles = marker_map(arms, reach), found.angles  # type: ignore[attr-defined]
+        shown = places.positions(angles)
+        for effect in effects:
+            if effect.acts_through("observe") and effect.name != "marker_offset":  # that moves the markers, not the arm
+                shown = effect.observe(View(shown, places.normals(angles), reach, places.axis))
+        return np.asarray(shown[:, 0])
+
+
+def overall(answers: Sequence[Answer]) -> float:
+    """[m] RMS distance over several trials; NaN if one of the simulations failed."""
+    return float("nan") if any(each.stopped is not None for each in answers) else rms([each.residual for each in answers])

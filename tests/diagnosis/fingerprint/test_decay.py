@@ -1,0 +1,54 @@
+"""Decays have the frequency and damping that they were made with, at every amplitude."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from hsr_pin.diagnosis.fingerprint.decay import decay
+
+from .recorded import STEP, arcs, swing
+
+
+def oscillator(force, angle=0.8, duration=5.0):
+    """(T,) [rad] of an oscillator of 2 Hz whose force beside the spring is ``force(angle, rate)`` [1/s^2]."""
+    time = STEP * np.arange(round(duration / STEP))
+    spring = (4 * np.pi) ** 2
+    found = solve_ivp(lambda _, y: [y[1], -spring * y[0] - force(*y)], (0, time[-1]), [angle, 0.0], t_eval=time, max_step=2e-3)
+    return found.y[0]
+
+
+def trend(force):
+    return decay(arcs(*(oscillator(force, angle) for angle in (0.5, 0.7, 0.9)), noise=2e-5))
+
+
+def test_frequency_and_damping_are_read_off():
+    found = decay(arcs(*(swing(angle, 2.0, 0.04) for angle in (0.5, 0.7, 0.9)), noise=2e-5))
+    large = [each for each in found.swings if each.amplitude > 0.05]
+    assert np.median([each.frequency for each in large]) == pytest.approx(2.0, rel=0.005)
+    assert np.median([each.damping for each in large]) == pytest.approx(0.04, rel=0.03)
+    assert found.kinds == () and "as a spring and a viscous damper would" in found.sentence
+
+
+def test_a_place_of_rest_that_drifts_plays_no_part():
+    drift = 0.05 * STEP * np.arange(400)
+    found = decay(arcs(*(swing(angle, 2.0, 0.04) + drift for angle in (0.5, 0.7, 0.9)), noise=2e-5))
+    assert found.kinds == ()
+    assert np.median([each.damping for each in found.swings]) == pytest.approx(0.04, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("force", "kind"),
+    [
+        (lambda angle, rate: 1.2 * np.tanh(rate / 0.01) + 0.2 * rate, "friction"),
+        (lambda angle, rate: 0.8 * abs(rate) * rate, "damping"),
+        (lambda angle, rate: 0.5 * rate + 100 * angle**3, "elastic"),
+        (lambda angle, rate: 0.5 * rate - 60 * angle**3, "elastic"),
+    ],
+    ids=["dry friction", "quadratic damping", "hardening", "softening"],
+)
+def test_what_changes_with_amplitude_is_pointed_to(force, kind):
+    assert kind in trend(force).kinds
+
+
+def test_nothing_that_swings_is_no_decay():
+    assert decay(arcs(0.5 * np.exp(-np.arange(300) / 40))) is None

@@ -1,0 +1,75 @@
+"""What speaks for a law: more where it is true than where it stands in for another, and the probability follows it."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
+from hsr_pin.diagnosis.confidence import KIND, NAME, probability
+from hsr_pin.diagnosis.support import Support, drift, environments, supports
+from hsr_pin.effects import effect_named
+from hsr_pin.effects.effect import neutral
+from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.fit import fit
+from hsr_pin.identification.heldout import leave_one_out
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+
+from .made import TRIALS, made
+
+SMALL = {"trials": TRIALS, "duration": 1.0, "links": 8, "noise": 2e-4}
+STRONG = Support("actuator_lag", "actuation_time", 0.9, 0.9, 50.0, 1.0, 0.02, 60.0)
+
+
+@lru_cache
+def models():
+    """Recordings with a lag in them: fits without effects, with the lag, and with two laws that are not in them."""
+    experiment = prepare(made("actuator_lag:time_constant=0.08", **SMALL))
+    base = fit(experiment, Hypothesis(links=8))
+    found = {"base": Candidate(base, tuple(leave_one_out(experiment, base)))}
+    for name in ("actuator_lag", "dry_friction", "tip_mass", "dead_time"):
+        (guess,) = guesses(experiment, base, [Part(name, neutral(effect_named(name)))])
+        found[name] = finish(experiment, glance(experiment, base, guess))
+    return experiment, found
+
+
+def told(best, *tried):
+    experiment, found = models()
+    (part,), (kind,) = supports(experiment, found[best], found["base"], [found[name] for name in tried], 1e-8, 0)
+    return part, kind
+
+
+def test_the_true_law_leads_by_far_is_always_better_and_has_one_size_everywhere():
+    part, kind = told("actuator_lag", "dry_friction", "tip_mass", "actuator_lag")
+    assert part.frequency == kind.frequency == 1.0
+    assert part.margin > 100 and part.clear > 20
+    assert part.drift < 0.05
+    assert probability(part, NAME) > 0.95 and probability(kind, KIND) > 0.95
+
+
+def test_a_stand_in_has_another_size_in_every_environment():
+    experiment, found = models()
+    assert (
+        drift(experiment, found["dead_time"].fit)["dead_time"] > 3 * drift(experiment, found["actuator_lag"].fit)["actuator_lag"]
+    )
+
+
+def test_a_law_that_a_better_one_was_tried_beside_has_no_support():
+    part, _ = told("dry_friction", "actuator_lag", "dry_friction")
+    assert part.share < 0 and part.frequency < 0.5
+    assert probability(part, NAME) < 0.5
+
+
+def test_environments_cut_every_sample_into_one_part_each():
+    experiment, found = models()
+    for parts in environments(experiment, found["base"].fit):
+        for run in range(len(experiment.runs)):
+            assert np.array_equal(sum(part[run].astype(int) for part in parts), np.ones(len(experiment.runs[run].time)))
+
+
+@pytest.mark.parametrize(("field", "worse"), [("lead", 0.0), ("margin", 0.5), ("frequency", 0.6), ("drift", 1.0), ("clear", 3.0)])
+def test_whatever_speaks_less_for_a_law_makes_it_less_probable(field, worse):
+    for coefficients in (NAME, KIND):
+        assert probability(replace(STRONG, **{field: worse}), coefficients) < probability(STRONG, coefficients)
+        assert 0 <= probability(replace(STRONG, **{field: worse}), coefficients) <= 1

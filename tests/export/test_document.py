@@ -1,0 +1,180 @@
+"""The JSON of a fit or of a diagnosis gives back the model that was found; anything else is one clear line."""
+
+import json
+
+import pytest
+
+from hsr_pin.effects import EFFECTS
+from hsr_pin.errors import EffectError, InputError
+from hsr_pin.export.document import read_result
+from hsr_pin.identification.document import to_json
+from hsr_pin.identification.identify import identify
+from hsr_pin.recordings.write import write_dataset
+from hsr_pin.robot.specification import ArmSpecification
+
+ARM = {
+    "length": 0.3, "mass": 0.2, "diameter": 0.05, "mount": "upright", "links": 6, "placement": "mid",
+    "levels": [{"keq": 1.11, "damping": 0.05, "tip_mass": 0.01}, {"keq": 2.33, "damping": 0.1, "tip_mass": 0.0}],
+    "markers": [{"name": "tip", "arc_length": 0.3}],
+}  # fmt: skip
+BEST = {
+    "effects": ["actuator_lag", "hysteresis"],
+    "options": {"hysteresis.form": "maxwell_slip"},
+    "parameters": {
+        "keq_scale": {"value": 1.1, "unit": "1", "ci95": [1.0, 1.2]},
+        "damping_scale": {"value": 0.8, "unit": "1", "ci95": [0.7, 0.9]},
+        "actuator_lag.time_constant": {"value": 0.05, "unit": "s", "ci95": [0.04, 0.06]},
+        "hysteresis.amplitude": {"value": 0.2, "unit": "rad", "ci95": [0.1, 0.3]},
+        "hysteresis.yield_angle": {"value": 0.4, "unit": "rad", "ci95": [0.3, 0.5]},
+    },
+}
+PLAIN = {"effects": [], "options": {}, "parameters": {"keq_scale@1.11": {"value": 1.2}, "keq_scale@2.33": {"value": 0.9}}}
+
+
+def diagnosis(status="identified", effects=("actuator_lag", "hysteresis"), **more):
+    verdict = {"status": status, "effects": list(effects), "alternatives": [], "sentence": "Said so."}
+    return {"schema": 1, "dataset": "made", "verdict": verdict, "candidates": [BEST, PLAIN], "arm": ARM, **more}
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(document):
+        path = tmp_path / "result.json"
+        path.write_text(document if isinstance(document, str) else json.dumps(document), encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_a_diagnosis_gives_its_best_model(written):
+    model = read_result(written(diagnosis(news="of a later version")), keq=1.11)
+    arm = model.arm
+    assert (arm.keq, arm.damping) == pytest.approx((1.1 * 1.11, 0.8 * 0.05))
+    assert (arm.length, arm.mass, arm.tip_mass, arm.mount, arm.links, arm.placement) == (0.3, 0.2, 0.01, "upright", 6, "mid")
+    lag, loop = model.effects
+    assert lag.time_constant == 0.05
+    assert (loop.amplitude, loop.yield_angle, loop.form) == (0.2, 0.4, "maxwell_slip")
+    assert [(marker.name, marker.arc_length) for marker in model.markers] == [("tip", 0.3)]
+    assert model.origin[0] == "a diagnosis of made: Said so."
+
+
+@pytest.mark.parametrize("status", ["parameters", "no_gap"])
+def test_a_verdict_without_effects_takes_the_model_without_effects(written, status):
+    model = read_result(written(diagnosis(status, ())), keq=2.33)
+    assert model.effects == ()
+    assert model.arm.keq == pytest.approx(0.9 * 2.33)
+
+
+@pytest.mark.parametrize("status", ["ambiguous", "unexplained"])
+def test_an_open_verdict_gives_the_best_and_says_so(written, status):
+    model = read_result(written(diagnosis(status, ())), keq=1.11)
+    assert [effect.name for effect in model.effects] == ["actuator_lag", "hysteresis"]
+    assert "leaves open" in model.origin[1]
+
+
+def test_an_amplitude_that_goes_with_the_level_is_that_of_the_level(written, monkeypatch):
+    monkeypatch.setattr(EFFECTS["hysteresis"], "resizes", -1, raising=False)
+    found = {**BEST, "resized": ["hysteresis"]}
+    loops = [read_result(written(diagnosis(candidates=[found])), keq=keq).effects[1] for keq in (1.11, 2.33)]
+    assert [loop.amplitude for loop in loops] == pytest.approx([0.2, 0.2 * 1.11 / 2.33])
+    assert [loop.yield_angle for loop in loops] == [0.4, 0.4]
+
+
+def test_effects_act_in_the_order_that_the_arm_tells(written):
+    arm = {**ARM, "effects": [{"name": "hysteresis"}, {"name": "actuator_lag"}]}
+    assert [effect.name for effect in read_result(written(diagnosis(arm=arm)), keq=1.11).effects] == [
+        "hysteresis",
+        "actuator_lag",
+    ]
+    other = {**ARM, "effects": [{"name": "tip_mass"}]}
+    assert [effect.name for effect in read_result(written(diagnosis(arm=other)), keq=1.11).effects] == BEST["effects"]
+
+
+def test_an_open_number_of_the_arm_may_stand_among_the_effects(written):
+    found = {"effects": ["torque_gain"], "options": {}, "parameters": {"torque_gain": {"value": 1.3}}}
+    model = read_result(written(diagnosis(effects=["torque_gain"], candidates=[found])), keq=1.11)
+    assert model.effects == ()
+    assert model.torque_gain == 1.3
+
+
+def test_changes_are_made_last(written):
+    model = read_result(written(diagnosis()), keq=1.11, changes={"links": 9, "tip_mass": 0.05, "mount": "hanging"})
+    assert (model.arm.links, model.arm.tip_mass, model.arm.mount) == (9, 0.05, "hanging")
+
+
+@pytest.fixture(scope="module")
+def found(heavy_tip):
+    return identify(heavy_tip, free=["keq", "damping", "tip_mass"], links=4)
+
+
+def test_a_fit_gives_back_the_fitted_arm(found, written):
+    model = read_result(written(to_json(found)))
+    named = found.fit.named
+    declared = found.experiment.dataset.trials[0]
+    assert model.arm.keq == pytest.approx(named["keq_scale"] * declared.keq)
+    assert model.arm.damping == pytest.approx(named["damping_scale"] * declared.damping)
+    assert (model.arm.links, model.arm.placement) == (4, "mid")
+    (mass,) = model.effects
+    assert mass.mass == pytest.approx(named["tip_mass.mass"])
+    assert mass.mass == pytest.approx(0.03, rel=0.1)
+    assert [marker.name for marker in model.markers] == [marker.name for marker in found.experiment.dataset.markers]
+
+
+def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written, tmp_path):
+    document = to_json(found)
+    whole = read_result(written(document))
+    del document["arm"]
+    path = written(document)
+    with pytest.raises(
+        InputError, match=r"result\.json: arm: expected a section with .*got none; give the recordings too: --dataset"
+    ):
+        read_result(path)
+    write_dataset(found.experiment.dataset, tmp_path / "recordings")
+    again = read_result(path, dataset=tmp_path / "recordings")
+    assert again.arm == whole.arm
+    assert again.effects == whole.effects
+
+
+@pytest.mark.parametrize(
+    ("document", "said"),
+    [
+        ("{", r"result\.json:1:2: not JSON: expected the JSON of hsr-fit --json or hsr-diagnose --json"),
+        ("[]", "not a result: .*got list"),
+        ("{}", "not a result"),
+        ({"schema": 2, "parameters": {}}, "schema: expected 1, got 2"),
+        (diagnosis(candidates=[]), "candidates: expected at least one fitted model, got none"),
+        (diagnosis(arm={**ARM, "length": None}), "arm.length: expected a number, got None"),
+        (
+            diagnosis(candidates=[{**BEST, "parameters": {"keq_scale": {"value": None}}}]),
+            "parameter keq_scale: expected a number",
+        ),
+        (diagnosis(arm={**ARM, "levels": []}), "arm: expected a section"),
+    ],
+)
+def test_what_is_no_result_is_one_line(written, document, said):
+    with pytest.raises(InputError, match=said):
+        read_result(written(document), keq=1.11)
+
+
+def test_several_stiffnesses_ask_which(written):
+    path = written(diagnosis())
+    with pytest.raises(InputError, match=r"--keq: expected one of the declared stiffnesses, 1\.11 or 2\.33 Nm/rad, got none"):
+        read_result(path)
+    with pytest.raises(InputError, match=r"--keq: expected a declared stiffness, 1\.11 or 2\.33 Nm/rad, got 1\.5"):
+        read_result(path, keq=1.5)
+
+
+def test_a_level_that_was_not_fitted_is_refused(written):
+    plain = {**PLAIN, "parameters": {"keq_scale@1.11": {"value": 1.2}}}
+    with pytest.raises(InputError, match=r"keq_scale: expected a value at Keq 2\.33 Nm/rad, got keq_scale@1\.11"):
+        read_result(written(diagnosis("parameters", (), candidates=[plain])), keq=2.33)
+
+
+def test_effects_that_are_not_known_are_refused(written):
+    odd = {"effects": ["magic"], "options": {}, "parameters": {}}
+    with pytest.raises(EffectError, match=r"effect: expected .*got 'magic'"):
+        read_result(written(diagnosis("ambiguous", (), candidates=[odd])), keq=1.11)
+
+
+def test_the_arm_of_a_result_is_an_arm(written):
+    assert isinstance(read_result(written(diagnosis()), keq=2.33).arm, ArmSpecification)

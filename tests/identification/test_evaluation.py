@@ -1,0 +1,82 @@
+"""What a hypothesis predicts: commands held or interpolated as declared, derivatives as they are, families as single ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hsr_pin.effects import EFFECTS
+from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, residuals, respond, rms
+from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.fit import fit
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+
+TRUE = np.array([1.0, 1.0])
+
+
+def missed(experiment):
+    return rms(residuals(experiment, predict_all(experiment, Hypothesis(), TRUE)))
+
+
+def test_a_command_is_interpolated_where_the_run_says_so_and_held_where_it_does_not(record):
+    """Each against recordings made in either way; half a sample of delay lies between them."""
+    slope = 8.0 * np.clip(0.01 * np.arange(101) - 0.1, 0.0, 0.15)
+    for interpolated in (False, True):
+        experiment = prepare(record([(1.11, slope)], interpolated=interpolated, noise=1e-5))
+        alike, other = (
+            replace(experiment, runs=tuple(replace(run, interpolated=reading) for run in experiment.runs))
+            for reading in (interpolated, not interpolated)
+        )
+        assert missed(alike) < 1e-4
+        assert missed(other) > 4 * missed(alike)
+
+
+def test_interpolated_commands_give_the_same_parameters_at_half_the_rate(record):
+    smooth = 0.6 * np.sin(6.0 * np.clip(0.01 * np.arange(201) - 0.1, 0.0, None))
+    dataset = record([(1.11, smooth)], keq=1.1, damping=0.8, seconds=2.0, interpolated=True, noise=1e-5)
+    trajectory = dataset.trials[0].trajectory
+    coarse = replace(trajectory, time=trajectory.time[::2], positions=trajectory.positions[::2], torque=trajectory.torque[::2])
+    experiment = prepare(replace(dataset, trials=(replace(dataset.trials[0], trajectory=coarse),)))
+    held, interpolated = (
+        fit(replace(experiment, runs=(replace(experiment.runs[0], interpolated=reading),)), Hypothesis())
+        for reading in (False, True)
+    )
+    assert interpolated.values == pytest.approx([1.1, 0.8], rel=5e-3)
+    assert held.rms > 10 * interpolated.rms
+
+
+@pytest.mark.parametrize("effect", [EFFECTS["actuator_lag"](0.08), EFFECTS["tip_mass"](0.02), EFFECTS["viscoelastic"](0.4, 0.4)])
+@pytest.mark.parametrize("command", [0.8, None])
+def test_derivatives_are_those_of_wide_differences_of_converged_simulations(record, effect, command):
+    experiment = prepare(record([(1.11, command)], effects=[effect]))
+    model = Hypothesis(tolerance=1e-7).with_part(Part("torque_gain")).with_effects(effect)
+    values = model.start
+    (found,) = predict_with_slopes(experiment, Hypothesis(model.effects, model.free), values, central=True)
+    (run,) = experiment.runs
+    for place, scale in enumerate(model.scale):
+        width = 0.02 * scale * np.eye(len(values))[place]
+        ahead, behind = (p.positions for p in predict(experiment, model, [(run, values + width), (run, values - width)]))
+        chord = (ahead - behind) / 2 / 0.02
+        away = found.slopes[..., place] * scale - chord
+        assert np.abs(away).max() < max(0.03 * np.abs(chord).max(), 2e-5)
+
+
+def test_arms_side_by_side_move_as_each_alone(record):
+    """To the error of a step: all take the steps of the first."""
+    experiment = prepare(record([(1.11, 0.8)]))
+    (run,) = experiment.runs
+    model = Hypothesis(tolerance=1e-7).with_effects(EFFECTS["hysteresis"](0.1, 0.3))
+    points = model.start * np.array([[1.0] * 4, [1.1, 0.7, 1.0, 1.0], [0.9, 1.2, 0.5, 1.2]])
+    together = respond(experiment, run, model, points).positions
+    for k, point in enumerate(points):
+        assert together[:, k] == pytest.approx(respond(experiment, run, model, point[None]).positions[:, 0], abs=2e-5)
+
+
+def test_the_compiled_loop_predicts_what_the_one_over_pinocchio_does(record):
+    experiment = prepare(record([(1.11, 0.8), (1.11, None)], seconds=0.4))
+    model = Hypothesis(links=4).with_effects(EFFECTS["dry_friction"](0.05))
+    for run in experiment.runs:
+        compiled, reference = (
+            respond(experiment, run, model, model.start[None], dynamics=dynamics).positions for dynamics in ("compiled", "aba")
+        )
+        assert compiled == pytest.approx(reference, abs=1e-9)

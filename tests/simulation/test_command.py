@@ -1,0 +1,87 @@
+"""What arrives of a command is its exact mean over every cell, however long cells and steps are."""
+
+import numpy as np
+import pytest
+
+from hsr_pin.effects import parse_effect
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.command import CELL, by_machine, deliver
+from hsr_pin.simulation.march import mean_torque
+from hsr_pin.simulation.scenario import Scenario
+
+TIME = np.arange(9) * 0.02
+TORQUE = np.array([0.0, 0.5, 0.5, -0.2, 0.1, 0.1, 0.1, 0.8, 0.8])
+
+
+def columns(*effects, count=1):
+    return Columns.of([Scenario(ArmSpecification(), TIME, TORQUE, effects=effects)] * count)
+
+
+def delivered(*effects, **how):
+    return deliver(columns(*effects), TORQUE[:, None], np.zeros(1), 0.02, **how)
+
+
+def test_a_held_command_is_its_own_mean_over_every_sample():
+    command = delivered()
+    assert (command.per_sample, command.cell) == (1, 0.02)
+    np.testing.assert_allclose(np.diff(command.impulse[0]), TORQUE[:-1], atol=1e-15)
+
+
+def test_an_interpolated_command_is_the_integral_of_the_straight_lines():
+    command = delivered(interpolated=True)
+    assert command.cell <= CELL + 1e-12
+    fine = np.linspace(0, TIME[-1], 8 * 1000 + 1)
+    line = np.interp(fine, TIME, TORQUE)
+    integral = np.append(0.0, np.cumsum((line[1:] + line[:-1]) / 2) * np.diff(fine))
+    ends = np.arange(command.impulse.shape[1]) * command.cell
+    np.testing.assert_allclose(command.impulse[0] * command.cell, np.interp(ends, fine, integral), rtol=0, atol=1e-12)
+
+
+def test_the_mean_over_any_part_of_cells_is_that_of_the_integral():
+    impulse, mean = delivered().impulse, np.zeros(1)
+    for start, end in ((0.0, 1.0), (0.25, 0.75), (0.5, 3.25), (7.5, 8.0), (0.0, 8.0)):
+        mean_torque(impulse, start, end, mean)
+        parts = 44 * 100  # whole cells and quarters fall between them
+        middles = start + (end - start) * (np.arange(parts) + 0.5) / parts
+        expected = TORQUE[middles.astype(int)].mean()
+        assert mean[0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_no_step_may_pass_a_jump_and_small_changes_are_passed():
+    assert delivered().until()[0].tolist() == [1.0, 3.0, 3.0, 4.0, 7.0, 7.0, 7.0, 8.0, 8.0]
+    slow = deliver(columns(), 0.5 + 1e-3 * np.arange(9)[:, None], np.zeros(1), 0.02)
+    assert set(slow.until()[0]) == {8.0}
+
+
+def test_what_one_column_hears_late_the_others_do_not():
+    late = [
+        Scenario(ArmSpecification(), TIME, TORQUE, effects=(parse_effect(f"dead_time:delay={d}"),)) for d in (0.0, 0.02, 0.03)
+    ]
+    impulse = deliver(Columns.of(late), TORQUE[:, None], np.zeros(1), 0.02).impulse
+    means = np.diff(impulse, axis=1)
+    np.testing.assert_allclose(means[0], TORQUE[:-1], atol=1e-14)
+    np.testing.assert_allclose(means[1], [0.0, *TORQUE[:-2]], atol=1e-14)
+    np.testing.assert_allclose(means[2], np.add([0.0, *TORQUE[:-2]], [0.0, 0.0, *TORQUE[:-3]]) / 2, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "actuator_lag:time_constant=0.05",
+        "torque_bias:bias=0.2",
+        "torque_map:quadratic=0.4",
+        "torque_map:quadratic=0.4,parity=even",
+    ],
+)
+def test_machine_code_makes_of_a_command_what_the_law_makes(text):
+    law = parse_effect(text)
+    slow, fast = (deliver(columns(law, count=3), TORQUE[:, None], np.zeros(1), 0.02, respond=way) for way in (None, by_machine))
+    np.testing.assert_allclose(fast.impulse, slow.impulse, rtol=0, atol=1e-14)
+    np.testing.assert_array_equal(fast.initial, slow.initial)
+
+
+def test_muscles_act_in_the_order_in_which_they_are_given():
+    bias, double = parse_effect("torque_bias:bias=0.3"), parse_effect("torque_map:quadratic=0.5")
+    first, second = delivered(bias, double).impulse, delivered(double, bias).impulse
+    assert np.abs(first - second).max() > 0.01
