@@ -5,12 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from hsr_pin.effects import parse_effect
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import step_scenario
 from hsr_pin.simulation.simulate import simulate
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
+
+# The same examples at every run: a change is judged by what it changed. New ones: pytest --hypothesis-profile=default
+settings.register_profile("repeatable", derandomize=True, print_blob=True)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session")

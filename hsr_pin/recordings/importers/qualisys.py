@@ -88,7 +88,8 @@ def _before(sheet: Sheet, keys: dict[str, int], rows: range, rate: float | None)
     """What comes before the first point: as the line of columns says, or else as the columns look."""
     titles = [title.lower() for title in sheet.row(rows[0] - 1)[:2]] if rows else []
     if not any(word.endswith((" X", " x")) or word == "Frame" for word in keys):
-        first = np.array([[sheet.value(row, column) for column in (0, 1)] for row in rows[:LOOK]])
+        cells = [[(row, column) for column in (0, 1)] for row in rows[:LOOK]]
+        first = np.array([[sheet.value(*cell) if sheet.is_number(*cell) else np.nan for cell in pair] for pair in cells])
         steps = np.diff(first, axis=0) if len(first) > 2 else np.zeros((1, 2))
         titles = ["frame"] if np.all(steps[:, 0] == 1) else []
         place = len(titles)
