@@ -127,6 +127,12 @@ def clearly_worse(candidate: Candidate, than: Candidate, thresholds: Thresholds,
     return much and certainly_better(than.heldout, candidate.heldout, seed)
 
 
+def matches(rival: Candidate, best: Candidate, base: Candidate, thresholds: Thresholds, seed: int) -> bool:
+    """Whether a model does about what the best does: it takes away half as much at least, and is not clearly worse."""
+    enough = left(base) - left(rival) >= FACTOR * (left(base) - left(best))
+    return enough and not clearly_worse(rival, best, thresholds, seed)
+
+
 def tolerated(best: Candidate, thresholds: Thresholds) -> float:
     """[m^2] difference of mean squares by which a model may be worse than the best and not be told from it: neither is exact."""
     return FACTOR * left(best) + (MARGIN * thresholds.noise) ** 2
@@ -170,16 +176,16 @@ def search(
         tell("exchange: each effect found against the others")
         other = _exchanged(best, parts, crew, tried, thresholds)
         best = best if other is best else _pruned(other, start, tried, thresholds, crew, seed)
-    best = _simplest(best, list(tried.values()), thresholds, seed)
+    best = _simplest(best, start, list(tried.values()), thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 
-def _simplest(best: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
-    """In place of the best the best of its special cases with as many parts, if that is not clearly worse."""
+def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
+    """In place of the best the best of its special cases with as many parts that does about the same."""
     inside = [other for other in tried if len(other.names) == len(best.names) and best.contains(other)]
     for other in sorted(inside, key=mean_square):
-        if not clearly_worse(other, best, thresholds, seed):
-            return _simplest(other, tried, thresholds, seed)
+        if matches(other, best, start, thresholds, seed):
+            return _simplest(other, start, tried, thresholds, seed)
     return best
 
 

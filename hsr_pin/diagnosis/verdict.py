@@ -8,7 +8,7 @@ from math import sqrt
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
-from hsr_pin.diagnosis.search import FACTOR, Search, Thresholds, clearly_worse, doubtful, explains, left, mean_square
+from hsr_pin.diagnosis.search import Search, Thresholds, clearly_worse, doubtful, explains, left, matches, mean_square
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
@@ -183,9 +183,7 @@ def rivals(
             continue
         if (closes and not explains(rival, base, thresholds)) or doubtful(rival, AWAY):
             continue
-        if not closes and left(base) - left(rival) < FACTOR * (left(base) - left(best)):
-            continue
-        if not clearly_worse(rival, best, thresholds, seed):
+        if matches(rival, best, base, thresholds, seed):
             answers.append(names)
     return answers
 

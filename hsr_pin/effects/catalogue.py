@@ -16,6 +16,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.effects.hysteresis import Hysteresis
+from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
@@ -55,6 +56,7 @@ EFFECTS: dict[str, type[Effect]] = {
         TipMass,
         AddedMass,
         MarkerOffset,
+        LengthChange,
     )
 }
 

@@ -4,12 +4,13 @@ A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the b
 were curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for
 every number of links.
 
-The laws of joints and of the command (``moment``, ``update``, ``respond``) are static methods, written once, for one joint or one
-command: the compiled loop calls them with numbers, the loop over Pinocchio with arrays, (B, N) or (B,) for B arms side by side.
-So they are made of arithmetic, NumPy's elementwise functions (``np.where`` and ``np.minimum``, not ``if`` and ``min``, on
-angles, torques and parameters), constants of their module and plain functions of the same kind; an ``if`` may ask for an option,
-or ``k``. They take their parameters as ``p``, a tuple with the names of the effect's fields; an option is its index in the list
-of choices. Nothing is registered with the compiler: a law is compiled when it is first called, and again when its text changes.
+The laws of joints and of the command (``moment``, ``update``, ``respond``) are static methods, written once, for one joint or
+one command: the compiled loop calls them with numbers, the loop over Pinocchio with arrays, (B, N) or (B,) for B arms side by
+side. So they are made of arithmetic, NumPy's elementwise functions (``np.minimum`` and :func:`hsr_pin.effects.vector.chosen`,
+not ``min`` and ``if``, on angles, torques and parameters), constants of their module and plain functions of the same kind; an
+``if`` may ask for an option, or ``k``. They take their parameters as ``p``, a tuple with the names of the effect's fields; an
+option is its index in the list of choices. Nothing is registered with the compiler: a law is compiled when it is first called,
+and again when its text changes.
 
 Angles are treated as vectors of one component: a law uses ``abs`` for their length and
 :func:`hsr_pin.effects.vector.limited` for their limits, never a sign, so that it holds for bending about two axes too.
@@ -76,12 +77,14 @@ class View:
     Attributes:
         positions: (T, B, M, 3) [m] of the markers, in the world frame.
         normals: (T, B, M, 3) across the backbone there, towards positive bending.
+        turned: (T, B, M) [rad] angle from the base to the backbone there.
         arc_lengths: (M,) or (B, M) [m].
         axis: (3,) the joint axis, in the world frame.
     """
 
     positions: Array
     normals: Array
+    turned: Array
     arc_lengths: Array
     axis: Array
 

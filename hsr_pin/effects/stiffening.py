@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.effects.vector import limited
+from hsr_pin.effects.vector import chosen, limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -35,7 +35,7 @@ class Stiffening(Effect):
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:
-        limit = np.where(p.cubic < 0, SOFTEST, STIFFEST)
+        limit = chosen(p.cubic < 0, SOFTEST, STIFFEST)
         last = np.sqrt(limit / (3 * np.maximum(np.abs(p.cubic), 1e-9)))  # [rad] where the tangent reaches its limit
         angle = limited(bending.angle, last)
         relative = p.cubic * np.abs(angle) ** 2 * (angle + 3 * (bending.angle - angle))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.vector import chosen
 from hsr_pin.parameters import parameter
 
 
@@ -34,6 +35,6 @@ class UnequalLag(Effect):
 
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
-        lag = np.where(np.abs(torque) > np.abs(memory[0]), p.rise, p.fall)
+        lag = chosen(np.abs(torque) > np.abs(memory[0]), p.rise, p.fall)
         y = torque + (memory[0] - torque) * np.exp(-step / np.maximum(lag, 1e-3 * step))
         return torque - lag / step * (y - memory[0]), (y,)

@@ -18,3 +18,8 @@ def limited(vector: Any, longest: Any) -> Any:
 def unit(vector: Any) -> Any:
     """The vector over its length; zero stays zero."""
     return vector / np.maximum(np.abs(vector), _NOTHING)
+
+
+def chosen(condition: Any, one: Any, other: Any) -> Any:
+    """One where a condition holds, the other elsewhere; for a single number a branch in machine code, without an array."""
+    return np.where(condition, one, other)

@@ -12,6 +12,9 @@ from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.nuisance import whitened
 from hsr_pin.trajectory import Array
 
+#: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
+TRUEST = 5e-4
+
 
 class Misfit:
     """Weighted residuals and their derivatives, for least squares; what was simulated last is kept.
@@ -19,14 +22,16 @@ class Misfit:
     Args:
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
-        weights: for each run (T, M, 2) [1/m], zero in gaps; default: one over the noise floor.
+        weights: for each run (T, M, 2) [1/m], zero in gaps; default: one over what noise and the truest of
+            models leave.
     """
 
     def __init__(self, experiment: Experiment, hypothesis: Hypothesis, weights: Sequence[Array] | None = None) -> None:
         self.experiment, self.hypothesis = experiment, hypothesis
         self.scale = hypothesis.scale
         self.lower, self.upper = (bound / self.scale for bound in hypothesis.bounds)
-        known = [np.where(np.isfinite(run.in_plane), 1 / experiment.noise[:, None], 0.0) for run in experiment.runs]
+        floor = np.hypot(experiment.noise, TRUEST * experiment.dataset.length)[:, None]
+        known = [np.where(np.isfinite(run.in_plane), 1 / floor, 0.0) for run in experiment.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
         self._seen = [weight > 0 for weight in self.weights]

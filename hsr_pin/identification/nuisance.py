@@ -55,7 +55,7 @@ def taken_out(
     shared: dict[int, Array] = {}
     for count in {len(numbers) for numbers in found}:
         own = np.array([numbers for numbers in found if len(numbers) == count])
-        mean, chance = own.mean(axis=0), _CHANCE / np.sqrt(len(own))
+        mean, chance = np.median(own, axis=0), _CHANCE / np.sqrt(len(own))
         shared[count] = (
             np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0) * (np.arange(count) < (count if common is None else common))
         )

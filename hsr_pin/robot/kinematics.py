@@ -70,14 +70,18 @@ class MarkerMap:
 
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards positive bending."""
+        turned = self.turned(joint_angles)
+        one = len(self.fixed) == 1
+        direction, normal = (self.direction[0], self.normal[0]) if one else (self.direction[:, None], self.normal[:, None])
+        return np.asarray(np.cos(turned)[..., None] * normal - np.sin(turned)[..., None] * direction)
+
+    def turned(self, joint_angles: Array) -> Array:
+        """(..., M) [rad] angles from the base to the backbone at the markers."""
         theta = np.cumsum(joint_angles, axis=-1)
         padded = np.concatenate([theta, np.zeros_like(theta[..., :1])], axis=-1)
         if len(self.fixed) == 1:
-            turned, direction, normal = padded[..., self.link[0]], self.direction[0], self.normal[0]
-        else:
-            turned = padded[..., np.arange(len(self.link))[:, None], self.link]
-            direction, normal = self.direction[:, None], self.normal[:, None]
-        return np.asarray(np.cos(turned)[..., None] * normal - np.sin(turned)[..., None] * direction)
+            return np.asarray(padded[..., self.link[0]])
+        return np.asarray(padded[..., np.arange(len(self.link))[:, None], self.link])
 
 
 def marker_map(arm: ArmSpecification | Arms, arc_lengths: ArrayLike) -> MarkerMap:

@@ -28,5 +28,5 @@ class Cameras:
         """(T, B, M, 3) [m] in the world frame, for joint angles q (T, B, N) [rad]."""
         seen = self._places.positions(q)
         for effect in self._effects:
-            seen = effect.observe(View(seen, self._places.normals(q), self._reach, self._places.axis))
+            seen = effect.observe(View(seen, self._places.normals(q), self._places.turned(q), self._reach, self._places.axis))
         return seen

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from functools import cache, partial
 from typing import Any
 
+from hsr_pin.effects import vector
 from hsr_pin.effects.effect import Bending, Effect, parameter_tuple
 from hsr_pin.simulation.compiled import cached
 from hsr_pin.simulation.stamp import law_stamp
@@ -97,6 +98,12 @@ def _with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
 
     scope = dict(law.__globals__)
     for name in law.__code__.co_names:
-        if isinstance(scope.get(name), types.FunctionType):
+        if scope.get(name) is vector.chosen:
+            scope[name] = njit(_chosen)
+        elif isinstance(scope.get(name), types.FunctionType):
             scope[name] = njit(_with_helpers(scope[name]))
     return types.FunctionType(law.__code__, scope, law.__name__, law.__defaults__, law.__closure__)
+
+
+def _chosen(condition: bool, one: float, other: float) -> float:
+    return one if condition else other

@@ -12,7 +12,7 @@ from hsr_pin.effects.effect import Bending, stack
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns, along
 from hsr_pin.simulation.command import deliver
-from hsr_pin.simulation.scenario import Marker, Scenario, Settled, step_scenario
+from hsr_pin.simulation.scenario import Marker, Pose, Scenario, Settled, step_scenario
 from hsr_pin.simulation.simulate import simulate
 
 KEQ = 2.0
@@ -292,3 +292,14 @@ def test_markers_are_seen_at_their_offset_across_the_backbone():
     kept = seen(parse_effect("marker_offset:offset=0.01,base=kept")) - seen()
     assert np.all(kept[:, 0] == 0)
     np.testing.assert_array_equal(kept[:, 1:], shift[:, 1:])
+
+
+def test_a_line_beside_the_one_that_keeps_its_length_is_longer_by_the_depth_times_the_angle():
+    arm = ArmSpecification(links=400, placement="mid", mass=1e-6)
+    angle, marks = 0.9, tuple(Marker(f"m{k}", 0.24 * k / 40) for k in range(41))
+    start = Pose(np.full(400, angle / 400))
+    scenario = Scenario(arm, [0.0, 1e-4], [0.0, 0.0], start, (EFFECTS["length_change"](0.02),), marks)
+    seen = simulate(scenario).trajectory.positions[0]
+    assert np.linalg.norm(np.diff(seen, axis=0), axis=1).sum() == pytest.approx(0.24 + 0.02 * angle, rel=1e-3)
+    tangent = seen[-1] - seen[-2]
+    assert np.arctan2(tangent[0], -tangent[2]) == pytest.approx(angle, abs=0.02)  # and bent as it was

@@ -53,6 +53,7 @@ EXAMPLES = [
         "marker_offset:offset=0.008",
         "marker_offset:offset=-0.008,base=kept",
         "marker_offset:offset=0.008,base=zeroed",
+        "length_change:depth=0.02",
         "elastic_curve:first=0.3,second=0.2,fourth=0.1",
         "damping_curve:coefficient=0.2,power=0.6",
         "friction_spectrum:first=0.03,second=0.03,third=0.1,fourth=0.1",

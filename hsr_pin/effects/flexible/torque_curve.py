@@ -13,7 +13,7 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class TorqueCurve(Effect):
-    """y = u (1 + even x + odd |x| + cubic x^2), x = u / Keq, and never less than a tenth of u."""
+    """y = u exp(even x + odd (|x| - 1) + cubic (x^2 - 1)), x = u / Keq; the exponent stays between -5 and 5."""
 
     name = "torque_curve"
     lacks = "the torque is another function of the command"
@@ -23,14 +23,15 @@ class TorqueCurve(Effect):
     flexible = True
 
     even: float = parameter(
-        0.0, lower=-1.0, upper=3.0, unit="1/rad", scale=0.1, amplitude=True, description="parabola in the command"
+        0.0, lower=-8.0, upper=8.0, unit="1/rad", scale=0.1, amplitude=True, description="parabola in the command"
     )
     odd: float = parameter(
-        0.0, lower=-1.0, upper=3.0, unit="1/rad", scale=0.1, amplitude=True, description="the same to both sides"
+        0.0, lower=-8.0, upper=8.0, unit="1/rad", scale=0.1, amplitude=True, description="the same to both sides"
     )
-    cubic: float = parameter(0.0, lower=-1.0, upper=3.0, unit="1/rad^2", scale=0.1, amplitude=True, description="with its square")
+    cubic: float = parameter(0.0, lower=-8.0, upper=8.0, unit="1/rad^2", scale=0.1, amplitude=True, description="with its square")
 
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         x = torque / keq
-        return torque * np.maximum(1.0 + p.even * x + p.odd * np.abs(x) + p.cubic * x * x, 0.1), memory
+        exponent = p.even * x + p.odd * (np.abs(x) - 1.0) + p.cubic * (x * x - 1.0)
+        return torque * np.exp(np.minimum(np.maximum(exponent, -5.0), 5.0)), memory
