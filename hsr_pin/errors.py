@@ -142,7 +142,10 @@ class WorkerError(HsrError, RuntimeError):
 
     def __init__(self, tries: int) -> None:
         self.tries = tries
-        super().__init__(f"worker processes were lost {tries} times in a row; is memory short? fewer --jobs may help")
+        super().__init__(
+            f"worker processes were lost {tries} times in a row; is memory short? fewer --jobs may help; a script "
+            'of your own must do its work under: if __name__ == "__main__":'
+        )
 
 
 class SimulationFailure(HsrError, RuntimeError):

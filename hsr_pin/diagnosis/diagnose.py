@@ -115,7 +115,7 @@ def diagnose(
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
     ready(kinds)
     prints, own = fingerprint(experiment), repeats(experiment)
-    thresholds = Thresholds.of(experiment.noise_rms, dataset.length)
+    thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.moving if own else None)
     hypothesis = Hypothesis(links=links)
     paper = replace(hypothesis, links=declared_links, placement="base")
     nominal = _simulated(experiment, paper)

@@ -33,6 +33,8 @@ CORNER = 2.0
 SURE = 8.0
 #: A rival is set aside only if its mean square is certainly larger, and by at least this share of what the best leaves ...
 FACTOR = 0.5
+#: (of that at least this share counts as wrong, however badly the arm repeats itself) ...
+REPEATED = 0.2
 #: ... plus the square of this share of the noise floor.
 MARGIN = 0.05
 #: Where two effects leave a larger share of the squared gap than this, no third is looked for.
@@ -50,6 +52,7 @@ class Thresholds:
         noise: [m] RMS distance that noise alone leaves.
         worth: [m] an effect is worth having if it takes this much RMS distance away (square root of the drop of the mean square).
         closed: [m] an RMS distance beyond noise that is too small to ask about.
+        unrepeatable: [m] RMS distance of the arm from itself in trials that repeat one another; 0 where none do.
         explained: largest share of the squared gap that may be left when effects are said to explain it ...
         corner: ... and the largest RMS distance, over the one that is too small to ask about.
         substantial: share of the squared gap that an effect must take away if it leaves more than this share of what the others
@@ -59,14 +62,15 @@ class Thresholds:
     noise: float
     worth: float
     closed: float
+    unrepeatable: float = 0.0
     explained: float = 0.03
     corner: float = 5.0
     substantial: float = 0.10
 
     @classmethod
-    def of(cls, noise: float, length: float) -> Thresholds:
-        """For a noise floor [m] and an arm of this length [m]."""
-        return cls(noise, worth=max(0.4 * noise, 1e-3 * length), closed=max(0.3 * noise, 0.75e-3 * length))
+    def of(cls, noise: float, length: float, unrepeatable: float | None = None) -> Thresholds:
+        """For a noise floor [m], an arm of this length [m], and how far it is from itself [m], where that is known."""
+        return cls(noise, max(0.4 * noise, 1e-3 * length), max(0.3 * noise, 0.75e-3 * length), unrepeatable or 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +138,12 @@ def matches(rival: Candidate, best: Candidate, base: Candidate, thresholds: Thre
 
 
 def tolerated(best: Candidate, thresholds: Thresholds) -> float:
-    """[m^2] difference of mean squares by which a model may be worse than the best and not be told from it: neither is exact."""
-    return FACTOR * left(best) + (MARGIN * thresholds.noise) ** 2
+    """[m^2] difference of mean squares by which a model may be worse than the best and not be told from it: neither is exact.
+
+    What does not repeat from trial to trial is no fault of a model.
+    """
+    wrong = max(left(best) - thresholds.unrepeatable**2, REPEATED * left(best))
+    return FACTOR * wrong + (MARGIN * thresholds.noise) ** 2
 
 
 def search(
@@ -175,7 +183,7 @@ def search(
     if len(best.names) > 1:
         tell("exchange: each effect found against the others")
         other = _exchanged(best, parts, crew, tried, thresholds)
-        best = best if other is best else _pruned(other, start, tried, thresholds, crew, seed)
+        best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
     best = _simplest(best, start, list(tried.values()), thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
@@ -190,8 +198,10 @@ def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thr
 
 
 def _is_open(path: Sequence[Candidate], thresholds: Thresholds) -> bool:
-    """Whether to look for another effect: more is left than the last corner of a large gap, and there is hope."""
+    """Whether to look for another effect: there is hope, and more is left than a corner of the gap or than does not repeat."""
     gap, rest = left(path[0]), left(path[-1])
+    if len(path) > 1 and rest <= thresholds.unrepeatable**2:
+        return False
     if rest <= thresholds.closed**2 or (rest <= thresholds.explained * gap and rest <= (CORNER * thresholds.closed) ** 2):
         return False
     return len(path) < 3 or rest <= HOPELESS * gap

@@ -9,7 +9,7 @@ every level, amplitude, direction and half of the record (invariance: J. Peters,
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
@@ -64,37 +64,34 @@ def supports(
         tolerated: [m^2] difference of mean squares by which a model may be worse and not be told from the best.
         seed: of the resampling.
     """
-    gap, left = structure(base.heldout), structure(best.heldout)
     drifts, clear = drift(experiment, best.fit), clearness(best.fit)
 
-    def against(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
-        rival = min(
-            (
-                other
-                for other in (base, *tried)
-                if lacks(other) and len(other.names) <= len(best.names) and (name == kind or not other.contains(best))
-            ),
-            key=lambda other: squares(other.heldout).mean,
-        )
-        gain = squares(rival.heldout).mean - squares(best.heldout).mean
+    def of(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
         own = [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
-        return Support(
-            name,
-            kind,
-            gain / max(gap, tolerated),
-            gain / max(gap - left, tolerated),
-            gain / tolerated,
-            frequency_of_gain(best.heldout, rival.heldout, seed),
-            float(np.nanmean([drifts[each] for each in own])) if any(np.isfinite(drifts[each]) for each in own) else float("nan"),
-            max(clear[each] for each in own),
-        )
+        known = [drifts[each] for each in own if np.isfinite(drifts[each])]
+        moved = float(np.mean(known)) if known else float("nan")
+        plain = against(name, kind, best, base, [other for other in tried if lacks(other)], tolerated, seed)
+        return replace(plain, drift=moved, clear=max(clear[each] for each in own))
 
     parts = tuple(
-        against(part.name, part.kind, lambda other, name=part.name: name not in other.names)  # type: ignore[misc]
+        of(part.name, part.kind, lambda other, name=part.name: name not in other.names and not other.contains(best))  # type: ignore[misc]
         for part in best.fit.hypothesis.parts
     )
-    kinds = tuple(against(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
+    kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
     return parts, kinds
+
+
+def against(
+    name: str, kind: str, best: Candidate, base: Candidate, without: Sequence[Candidate], tolerated: float, seed: int
+) -> Support:
+    """What speaks for what the best model has, and models ``without`` (those of no more parts) lack; drift and size unknown."""
+    gap, left = structure(base.heldout), structure(best.heldout)
+    rivals = [base, *(other for other in without if len(other.names) <= len(best.names))]
+    rival = min(rivals, key=lambda other: squares(other.heldout).mean)
+    gain = squares(rival.heldout).mean - squares(best.heldout).mean
+    frequency = frequency_of_gain(best.heldout, rival.heldout, seed)
+    shares = (gain / max(gap, tolerated), gain / max(gap - left, tolerated), gain / tolerated)
+    return Support(name, kind, *shares, frequency, float("nan"), 10.0)
 
 
 def clearness(fit: Fit) -> dict[str, float]:

@@ -8,8 +8,8 @@ from math import sqrt
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
-from hsr_pin.diagnosis.search import Search, Thresholds, clearly_worse, doubtful, explains, left, matches, mean_square
-from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.search import Search, Thresholds, clearly_worse, doubtful, explains, left, matches, mean_square, tolerated
+from hsr_pin.diagnosis.support import Support, against
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
 
@@ -118,10 +118,18 @@ def judge(found: Search, thresholds: Thresholds, evidence: Evidence) -> Verdict:
     sets = [best.names, *rivals(best, base, found.tried, thresholds, evidence.seed, closes)]
     if levels is not None and closes and not clearly_worse(levels, best, thresholds, evidence.seed):
         sets.append(())
-    return _graded(found, sets, closes, remains, gap, evidence)
+    return _graded(found, sets, closes, remains, gap, thresholds, evidence)
 
 
-def _graded(found: Search, sets: list[tuple[str, ...]], closes: bool, remains: Left, gap: float, evidence: Evidence) -> Verdict:
+def _graded(
+    found: Search,
+    sets: list[tuple[str, ...]],
+    closes: bool,
+    remains: Left,
+    gap: float,
+    thresholds: Thresholds,
+    evidence: Evidence,
+) -> Verdict:
     """What of the best model may be named."""
     best = found.best
     names = {each.name: probability(each, NAME) for each in evidence.parts}
@@ -155,14 +163,26 @@ def _graded(found: Search, sets: list[tuple[str, ...]], closes: bool, remains: L
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         others = sets if len(sets) > 1 else ()
         return said("partly_identified", f"{what} {verb} certain, though something else is left{tail}.", others, effects)
-    possible = max((*names.values(), *kinds.values())) >= POSSIBLE
-    if len(sets) > 1 and 1 - remains.share >= WORTH_A_WORD and all(sets) and possible:
+    if (
+        len(sets) > 1
+        and 1 - remains.share >= WORTH_A_WORD
+        and all(sets)
+        and _one_of(sets, found, thresholds, evidence) >= POSSIBLE
+    ):
         listed = ", or ".join(" with ".join(each) for each in sets)
         return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)
     hint = "no effect of the catalogue takes away a fifth of it"
     if 1 - remains.share >= WORTH_A_WORD:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
     return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
+
+
+def _one_of(sets: Sequence[tuple[str, ...]], found: Search, thresholds: Thresholds, evidence: Evidence) -> float:
+    """How likely one of the sets is right: what speaks for what tells them from all models that have nothing of it."""
+    telling = {name for names in sets for name in names if not all(name in others for others in sets)}
+    without = [other for other in found.tried if not telling & set(other.names) and not other.contains(found.best)]
+    support = against("", "", found.best, found.path[0], without, tolerated(found.best, thresholds), evidence.seed)
+    return probability(support, NAME)
 
 
 def _in_all(kind: str, sets: Sequence[tuple[str, ...]], tried: Sequence[Candidate]) -> bool:
@@ -181,11 +201,21 @@ def rivals(
             continue
         if rival.contains(best):
             continue
-        if (closes and not explains(rival, base, thresholds)) or doubtful(rival, AWAY):
+        if (closes and not explains(rival, base, thresholds)) or _idle(rival, base, tried, thresholds):
             continue
         if matches(rival, best, base, thresholds, seed):
             answers.append(names)
     return answers
+
+
+def _idle(candidate: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds) -> bool:
+    """Whether a part of no clear size does nothing in a model: without it as much is explained, or that was not tried."""
+    for name in doubtful(candidate, AWAY):
+        fewer = tuple(other for other in candidate.names if other != name)
+        without = [mean_square(other) for other in (base, *tried) if other.names == fewer]
+        if not without or min(without) - mean_square(candidate) < thresholds.worth**2:
+            return True
+    return False
 
 
 def _parameters(base: Candidate, before: float, after: float) -> str:

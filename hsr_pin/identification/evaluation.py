@@ -97,16 +97,17 @@ def respond(
 def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
     """(C, N) each: the pose and its rate in which the markers are seen at the start; for a run at rest, about there."""
     noise = float(experiment.noise.max())
-    known = (hypothesis.links, hypothesis.placement, hypothesis.effects, hypothesis.free)
+    steering = tuple(effect for effect in hypothesis.effects if any(map(effect.acts_through, ("stiffness", "observe", "arm"))))
+    known = (hypothesis.links, hypothesis.placement, steering, hypothesis.free if steering else ())
     pose, velocity = (run.rest, np.zeros_like(run.rest)) if run.start_pose is None else (run.start_pose, run.start_velocity)
     assert velocity is not None
     if known not in run.found_poses:  # of the model as its fit starts: the same whatever was asked before
         first = hypothesis.columns(experiment, run, hypothesis.start[None])
         run.found_poses[known] = pose_from_markers(first, Cameras(first, experiment.reach), pose, velocity, noise)
-    q, _, modes = run.found_poses[known]
-    if run.start_pose is not None:
+    q, v, modes = run.found_poses[known]
+    if steering and run.start_pose is not None:
         return pose_from_markers(columns, cameras, pose, velocity, noise, modes)[:2]
-    return np.tile(q, (len(columns), 1)), np.zeros((len(columns), columns.links))
+    return np.tile(q, (len(columns), 1)), np.tile(v, (len(columns), 1))
 
 
 def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:

@@ -18,7 +18,7 @@ from hsr_pin.trajectory import Array
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
 _FULL, _QUICK = (1e-4, 25), (1e-2, 7)
 #: Searches in a fit at most, and the change [over the scales] that needs no other.
-_PASSES, _SETTLED = 4, 1e-3
+_PASSES, _SETTLED = 4, 2e-2
 
 
 @dataclass(frozen=True, eq=False)

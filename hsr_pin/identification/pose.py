@@ -19,7 +19,7 @@ _SMOOTH = 3.0
 #: Gauss-Newton steps with each number of modes on the way to all of them, and the longest step [rad].
 _STEPS, _FARTHEST = 4, 1.0
 #: The last steps go on until one is shorter than this [rad], or for so many.
-_DONE, _MOST = 1e-9, 30
+_DONE, _MOST = 1e-8, 30
 #: Difference for derivatives [rad].
 _WIDTH = 1e-6
 

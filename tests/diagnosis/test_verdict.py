@@ -139,17 +139,25 @@ def test_a_rival_that_is_worse_in_one_trial_alone_stays():
     assert verdict(worse, candidate("dry_friction")).status == "ambiguous"
 
 
-def test_a_rival_is_none_that_leaves_the_gap_open_or_may_be_zero_or_needs_more_effects():
-    best = candidate("dry_friction", gap=0.5e-3)
+def test_a_rival_is_none_that_leaves_the_gap_open_or_has_an_idle_part_or_needs_more_effects():
+    best = candidate("dry_friction", "torque_bias", gap=0.5e-3)
+    alone = candidate("backlash", gap=0.5e-3)
     tried = (
         BASE,
         candidate("hysteresis", gap=1.5e-3),  # a seventh of the squared gap
-        candidate("viscoelastic", gap=0.5e-3, errors={"viscoelastic": 1}),
-        candidate("backlash", "tip_mass"),
+        candidate("backlash", "viscoelastic", gap=0.5e-3, errors={"viscoelastic": 1}),
+        candidate("backlash", "tip_mass", "soft_spot"),
         best,
     )
     assert rivals(best, BASE, tried, THRESHOLDS, 0, True) == []
-    assert rivals(best, BASE, (*tried, candidate("backlash", gap=0.5e-3)), THRESHOLDS, 0, True) == [("backlash",)]
+    assert rivals(best, BASE, (*tried, alone), THRESHOLDS, 0, True) == [("backlash",)]
+
+
+def test_a_part_of_no_clear_size_is_not_idle_where_much_more_is_left_without_it():
+    best = candidate("dry_friction", "torque_bias", gap=0.5e-3)
+    pair = candidate("backlash", "viscoelastic", gap=0.5e-3, errors={"viscoelastic": 1})
+    tried = (BASE, candidate("backlash", gap=2e-3), pair, best)
+    assert rivals(best, BASE, tried, THRESHOLDS, 0, True) == [("backlash", "viscoelastic")]
 
 
 def test_a_law_that_contains_the_best_is_no_rival_of_it():
