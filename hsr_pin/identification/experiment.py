@@ -241,6 +241,7 @@ def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | s
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
         start_velocity=None if start is None else _held(start.velocity[moving]),
+        interpolated=trial.interpolated,
     )
 
 

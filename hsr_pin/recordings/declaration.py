@@ -15,6 +15,8 @@ VERSION = 1
 FILE_NAME = "dataset.toml"
 #: An arm outside of these lengths [m] is not measured in metres.
 SHORTEST, LONGEST = 1e-3, 50.0
+#: What the input does from sample to sample, the default first.
+INPUTS = ("held", "interpolated")
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,7 @@ class TrialDeclaration:
     damping: float | None
     tip_mass: float
     t_start: float | None
+    interpolated: bool
     section: Section
 
     @property
@@ -58,7 +61,7 @@ def read_declaration(path: Path) -> Declaration:
     _check_version(top)
     top.only("format", "name", "description", "robot", "marker", "trial")
     robot = top.section("robot")
-    robot.only("length", "mass", "diameter", "mount", "keq", "damping")
+    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input")
     length = robot.number("length", "m")
     if not SHORTEST <= length <= LONGEST:
         raise robot.fault(
@@ -123,7 +126,7 @@ def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
     trials: list[TrialDeclaration] = []
     taken: set[str] = set()
     for section in top.sections("trial"):
-        section.only("file", "keq", "damping", "tip_mass", "t_start")
+        section.only("file", "keq", "damping", "tip_mass", "t_start", "input")
         values = section.values
         if keq is None and "keq" not in values:
             raise section.fault("keq is missing", expected="a number [Nm/rad], in [robot] or in this [[trial]]")
@@ -133,6 +136,7 @@ def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
             damping=section.number("damping", "Nm s/rad", zero=True) if "damping" in values else damping,
             tip_mass=section.number("tip_mass", "kg", zero=True) if "tip_mass" in values else 0.0,
             t_start=section.number("t_start", "s", sign=True) if "t_start" in values else None,
+            interpolated=_input(section if "input" in values else robot) == INPUTS[1],
             section=section,
         )
         parts = PurePosixPath(trial.file).parts
@@ -143,3 +147,12 @@ def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
         taken.add(trial.name)
         trials.append(trial)
     return tuple(trials)
+
+
+def _input(section: Section) -> str:
+    word = section.text("input", INPUTS[0])
+    if word not in INPUTS:
+        raise section.fault(
+            "input", "input", expected=" or ".join(INPUTS), received=repr(word), hint=nearest(word, INPUTS, "words")
+        )
+    return word

@@ -95,7 +95,7 @@ def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> T
     if start is not None and not time[0] - 1e-9 <= start < time[-1]:
         expected = f"a time in the recording, {time[0] + origin:.10g} to {time[-1] + origin:.10g} s"
         raise trial.section.fault("t_start", "t_start", expected=expected, received=trial.t_start)
-    return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, start)
+    return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, start, trial.interpolated)
 
 
 def _check_columns(table: Table, markers: tuple[Marker, ...]) -> None:

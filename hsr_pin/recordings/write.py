@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.errors import OutputError, RecordingError
-from hsr_pin.recordings.declaration import FILE_NAME, VERSION, read_declaration
+from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSION, read_declaration
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
@@ -137,6 +137,8 @@ def _trial_declaration(trial: Trial) -> list[str]:
         lines.append(_entry("tip_mass", trial.tip_mass, "kg"))
     if trial.t_start is not None:
         lines.append(_entry("t_start", trial.t_start, "s"))
+    if trial.interpolated:
+        lines.append(f"input = {_quoted(INPUTS[1])}  # straight from sample to sample, not held")
     return lines
 
 

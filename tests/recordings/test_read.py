@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.errors import RecordingError
+from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 
 
@@ -31,6 +32,15 @@ def test_what_stands_there_is_what_is_read(folder):
     assert np.array_equal(trial.trajectory.torque, table[:, 1])
     assert np.array_equal(trial.trajectory.positions.reshape(-1, 6), table[:, 2:])
     assert trial.trajectory.notes == ()
+
+
+def test_an_input_is_held_unless_the_arm_or_the_trial_says_otherwise(folder, spoil):
+    assert not read_dataset(folder).trials[0].interpolated
+    spoil("dataset.toml", "keq = 1.11", 'keq = 1.11\ninput = "interpolated"')
+    assert read_dataset(folder).trials[0].interpolated
+    assert prepare(read_dataset(folder)).runs[0].interpolated
+    spoil("dataset.toml", "damping = 0.05", 'damping = 0.05\ninput = "held"')
+    assert not read_dataset(folder).trials[0].interpolated
 
 
 def test_the_path_of_the_declaration_will_do(folder):
@@ -73,6 +83,7 @@ SPOILED_DECLARATIONS = {
     "no keq": ("keq = 1.11", "", "[[trial]]", "keq is missing"),
     "no such file": ("trial_01.csv", "trial_1.csv", "file", "did you mean 'trial_01.csv'?"),
     "file outside": ("trial_01.csv", "../x.csv", "file", "inside of the dataset"),
+    "input of a third kind": ("damping = 0.05", 'input = "holdd"', "input", "did you mean 'held'?"),
     "not TOML": ("mass = 0.15", "mass = = 0.15", "= 0.15", "not TOML"),
     "t_start after the end": ("damping = 0.05", "t_start = 9.0", "t_start", "a time in the recording"),
     "no marker beyond the base": (

@@ -35,6 +35,9 @@ def tree(folder):
 def test_a_dataset_reads_back_equal_to_the_last_bit(dataset, tmp_path):
     write_dataset(dataset, tmp_path / "new" / "place")
     same(read_dataset(tmp_path / "new" / "place"), dataset)
+    measured = dataclasses.replace(dataset.trials[0], interpolated=True)
+    write_dataset(dataclasses.replace(dataset, trials=(measured,)), tmp_path / "measured")
+    assert read_dataset(tmp_path / "measured").trials[0].interpolated
 
 
 def test_a_dataset_that_was_read_is_written_as_it_was(folder, tmp_path):
