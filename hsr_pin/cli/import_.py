@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import force_option
 
 if TYPE_CHECKING:
     from hsr_pin.recordings.importers.assemble import Imported
@@ -49,6 +50,7 @@ _NEEDED = ("output", "mass", "diameter", "keq")
 @click.option("--input", "inputs", multiple=True, metavar="CSV", help="The input, t,P1,P2 or t,tau, or as --map says; likewise.")
 @click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: of its folder]")
 @click.option("--description", default="", metavar="TEXT", help="One line.")
+@force_option
 def command(files: tuple[str, ...], list_points: bool, output: str | None, **options: Any) -> None:
     """Import motion capture as a dataset, one trial per FILE.
 
@@ -67,10 +69,11 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
     for name in _NEEDED:
         if options[name] in (None, ()):
             raise click.UsageError(f"Missing option '--{name}'.")
+    from hsr_pin.cli.folders import check_folder
     from hsr_pin.recordings.importers.assemble import import_recordings
-    from hsr_pin.recordings.write import check_target, write_dataset
+    from hsr_pin.recordings.write import write_dataset
 
-    check_target(options["output"])
+    check_folder(options["output"], "hsr-import", [*files, *options["inputs"], options["mapping"]], options["force"])
     imported = import_recordings(files, _settings(options))
     write_dataset(imported.dataset, options["output"])
     _report(imported, files, options["output"])

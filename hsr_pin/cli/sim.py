@@ -136,9 +136,9 @@ def _check(options: dict[str, Any]) -> None:
     files = {f"--{name}": options[name] for name in ("plot", "html")}
     check_outputs(files, read=[options["input_file"]], force=options["force"])
     if options["csv_folder"] is not None:
-        from hsr_pin.cli.sim_folder import check_folder
+        from hsr_pin.cli.folders import check_folder
 
-        check_folder(options["csv_folder"], options["input_file"], options["force"])
+        check_folder(options["csv_folder"], "hsr-sim", [options["input_file"]], options["force"])
 
 
 def _write(runs: list[Run], options: dict[str, Any]) -> Iterator[str]:

@@ -153,6 +153,18 @@ def test_a_folder_with_something_else_in_it_is_left_alone(take, tmp_path, capsys
     assert [path.name for path in (tmp_path / "arm").iterdir()] == ["thesis.tex"]
 
 
+def test_a_dataset_that_it_did_not_write_is_replaced_only_by_force(take, tmp_path, capsys):
+    given = [str(one) for one in (take, "-o", tmp_path / "arm", *ARM, *MARKERS)]
+    assert run(command, given) == 0
+    assert run(command, given) == 0  # what it wrote itself
+    declared = tmp_path / "arm" / "dataset.toml"
+    lines = declared.read_text(encoding="utf-8").split("\n")
+    declared.write_text("\n".join(line for line in lines if not line.startswith("#")), encoding="utf-8")
+    capsys.readouterr()
+    assert "--force" in complaint(capsys, given)
+    assert run(command, [*given, "--force"]) == 0
+
+
 def test_help_loads_nothing_heavy():
     program = (
         "import sys; sys.argv = ['hsr-import', '--help']\n"

@@ -1,0 +1,54 @@
+"""Where a command may write a dataset: never over recordings that it did not write itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hsr_pin.cli.sim_runs import DESCRIPTION
+from hsr_pin.errors import OutputError, RecordingError
+from hsr_pin.output import check_folder_writable
+from hsr_pin.recordings.declaration import FILE_NAME, read_declaration
+from hsr_pin.recordings.write import check_target
+
+#: What a dataset of each command has in its ``dataset.toml``.
+SIGNS = {"hsr-sim": DESCRIPTION, "hsr-import": "# imported from "}
+
+
+def check_folder(folder: str, command: str, read: Sequence[str | None], force: bool) -> None:
+    """Refuse a folder for a dataset that holds anything but an older one by the same command, or what is read.
+
+    Args:
+        folder: to be written.
+        command: one of :data:`SIGNS`.
+        read: files that the command reads.
+        force: replace any dataset.
+
+    Raises:
+        OutputError: saying what is there.
+    """
+    check_folder_writable(folder)
+    check_target(folder)
+    if any(name is not None and Path(folder).resolve() in Path(name).resolve().parents for name in read):
+        raise OutputError("will not write over what is read", hint="write to another folder", file=folder)
+    if not force and not _written_by(command, Path(folder)):
+        raise OutputError(
+            "will not replace the dataset",
+            expected=f"a new or empty folder, or what {command} wrote",
+            received="other recordings",
+            hint="--force replaces them",
+            file=folder,
+        )
+
+
+def _written_by(command: str, folder: Path) -> bool:
+    """Whether a folder is absent, empty, or holds what a command wrote and nothing else."""
+    there = {path.name for path in folder.iterdir()} if folder.exists() else set()
+    if not there:
+        return True
+    try:
+        declared = read_declaration(folder / FILE_NAME)
+    except RecordingError:
+        return False
+    text = (folder / FILE_NAME).read_text(encoding="utf-8")
+    return SIGNS[command] in text and there == {FILE_NAME, *(trial.file for trial in declared.trials)}
