@@ -60,8 +60,10 @@ _OF: dict[str, tuple[str, ...]] = {
     # Flexible laws: they stand for their kind, and are no names of causes.
     "creep_spectrum": ("creep",),
     "damping_curve": ("damping",),
+    "damping_profile": ("damping",),
     "elastic_curve": ("elastic",),
     "friction_spectrum": ("friction",),
+    "stiffness_profile": ("elastic",),
     "lag_cascade": ("actuation_time",),
     "torque_curve": ("actuation_map",),
     # Plain parameters.
@@ -82,7 +84,16 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
 }
 
 #: Laws that stand for their kind.
-FLEXIBLE = ("creep_spectrum", "damping_curve", "elastic_curve", "friction_spectrum", "lag_cascade", "torque_curve")
+FLEXIBLE = (
+    "creep_spectrum",
+    "damping_curve",
+    "damping_profile",
+    "elastic_curve",
+    "friction_spectrum",
+    "lag_cascade",
+    "stiffness_profile",
+    "torque_curve",
+)
 
 #: Of the arm itself: not effects, and no names in a verdict on one recording.
 PLAIN = ("damping_scale", "keq_scale", "mass_scale", "torque_gain")

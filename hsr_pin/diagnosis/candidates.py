@@ -117,8 +117,8 @@ def _guess(experiment: Experiment, base: Fit, effect: Part) -> list[Guess]:
     for k, (start, probe) in enumerate(zip(points[1:], probes, strict=True), 1):
         change = np.concatenate(
             [
-                whitened(((each[:, k] - each[:, 0]) * w)[w > 0], (basis * w[..., None])[w > 0])
-                for each, w, basis in zip(seen, base.weights, base.nuisance, strict=True)
+                whitened(((each[:, k] - each[:, 0]) * w)[w > 0], base.basis(run))
+                for run, (each, w) in enumerate(zip(seen, base.weights, strict=True))
             ]
         )
         if not np.isfinite(change).all():

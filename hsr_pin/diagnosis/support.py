@@ -185,7 +185,7 @@ def _step(fit: Fit, masks: Sequence[NDArray[np.bool_]]) -> tuple[Array, Array]:
         seen = weights > 0
         if not seen.any():
             continue
-        basis = (fit.nuisance[k] * weights[..., None])[seen]
+        basis = fit.basis(k, mask[:, None, None])
         r = np.nan_to_num(fit.residuals[k]) * weights
         rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[seen], basis))
         slopes.append(whitened((fit.slopes[k] * weights[..., None] * scale)[seen], basis))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,7 +13,7 @@ from hsr_pin.identification.evaluation import predict_with_slopes, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.misfit import Misfit
-from hsr_pin.identification.nuisance import taken_out, whitened
+from hsr_pin.identification.nuisance import doubt, whitened
 from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
@@ -33,6 +34,7 @@ class Fit:
         slopes: for each run (T, M, 2, P) derivatives of the prediction there.
         weights: for each run (T, M, 2) [1/m] with which the residuals counted; zero in gaps.
         nuisance: for each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes.
+        doubt: of the residuals: see :func:`hsr_pin.identification.nuisance.doubt`.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
         failed: names of the trials whose simulation ends early there.
@@ -45,6 +47,7 @@ class Fit:
     slopes: tuple[Array, ...]
     weights: tuple[Array, ...]
     nuisance: tuple[Array, ...]
+    doubt: float
     converged: bool
     evaluations: int
     failed: tuple[str, ...] = ()
@@ -58,6 +61,11 @@ class Fit:
     def named(self) -> dict[str, float]:
         """The values by name."""
         return dict(zip(self.hypothesis.free, map(float, self.values), strict=True))
+
+    def basis(self, run: int, part: Any = 1.0) -> Array:
+        """(n, K) what one standard deviation of each number of a run's own makes of its weighted residuals, in doubt."""
+        weights = self.weights[run] * part
+        return np.asarray((self.nuisance[run] * weights[..., None])[weights > 0] / self.doubt)
 
     def on_bound(self) -> tuple[str, ...]:
         """Names of parameters that ended on a bound which is not their neutral value."""
@@ -95,9 +103,7 @@ def fit(
     if len(x):
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         x, converged = _searched(misfit, x, spread, quick)
-    predictions, plain = misfit.predictions(x), misfit.missed(x)
-    nuisance = [p.nuisance for p in predictions if p.nuisance is not None]
-    missed = taken_out(plain, misfit.weights, nuisance, int(experiment.rest_scatter > 0))
+    predictions, plain, missed, nuisance = misfit.predictions(x), misfit.missed(x), misfit.left(x), misfit.nuisance(x)
     if not quick:  # a search is steered well enough by one-sided differences; intervals and null directions want better ones
         predictions = predict_with_slopes(experiment, hypothesis, x * misfit.scale, central=True)
     weights = [
@@ -111,6 +117,7 @@ def fit(
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
         nuisance=tuple(nuisance),
+        doubt=doubt(missed, weights),
         converged=converged,
         evaluations=misfit.evaluations,
         failed=tuple(run.trial.name for run, p in zip(experiment.runs, predictions, strict=True) if p.failed),
@@ -149,7 +156,7 @@ def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:
     rows, slopes = [], []
     for k in chosen:
         mask, weights = fit.weights[k] > 0, fit.weights[k]
-        basis = (fit.nuisance[k] * weights[..., None])[mask]
+        basis = fit.basis(k)
         rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[mask], basis))
         slopes.append(whitened((fit.slopes[k] * weights[..., None])[mask], basis))
     return np.concatenate(rows), np.concatenate(slopes)

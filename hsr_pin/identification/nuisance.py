@@ -4,6 +4,9 @@ Each is a small number of its own in every trial, about as large as the recordin
 linearly: it is eliminated from the least squares of a fit instead of being fitted (W. J. Browne, D. Draper, A comparison of
 Bayesian and likelihood-based methods for fitting multilevel models, Bayesian Anal. 1, 2006: a random effect). What it explains
 of a trial is no part of the gap that the laws have to explain.
+
+How dear such a number is beside the residuals depends on what these are. Where a model leaves more than noise, and that lasts,
+its many samples say little (:func:`doubt`); were they taken for noise, numbers far from any that the prior allows were cheap.
 """
 
 from __future__ import annotations
@@ -18,6 +21,8 @@ from hsr_pin.trajectory import Array
 HELD, INSTANT = 0.002, 0.25
 #: Standard errors by which the mean of a number over the trials may differ from none by chance.
 _CHANCE = 1.5
+#: Residuals are never taken for more alike than this from sample to sample.
+_LASTING = 0.995
 
 
 def whitened(rows: Array, basis: Array) -> Array:
@@ -31,6 +36,20 @@ def whitened(rows: Array, basis: Array) -> Array:
     shrink = 1 - 1 / np.sqrt(1 + s**2)
     flat = rows.reshape(len(rows), -1)
     return np.asarray((flat - u @ (shrink[:, None] * (u.T @ flat))).reshape(rows.shape))
+
+
+def doubt(residuals: Sequence[Array], weights: Sequence[Array]) -> float:
+    """Noise floors that a model leaves, times the root of the samples for which they last; at least 1.
+
+    For residuals (T, M, 2) [m] and weights (T, M, 2) [1/m]: the standard error of their mean, over that of white noise of unit
+    size (first-order autoregression).
+    """
+    rows = [np.nan_to_num(residual) * weight for residual, weight in zip(residuals, weights, strict=True)]
+    count = sum(float((weight > 0).sum()) for weight in weights)
+    power = sum(float((row**2).sum()) for row in rows)
+    alike = sum(float((row[1:] * row[:-1]).sum()) for row in rows) / max(power, 1e-300)
+    rho = float(np.clip(alike, 0.0, _LASTING))
+    return float(np.sqrt(max(1.0, power / max(count, 1.0)) * (1 + rho) / (1 - rho)))
 
 
 def taken_out(

@@ -50,10 +50,10 @@ def uncertainty(fit: Fit) -> Uncertainty:
     scale = np.array([fact.scale for fact in facts])
     hessian, middle = np.zeros((len(scale), len(scale))), np.zeros((len(scale), len(scale)))
     squares = count = 0.0
-    for missed, slopes, weights, nuisance in zip(fit.missed, fit.slopes, fit.weights, fit.nuisance, strict=True):
+    for run, (missed, slopes, weights) in enumerate(zip(fit.missed, fit.slopes, fit.weights, strict=True)):
         weighted, r = slopes * weights[..., None] * scale, np.nan_to_num(missed) * weights
         mask = weights > 0
-        basis = (nuisance * weights[..., None])[mask]
+        basis = fit.basis(run)
         weighted[mask], r[mask] = whitened(weighted[mask], basis), whitened(r[mask], basis)
         hessian += np.einsum("tmcp,tmcq->pq", weighted, weighted)
         middle += _long_run(np.einsum("tmcp,tmc->tp", weighted, r), _memory(r))

@@ -1,0 +1,30 @@
+"""Any damping along the arm that has few waves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class DampingProfile(Effect):
+    """c(s) / C = exp(first P1(x) + second P2(x)), P the Legendre polynomials of x = 2 s - 1."""
+
+    name = "damping_profile"
+    lacks = "damping is another at every place of the arm"
+    cause = "tubes, cuffs, muscle ends"
+    citation = "H. T. Banks, D. J. Inman, On damping mechanisms in beams, J. Appl. Mech. 58 (1991)"
+    kind = "damping"
+    flexible = True
+
+    first: float = parameter(0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="from base to tip")
+    second: float = parameter(0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="ends against middle")
+
+    def damping(self, s: Array) -> Array:
+        x = 2 * s - 1
+        return np.asarray(np.exp(self.first * x + self.second * (1.5 * x * x - 0.5)))
