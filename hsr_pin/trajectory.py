@@ -59,10 +59,11 @@ class Trajectory:
         time: (T,) [s], increasing, evenly spaced.
         markers: (M,) the tracked points, in the order of ``positions``.
         positions: (T, M, 3) [m] in the world frame; NaN where a marker was not seen.
-        torque: (T,) [N m] the commanded torque, held from each sample to the next; None without this input.
+        torque: (T,) [N m] the commanded torque, held from each sample to the next, in space (T, 2) towards x and towards y of the
+            base; None without this input.
         pressures: (T, 2) [bar] the commanded pressures P1, P2; None without this input.
-        joint_angles: (T, nq) [rad], simulated motion only.
-        joint_rates: (T, nv) [rad/s], simulated motion only.
+        joint_angles: (T, N) [rad], simulated motion only; in space (T, N, 3), towards x, towards y and twist.
+        joint_rates: as these, [rad/s].
         notes: what was done to the data on the way here, one sentence each.
     """
 
@@ -82,7 +83,7 @@ class Trajectory:
         shapes = {
             "time": (samples,),
             "positions": (samples, len(self.markers), 3),
-            "torque": (samples,),
+            "torque": (samples, 2) if self.torque is not None and self.torque.ndim == 2 else (samples,),
             "pressures": (samples, 2),
         }
         for name, shape in shapes.items():

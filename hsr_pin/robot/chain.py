@@ -17,7 +17,7 @@ from hsr_pin.trajectory import Array
 
 #: Acceleration of gravity [m/s^2], Pinocchio's.
 GRAVITY = 9.81
-_SAME = ("links", "placement", "mount")
+_SAME = ("links", "placement", "mount", "bending")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,17 +35,22 @@ class Arms:
     tip_mass: Array
     tilt: Array
     bending_limit: Array
+    torsion: Array
+    cross_tilt: Array
+    bending: str = "plane"
 
     #: Names of those that differ.
-    NUMBERS: ClassVar[tuple[str, ...]] = ("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit")
+    NUMBERS: ClassVar[tuple[str, ...]] = (
+        *("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit", "torsion", "cross_tilt"),
+    )
 
     @classmethod
     def of(cls, specifications: Sequence[ArmSpecification]) -> Arms:
-        """The same arms side by side; all must have the same number of links, placement and mount."""
+        """The same arms side by side; all must have the same number of links, placement, mount and bending."""
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
-        return cls(first.links, first.placement, first.mount, **numbers)
+        return cls(first.links, first.placement, first.mount, **numbers, bending=first.bending)
 
     def __len__(self) -> int:
         return len(self.keq)
@@ -57,7 +62,8 @@ class Arms:
     def specification(self, column: int) -> ArmSpecification:
         """One of them."""
         numbers = {name: float(values[column]) for name, values in self.numbers().items()}
-        return ArmSpecification(links=self.links, placement=self.placement, mount=self.mount, **numbers)  # type: ignore[arg-type]
+        same = {name: getattr(self, name) for name in _SAME}
+        return ArmSpecification(**same, **numbers)
 
     def columns(self, members: Any) -> Arms:
         """Some of them (indices or a slice)."""

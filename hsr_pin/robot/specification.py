@@ -13,6 +13,7 @@ from hsr_pin.trajectory import Array, Dataset, Trial
 
 Placement = Literal["base", "mid"]
 Mount = Literal["hanging", "upright", "horizontal"]
+Bends = Literal["plane", "space"]
 
 #: Largest number of links accepted; beyond it nothing is gained and rounding starts to show.
 MAX_LINKS = 1000
@@ -48,6 +49,10 @@ class ArmSpecification:
         tip_mass: point mass at the tip [kg].
         tilt: turn of the base from its mount, in the plane, towards positive bending [rad].
         bending_limit: largest bending angle of the whole arm, either way [rad].
+        bending: "plane": every joint is a hinge; "space": every joint bends about two axes and twists.
+        torsion: stiffness against twisting of the whole arm [Nm/rad]; infinite: it does not twist; 0: it does so freely. In space
+            alone. Its damping is C torsion / Keq: the time constant of bending.
+        cross_tilt: turn of the base towards the side to which the arm bends in space only [rad]; with ``tilt`` a rotation vector.
     """
 
     links: int = 4
@@ -61,18 +66,36 @@ class ArmSpecification:
     tip_mass: float = 0.0
     tilt: float = 0.0
     bending_limit: float = math.pi
+    bending: Bends = "plane"
+    torsion: float = math.inf
+    cross_tilt: float = 0.0
 
     def __post_init__(self) -> None:
         if isinstance(self.links, bool) or not isinstance(self.links, (int, np.integer)) or not 1 <= self.links <= MAX_LINKS:
             raise SpecificationError("links", expected=f"a whole number from 1 to {MAX_LINKS}", received=quoted(self.links))
         for name in RANGES:
             _check_number(name, getattr(self, name))
-        if not _is_number(self.tilt) or abs(self.tilt) > math.pi:
-            raise SpecificationError("tilt", expected="an angle from -pi to pi rad", received=quoted(self.tilt))
-        for name, choices in (("placement", get_args(Placement)), ("mount", get_args(Mount))):
+        for name in ("tilt", "cross_tilt"):
+            angle = getattr(self, name)
+            if not _is_number(angle) or abs(angle) > math.pi:
+                raise SpecificationError(name, expected="an angle from -pi to pi rad", received=quoted(angle))
+        for name, choices in (("placement", get_args(Placement)), ("mount", get_args(Mount)), ("bending", get_args(Bends))):
             word = getattr(self, name)
             if not isinstance(word, str) or word not in choices:
                 raise SpecificationError(name, expected=" or ".join(choices), received=quoted(word))
+        self._check_torsion()
+
+    def _check_torsion(self) -> None:
+        stiff = isinstance(self.torsion, float) and self.torsion == math.inf
+        if not stiff and not (_is_number(self.torsion) and 0 <= self.torsion <= RANGES["keq"][2]):
+            expected = f"a number, zero or more [Nm/rad], up to {RANGES['keq'][2]:g}, or infinity"
+            raise SpecificationError("torsion", expected=expected, received=quoted(self.torsion))
+        if self.bending == "plane" and not (stiff and self.cross_tilt == 0):
+            name = "cross_tilt" if stiff else "torsion"
+            hint = 'an arm in space has bending="space"'
+            raise SpecificationError(
+                name, expected="none where the arm bends in a plane", received=quoted(getattr(self, name)), hint=hint
+            )
 
     @classmethod
     def from_trial(cls, dataset: Dataset, trial: Trial, **changes: Any) -> ArmSpecification:
@@ -87,6 +110,11 @@ class ArmSpecification:
             tip_mass=trial.tip_mass,
         )
         return replace(declared, **changes)
+
+    @property
+    def coordinates(self) -> int:
+        """Of all joints: N in the plane; in space 3 N, for each joint (towards x, towards y, twist)."""
+        return self.links if self.bending == "plane" else 3 * self.links
 
     @property
     def link_length(self) -> float:

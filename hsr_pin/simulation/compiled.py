@@ -66,6 +66,19 @@ def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options
 
 @lru_cache(maxsize=1)
 def _loops() -> Loops:
+    return assembled("loops", kernel, rest, brief_advance, _arguments())
+
+
+def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], arguments: Iterable[Any]) -> Loops:
+    """The loops over one kind of arms.
+
+    Args:
+        part: the name under which :mod:`~hsr_pin.simulation.stamp` has what they are made from.
+        kernel: the module that has the inner loops.
+        rest: the module that has the search for rest.
+        advance: steps that are given from outside.
+        arguments: the types of what each of the loops takes.
+    """
     from numba import njit
     from numba.core import event
 
@@ -76,24 +89,25 @@ def _loops() -> Loops:
         scope = {**function.__globals__, **others}
         copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
-        copy.__qualname__ = f"{function.__name__}_{stamp('loops')}"
+        copy.__qualname__ = f"{function.__name__}_{stamp(part)}"
         code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
         all_kept = all_kept and is_kept
         return code
 
-    call_law = _caller()
-    plain = {name: made(getattr(kernel, name), inline=True) for name in ("substep", "add", "between", "bent", "alone")}
-    plain |= {name: made(getattr(kernel, name), call_law=call_law) for name in ("resist", "remember")}
-    plain["mean_torque"] = made(march.mean_torque, inline=True)
+    plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
+    for name in kernel.PARTS:
+        plain[name] = made(getattr(kernel, name), inline=name not in ("resist", "remember"), **plain)
+    plain["mean_torque"] = plain.get("mean_torque") or made(march.mean_torque, inline=True)
     plain["extrapolate"] = made(march.extrapolate, **plain)
-    statics = {name: made(getattr(rest, name), **plain) for name in ("laws_at", "imbalance", "newton_step")}
+    for name in rest.PARTS:
+        plain[name] = made(getattr(rest, name), **plain)
     plain["march"] = made(march.march, **plain)
     plain["advance"] = made(march.advance, **plain)
-    apart, steps = made(march.march_apart, **plain), made(brief_advance, **plain)
-    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain, **statics))
+    apart, steps = made(march.march_apart, **plain), made(advance, **plain)
+    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain))
     with event.install_listener("numba:compile", _announcement(_KEPT if all_kept else _LOST)):  # not heard when they are loaded
-        for function, arguments in zip(found, _arguments(), strict=True):
-            function.compile(arguments)  # for these types alone: nothing is ever compiled again unawares
+        for function, types_of in zip(found, arguments, strict=True):
+            function.compile(types_of)  # for these types alone: nothing is ever compiled again unawares
             function.disable_compile()
     return found
 

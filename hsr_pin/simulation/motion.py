@@ -28,7 +28,7 @@ class State:
     """What B arms are at one instant.
 
     Attributes:
-        q, v: (B, N) [rad], [rad/s].
+        q, v: (B, N) [rad], [rad/s]; in space (B, 3 N).
         z: (states, B, N) memories of the laws in the joints.
     """
 
@@ -73,7 +73,16 @@ class Engine:
         self._compiled = dynamics == "compiled"
         self._system: Any
         self._advance: Callable[..., int]
-        if self._compiled:
+        if columns.space and dynamics == "aba":
+            raise InputError("dynamics", expected="compiled or rnea for an arm in space", received="'aba'")
+        if columns.space:
+            from hsr_pin.simulation.space.reference import python_loops
+
+            self._loops = _space_loops() if self._compiled else python_loops()
+            self._system = columns.system if self._compiled else columns.pinocchio(dynamics)
+            self._arrays = self._system if self._compiled else columns.arrays
+            self._advance = partial(self._loops.advance, self._system)
+        elif self._compiled:
             self._loops, self._system, self._arrays = loops(), columns.system, columns.system
             self._advance = partial(self._loops.advance, *columns.system.in_few())
         else:
@@ -104,9 +113,11 @@ class Engine:
 
     def loaded(self, q: Array, v: Array) -> State:
         """The state of arms at q, v (B, N) that were never bent before and settled there."""
-        z = np.zeros((self.columns.states, *q.shape))
+        columns = self.columns
+        z = np.zeros((columns.states, len(columns), columns.links), dtype=complex if columns.space else float)
         if len(z):
-            reference.remembered(self.columns.laws, z.copy(), np.zeros_like(q), q, inf, z)
+            reached = _bends(q) if columns.space else q
+            reference.remembered(columns.laws, z.copy(), np.zeros_like(reached), reached, inf, z)
         return State(np.array(q), np.array(v), z)
 
     def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
@@ -166,8 +177,21 @@ class Engine:
     def _steps(self, command: Delivered, method: Integrator) -> tuple[Array, float, float, Array]:
         """(B,) tolerance in radians; the first and the longest step, in cells; (B, C + 1) what no step may pass."""
         if method.step is not None:
-            until = np.broadcast_to(np.arange(1.0, command.impulse.shape[1] + 1), command.impulse.shape)
+            shape = command.impulse.shape[:2]
+            until = np.broadcast_to(np.arange(1.0, shape[1] + 1), shape)
             return np.full(len(self.columns), inf), 1.0, 1.0, np.array(until, order="C")
         first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
         until = np.ascontiguousarray(command.until())
         return method.tolerance / self.columns.arms.length, max(first, 1 / 16), max(longest, 1.0), until
+
+
+def _space_loops() -> Loops:
+    from hsr_pin.simulation.space.loops import space_loops  # here: it is for arms in space alone
+
+    return space_loops()
+
+
+def _bends(q: Array) -> Array:
+    from hsr_pin.simulation.space.kernel import bends
+
+    return bends(q)  # type: ignore[no-any-return]  # complex numbers

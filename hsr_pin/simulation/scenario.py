@@ -11,6 +11,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.parameters import finite
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.load import Load
 from hsr_pin.trajectory import Array, Marker, read_only
 
 #: Longest run [s]: a day, 8.6 million of the default steps. What asks for more has times in another unit.
@@ -21,24 +22,26 @@ MOST_SAMPLES = 10_000_000
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """Start at rest, in equilibrium under a constant torque [N m].
+    """Start at rest, in equilibrium under a constant torque [N m]; in space a complex number, towards x and towards y.
 
-    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad] (default: straight).
+    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad], in space (N, 3) (default:
+    straight).
     """
 
-    torque: float = 0.0
+    torque: complex = 0.0
     near: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "near", read_only(self.near))
-        finite("start", self.torque, "a finite torque [N m]")
+        for part in (self.torque.real, self.torque.imag) if isinstance(self.torque, complex) else (self.torque,):
+            finite("start", part, "a finite torque [N m]")
         if self.near is not None and not np.all(np.isfinite(self.near)):
             raise InputError("start", expected="finite angles [rad]", received=quoted(self.near))
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest)."""
+    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest); in space (N, 3) each."""
 
     angles: Array
     rates: Array | None = None
@@ -62,11 +65,12 @@ class Scenario:
     Attributes:
         arm: the nominal arm.
         time: (T,) [s] evenly spaced; the result is given at these times.
-        torque: (T,) [N m] the command at these times.
+        torque: (T,) [N m] the command at these times; in space (T, 2), towards x and towards y of the base.
         start: settled under a torque, or a pose.
         effects: what acts beside the nominal model, at most one of a kind.
         markers: the points to follow; default: base, middle and tip.
         interpolated: the command goes straight from each sample to the next (a measured pressure, say) instead of being held.
+        loads: forces and moments on points of an arm in space.
     """
 
     arm: ArmSpecification
@@ -76,6 +80,7 @@ class Scenario:
     effects: tuple[Effect, ...] = ()
     markers: tuple[Marker, ...] = ()
     interpolated: bool = False
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         time, torque = read_only(self.time), read_only(self.torque)
@@ -91,14 +96,24 @@ class Scenario:
             raise InputError(
                 "time", expected="increasing, evenly spaced", received=f"steps from {steps.min():g} to {steps.max():g} s"
             )
-        if torque.shape != time.shape or not np.all(np.isfinite(torque)):
-            raise InputError("torque", expected=f"{len(time)} finite values [N m]", received=f"shape {torque.shape}")
+        space = self.arm.bending == "space"
+        if torque.shape != ((*time.shape, 2) if space else time.shape) or not np.all(np.isfinite(torque)):
+            expected = f"{len(time)} finite values [N m]" + (" towards x and towards y" if space else "")
+            raise InputError("torque", expected=expected, received=f"shape {torque.shape}")
+        if not space and (self.loads or (isinstance(self.start, Settled) and isinstance(self.start.torque, complex))):
+            name = "loads" if self.loads else "start"
+            hint = 'an arm in space has bending="space"'
+            raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
+        for load in self.loads:
+            load.wrenches(len(time))
         kinds = [type(effect) for effect in self.effects]
         if len(set(kinds)) < len(kinds):
             raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
         angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
-        if angles is not None and angles.shape != (self.arm.links,):
-            raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {angles.shape}")
+        shape = (self.arm.links, 3) if space else (self.arm.links,)
+        if angles is not None and angles.shape != shape:
+            expected = f"{self.arm.links} joint angles" if not space else f"joint angles {shape}"
+            raise InputError("start", expected=expected, received=f"shape {angles.shape}")
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "torque", torque)
         if not self.markers:
@@ -108,6 +123,16 @@ class Scenario:
     def reach(self) -> Array:
         """(M,) [m] arc lengths of the markers."""
         return np.array([marker.arc_length for marker in self.markers])
+
+    @property
+    def points(self) -> Array:
+        """(K,) [m] arc lengths of the loads."""
+        return np.array([load.arc_length for load in self.loads])
+
+    @property
+    def command(self) -> Array:
+        """(T,) [N m] the torque; in space complex, towards x and towards y."""
+        return np.asarray(self.torque[:, 0] + 1j * self.torque[:, 1] if self.torque.ndim == 2 else self.torque)
 
     @property
     def step(self) -> float:
