@@ -116,13 +116,13 @@ def brief_advance(
     joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, state: Array, impulse: Array, cell: float,
     weights: Array, limit: Array,
 ) -> int:  # fmt: skip
-    """As :func:`hsr_pin.simulation.march.advance`, for arms in few arrays: at a call from Python, each takes its time.
+    """As :func:`hsr_pin.simulation.march.advance`, for few arrays: at a call from Python, each takes its time.
 
-    ``joints`` (11, B, N) are the first fields of :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
+    ``state`` (2 + states, B, N) are angles, rates and what the laws remember, ``joints`` (11, B, N) are the first fields of :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
     """
     j = joints
     arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)
-    return advance(arms, state, impulse, cell, weights, limit)
+    return advance(arms, state[0], state[1], state[2:], impulse, cell, weights, limit)
 
 
 def _arguments() -> tuple[Any, ...]:

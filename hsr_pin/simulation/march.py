@@ -226,12 +226,16 @@ def march_apart(
         )  # fmt: skip
 
 
-def advance(system: Any, state: Array, impulse: Array, cell: float, weights: Array, limit: Array) -> int:
+def advance(
+    system: Any, q: Array, v: Array, z: Array, impulse: Array, cell: float, weights: Array, limit: Array
+) -> int:
     """Steps of one cell each, in place: a march to the only sample.
 
     Args:
         system: the arms.
-        state: (2 + states, B, N) angles [rad], rates [rad/s], and what the laws remember.
+        q: (B, N) [rad].
+        v: (B, N) [rad/s].
+        z: (states, B, N) of the laws.
         impulse: (B, C + 1) integral of the torque, as for :func:`march`.
         cell: [s].
         weights: (2, p) as for :func:`extrapolate`.
@@ -240,7 +244,6 @@ def advance(system: Any, state: Array, impulse: Array, cell: float, weights: Arr
     Returns:
         How many columns went beyond their limits. Those have the angles where they did, and no numbers for rates.
     """
-    q, v, z = state[0], state[1], state[2:]
     count, links = q.shape
     cells = impulse.shape[1] - 1
     until, lost, room = np.arange(1.0, cells + 1), np.full(count, inf), np.zeros((5, count, links))

@@ -72,7 +72,7 @@ class Engine:
         self.columns, self._limit = columns, np.ascontiguousarray(columns.arms.bending_limit)
         self._compiled = dynamics == "compiled"
         self._system: Any
-        self._advance: Callable[..., int]
+        self._brief: Callable[..., int]
         if columns.space and dynamics == "aba":
             raise InputError("dynamics", expected="compiled or rnea for an arm in space", received="'aba'")
         if columns.space:
@@ -81,14 +81,12 @@ class Engine:
             self._loops = _space_loops() if self._compiled else python_loops()
             self._system = columns.system if self._compiled else columns.pinocchio(dynamics)
             self._arrays = self._system if self._compiled else columns.arrays
-            self._advance = partial(self._loops.advance, self._system)
         elif self._compiled:
             self._loops, self._system, self._arrays = loops(), columns.system, columns.system
-            self._advance = partial(self._loops.advance, *columns.system.in_few())
+            self._brief = partial(self._loops.advance, *columns.system.in_few())
         else:
             self._loops = Loops(march.march, march.march_apart, march.advance, rest.rest)
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
-            self._advance = partial(self._loops.advance, self._system)
 
     def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
         """As :func:`hsr_pin.simulation.command.deliver`."""
@@ -121,11 +119,12 @@ class Engine:
         return State(np.array(q), np.array(v), z)
 
     def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
-        """As :func:`hsr_pin.simulation.march.advance`: steps of one cell each, in place."""
+        """As :func:`hsr_pin.simulation.march.advance`, in the plane: angles, rates and memories are one (2 + states, B, N)."""
         if self._compiled:  # there is no time to lose
-            return self._advance(state, impulse, cell, weights, self._limit)
+            return self._brief(state, impulse, cell, weights, self._limit)
         with np.errstate(all="ignore"):
-            return self._advance(state, impulse, cell, weights, self._limit)
+            parts = state[0], state[1], state[2:]
+            return int(self._loops.advance(self._system, *parts, impulse, cell, weights, self._limit))
 
     def run(self, state: State, command: Delivered, samples: int, method: Integrator, found: NDArray[np.bool_]) -> Motion:
         """The motion from a state under a command; columns that are not ``found`` (B,) stay where they are."""

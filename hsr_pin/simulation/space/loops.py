@@ -10,7 +10,6 @@ from hsr_pin.simulation.compiled import Loops, assembled
 from hsr_pin.simulation.march import advance
 from hsr_pin.simulation.space import kernel, rest
 from hsr_pin.simulation.space.system import SpaceSystem
-from hsr_pin.trajectory import Array
 
 _LOCK = threading.RLock()
 
@@ -23,12 +22,7 @@ def space_loops() -> Loops:
 
 @lru_cache(maxsize=1)
 def _loops() -> Loops:
-    return assembled("space", kernel, rest, whole_advance, _arguments())
-
-
-def whole_advance(system: Any, state: Array, impulse: Array, cell: float, weights: Array, limit: Array) -> int:
-    """As :func:`hsr_pin.simulation.march.advance`."""
-    return advance(system, state, impulse, cell, weights, limit)
+    return assembled("space", kernel, rest, advance, _arguments())
 
 
 def _arguments() -> tuple[Any, ...]:
@@ -49,6 +43,6 @@ def _arguments() -> tuple[Any, ...]:
     return (
         nb.void(system, *state, reals(3), number, whole, *steps, *out).args,
         nb.void(system, whole, whole, *state[:2], reals(4, complexes), reals(3), number, whole, *each[0], *each[1]).args,
-        nb.void(system, reals(3), reals(3), number, weights, reals(1)).args,
+        nb.void(system, *state, reals(3), number, weights, reals(1)).args,
         nb.void(system, system, reals(2), flags, reals(2), flags, whole).args,
     )
