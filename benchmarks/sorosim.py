@@ -52,7 +52,7 @@ class Rod:
             links=links,
             keq=keq,
             damping=lag * keq,
-            placement="mid",
+            placement="shifted",
             mount="upright",
             length=self.length,
             mass=self.density * pi * self.radius**2 * self.length,

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.robot.specification import ArmSpecification, mount_frame
+from hsr_pin.robot.specification import ArmSpecification, link_shares, mount_frame
 from hsr_pin.trajectory import Array
 
 #: Acceleration of gravity [m/s^2], Pinocchio's.
@@ -98,9 +98,7 @@ class Chain:
 def chain_of(arms: Arms) -> Chain:
     """The links of uniform cylinders that the URDF holds, and the point mass at the tip."""
     links, element = arms.links, (arms.length / arms.links)[:, None]
-    share = np.ones((1, links))
-    if arms.placement == "mid":
-        share[0, -1] = 0.5  # half a link beyond the last joint; the half before the first does not move
+    share = link_shares(links, arms.placement)[None, 1:]  # what is before the first joint does not move
     reach = share * element
     mass = share * (arms.mass / links)[:, None]
     lever = reach / 2

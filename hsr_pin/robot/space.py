@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from hsr_pin.robot.chain import Arms, chain_of
 from hsr_pin.robot.rotations import rotations, vectors
-from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, mount_frame
+from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array
 
 
@@ -23,9 +23,7 @@ def base_rotations(arms: Arms) -> Array:
 
 def axial_inertia(arms: Arms) -> Array:
     """(B, N) [kg m^2] of the links about their own axes."""
-    share = np.ones(arms.links)
-    if arms.placement == "mid":
-        share[-1] = 0.5
+    share = link_shares(arms.links, arms.placement)[1:]
     return np.asarray(share * (arms.mass / arms.links * (arms.diameter / 2) ** 2 / 2)[:, None])
 
 

@@ -22,7 +22,7 @@ from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
 from hsr_pin.robot.appearance import colour, shape
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, link_shares
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
 if TYPE_CHECKING:
@@ -118,8 +118,8 @@ def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
 
 def _links(spec: ArmSpecification) -> list[_Link]:
     """List them from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
-    mid = spec.placement == "mid"
-    shares = [0.5, *[1.0] * (spec.links - 1), 0.5] if mid else [1.0] * spec.links
+    mid = spec.placement != "base"
+    shares = link_shares(spec.links, spec.placement).tolist()[0 if mid else 1 :]
     links: list[_Link] = []
     for i, share in enumerate(shares):
         number = i if mid else i + 1
