@@ -1,7 +1,7 @@
 """The published solutions of two rods in space, by SoroSim, and the arms that are to meet them.
 
-Half of the set that OpenCR-MuJoCo publishes (ContinuumRoboticsLab/opencr-mujoco, commit 17fff8b, MIT licence); the folder ``shared``
-beside the repository has it, with a description.
+Half of the set that OpenCR-MuJoCo publishes (ContinuumRoboticsLab/opencr-mujoco, commit 17fff8b, MIT licence); the folder
+``shared`` beside the repository has it, with a description.
 """
 
 from __future__ import annotations

@@ -18,7 +18,11 @@ ARM_OPTIONS: dict[str, tuple[str, str, object]] = {
     "links": ("N", "Number N of links.", 4),
     "keq": ("X", "Bending stiffness of the arm [Nm/rad].", 1.11),
     "damping": ("X", "Damping C of the arm [Nm s/rad].", "the paper's for --keq"),
-    "placement": ("WORD", "Joints at the base end (base) or in the middle (mid) of each element, or mid with shifted ends (shifted).", "base"),
+    "placement": (
+        "WORD",
+        "Joints at the base end (base) or in the middle (mid) of each element; shifted: mid, corrected at the ends.",
+        "base",
+    ),
     "mount": ("WORD", "Where the straight arm points: hanging, upright or horizontal.", "hanging"),
     "length": ("X", "Arc length of the backbone [m].", 0.24),
     "mass": ("X", "Mass of the arm [kg].", 0.15),

@@ -6,7 +6,10 @@
 - ``kinematics``: where the points of the backbone are, for many poses at once
 - ``model``: build_model: specification -> pin.Model
 - ``pressure``: PressureMap: pressures, stiffness, bending and torque, Eqs. (1), (4), (5)
+- ``rotations``: rotation vectors of many joints at once
 - ``scatter``: how far the 16 measured rows are from the planes through them
+- ``space``: the base, the bodies and the Pinocchio model of an arm in space
+- ``space_kinematics``: where the points of an arm in space are
 - ``specification``: ArmSpecification: Table I and what the paper leaves open
 - ``urdf``: arm_to_urdf, load_urdf, save_urdf
 - ``xml_tree``: XML with line and column of every element

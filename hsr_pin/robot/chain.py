@@ -63,7 +63,7 @@ class Arms:
         """One of them."""
         numbers = {name: float(values[column]) for name, values in self.numbers().items()}
         same = {name: getattr(self, name) for name in _SAME}
-        return ArmSpecification(**same, **numbers)
+        return ArmSpecification(**same, **numbers)  # type: ignore[arg-type]
 
     def columns(self, members: Any) -> Arms:
         """Some of them (indices or a slice)."""

@@ -85,7 +85,7 @@ def moved(
     wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
     for b, s in enumerate(scenarios):
         if isinstance(s.start, Pose):
-            q[b], v[b] = s.start.angles.ravel(), np.ravel(s.start.rates)
+            q[b], v[b] = s.start.angles.ravel(), np.asarray(s.start.rates).ravel()
         elif s.start.near is not None:
             q[b] = s.start.near.ravel()
     if wanted.any():

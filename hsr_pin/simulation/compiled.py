@@ -118,7 +118,8 @@ def brief_advance(
 ) -> int:  # fmt: skip
     """As :func:`hsr_pin.simulation.march.advance`, for few arrays: at a call from Python, each takes its time.
 
-    ``state`` (2 + states, B, N) are angles, rates and what the laws remember, ``joints`` (11, B, N) are the first fields of :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
+    ``state`` (2 + states, B, N) are angles, rates and what the laws remember; ``joints`` (11, B, N) are the first fields of
+    :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
     """
     j = joints
     arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)

@@ -226,9 +226,7 @@ def march_apart(
         )  # fmt: skip
 
 
-def advance(
-    system: Any, q: Array, v: Array, z: Array, impulse: Array, cell: float, weights: Array, limit: Array
-) -> int:
+def advance(system: Any, q: Array, v: Array, z: Array, impulse: Array, cell: float, weights: Array, limit: Array) -> int:
     """Steps of one cell each, in place: a march to the only sample.
 
     Args:

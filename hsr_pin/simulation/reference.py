@@ -18,7 +18,7 @@ from hsr_pin.simulation import kernel
 from hsr_pin.simulation.kernel import ROWS
 from hsr_pin.trajectory import Array
 
-__all__ = ["ROWS", "add", "alone", "between", "bent", "remember", "remembered", "resist", "substep"]
+__all__ = ["ROWS", "add", "alone", "bent", "between", "remember", "remembered", "resist", "substep"]
 
 
 @dataclass(frozen=True, eq=False)

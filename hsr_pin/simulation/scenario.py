@@ -104,6 +104,8 @@ class Scenario:
             name = "loads" if self.loads else "start"
             hint = 'an arm in space has bending="space"'
             raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
+        if planar := [effect.name for effect in self.effects if space and not effect.in_space]:
+            raise InputError("effects", expected="laws that hold about two axes", received=", ".join(planar))
         for load in self.loads:
             load.wrenches(len(time))
         kinds = [type(effect) for effect in self.effects]

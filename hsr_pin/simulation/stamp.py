@@ -16,7 +16,12 @@ _SOURCES = {
     "loops": tuple(_HERE / f"{name}.py" for name in ("kernel", "march", "rest", "compiled")),
     "space": tuple(
         _HERE / f"{name}.py"
-        for name in ("kernel", "march", "compiled", *(f"space/{each}" for each in ("elements", "kernel", "loops", "rest", "system")))
+        for name in (
+            "kernel",
+            "march",
+            "compiled",
+            *(f"space/{each}" for each in ("elements", "kernel", "loops", "rest", "system")),
+        )
     ),
 }
 

@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.simulation.kernel import add, between, call_law
+from hsr_pin.simulation.kernel import add as add
+from hsr_pin.simulation.kernel import between as between
+from hsr_pin.simulation.kernel import call_law
 from hsr_pin.simulation.space.elements import combined, cross, dot, drift, factors, plus, turned
 from hsr_pin.simulation.space.system import SpaceSystem
 from hsr_pin.trajectory import Array
 
-__all__ = [
-    *("ROWS", "PARTS", "add", "alone", "bends", "bent", "between", "mean_torque", "move", "place", "remember", "resist", "substep"),
-]
-
-#: Rows of the scratch array. For each coordinate: moment and force of the whole chain beyond per its acceleration, 1/D, free torque
-#: and axis; for each joint: direction of its link, angular velocity and drift. The last is the march's own.
+#: Rows of the scratch array. For each coordinate: moment and force of the chain beyond per its acceleration, 1/D, free torque and
+#: axis; for each joint: direction of its link, angular velocity and drift. The last is the march's own.
 ROWS = 15
 #: What the compiler takes from here, in the order of use.
 PARTS = (
@@ -81,7 +79,7 @@ def place(q: Array, v: Array, scratch: Array) -> None:
 def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
     """From tip to base: articulated inertias (J, the rows of H, and M, of which symmetric ones have six numbers) and forces.
 
-    What a link needs for the angular acceleration alpha, and the acceleration a of its joint: the moment J alpha + H a + n and the
+    For the angular acceleration alpha and the acceleration a of its joint, a link needs the moment J alpha + H a + n and the
     force H' alpha + M a + f.
     """
     loads = system.link.shape[1]

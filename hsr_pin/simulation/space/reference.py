@@ -1,14 +1,15 @@
 """What the march asks of arms in space, by Pinocchio's spherical joints: the reference for the compiled loops.
 
-Pinocchio moves a spherical joint by its angular velocity in the body, Jexp3(w) w' of the rotation vector w: forces and inertias are
-brought to the vector's own components, on which springs and dampers act. Bias by the recursive Newton-Euler algorithm, mass matrix
-by CRBA; O(N^3).
+Pinocchio moves a spherical joint by its angular velocity in the body, Jexp3(w) w' of the rotation vector w: forces and inertias
+are brought to the vector's own components, on which springs and dampers act. Bias by the recursive Newton-Euler algorithm, mass
+matrix by CRBA; O(N^3).
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from types import FunctionType
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,14 +18,10 @@ from hsr_pin.effects.effect import columns_of
 from hsr_pin.robot.rotations import vectors
 from hsr_pin.simulation import march, reference
 from hsr_pin.simulation.compiled import Loops
-from hsr_pin.simulation.reference import PinocchioSystem, add, between
+from hsr_pin.simulation.reference import PinocchioSystem
 from hsr_pin.simulation.space import kernel, rest
-from hsr_pin.simulation.space.kernel import ROWS, bends, bent, mean_torque
+from hsr_pin.simulation.space.kernel import bends
 from hsr_pin.trajectory import Array
-
-__all__ = ["python_loops"]
-#: What the loops call.
-_PARTS = ("ROWS", "add", "alone", "between", "bent", "mean_torque", "remember", "resist", "substep")
 
 #: A joint's coordinates from its rotation vector: (3, 3), and the vector from them by the transpose.
 _ORDER = vectors(np.eye(3))
@@ -106,7 +103,8 @@ def alone(system: PinocchioSystem, b: int) -> PinocchioSystem:
 @lru_cache(maxsize=1)
 def python_loops() -> Loops:
     """The march and the search for rest as Python, over Pinocchio."""
-    scope = {name: globals()[name] for name in _PARTS}
+    scope: dict[str, Any] = {name: getattr(kernel, name) for name in ("ROWS", "bent", "mean_torque")}
+    scope |= {"alone": alone, "remember": remember, "resist": resist, "substep": substep}
     for module, names in ((march, ("extrapolate", "march", "march_apart", "advance")), (rest, ("laws_at", "rest"))):
         for name in names:
             function = getattr(module, name)

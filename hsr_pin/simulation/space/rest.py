@@ -1,7 +1,7 @@
-"""Equilibrium in space under a constant torque and constant loads, by a damped Newton method; where that fails, by creeping to rest.
+"""Equilibrium in space under constant torque and loads, by a damped Newton method; where that fails, by creeping to rest.
 
-As :mod:`hsr_pin.simulation.rest`, for Python and for the compiler. Loads that keep their direction make the stiffness unsymmetric,
-and bending about two axes couples: the matrix is full, its columns are differences of the imbalance.
+As :mod:`hsr_pin.simulation.rest`, for Python and for the compiler. Loads that keep their direction make the stiffness
+unsymmetric, and bending about two axes couples: the matrix is full, its columns are differences of the imbalance.
 """
 
 from __future__ import annotations
