@@ -15,7 +15,7 @@ import numpy as np
 
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.space import base_rotations
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.load import Load
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.trajectory import Array, Marker
@@ -36,13 +36,14 @@ class Rod:
     poisson: float
     density: float
 
-    def arm(self, links: int, gravity: Array, lag: float = 0.1) -> ArmSpecification:
+    def arm(self, links: int, gravity: Array, lag: float = 0.1, placement: Placement = "shifted") -> ArmSpecification:
         """The arm with this rod's stiffness, hung so that gravity (3,) [m/s^2] has this direction in its base.
 
         Args:
             links: elements.
             gravity: in the axes of the base.
             lag: damping over stiffness [s].
+            placement: of the joints.
         """
         keq = self.modulus * pi * self.radius**4 / 4 / self.length
         down = gravity / np.linalg.norm(gravity)
@@ -52,7 +53,7 @@ class Rod:
             links=links,
             keq=keq,
             damping=lag * keq,
-            placement="shifted",
+            placement=placement,
             mount="upright",
             length=self.length,
             mass=self.density * pi * self.radius**2 * self.length,
@@ -89,9 +90,9 @@ class Case:
     places: Array
     lag: float = 0.1
 
-    def scenario(self, rod: Rod, links: int) -> Scenario:
+    def scenario(self, rod: Rod, links: int, placement: Placement = "shifted") -> Scenario:
         """As the arm is to do it: held, and released at time zero where the file goes on."""
-        arm = rod.arm(links, self.gravity, self.lag)
+        arm = rod.arm(links, self.gravity, self.lag, placement)
         axes = base_rotations(Arms.of([arm]))[0]
         held = (self.wrenches.reshape(2, 2, 3) @ axes.T).reshape(2, 6)
         released = len(self.time) > 1

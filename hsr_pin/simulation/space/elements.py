@@ -15,6 +15,8 @@ Vector = tuple[float, float, float]
 
 #: Below this square of the angle [rad^2] its functions are sums of so many powers, exact to rounding; beyond it in closed form.
 _NEAR, _TERMS = 4.0, 12
+#: Below this one, half as many do.
+_TINY, _FEW = 0.06, 6
 #: (4, _TERMS) of B, C, dB/dt * 2 and dC/dt * 2, in powers of t.
 _SERIES = np.array(
     [
@@ -45,8 +47,9 @@ def factors(t: float) -> tuple[float, float, float, float]:
     """B, C and twice their derivatives to t, for the square t of an angle."""
     if t < _NEAR:
         b, c, db, dc = 0.0, 0.0, 0.0, 0.0
-        for n in range(_TERMS):
-            k = _TERMS - 1 - n
+        terms = _TERMS if t > _TINY else _FEW
+        for n in range(terms):
+            k = terms - 1 - n
             b, c = b * t + _SERIES[0, k], c * t + _SERIES[1, k]
             db, dc = db * t + _SERIES[2, k], dc * t + _SERIES[3, k]
         return b, c, db, dc

@@ -71,9 +71,12 @@ def place(q: Array, v: Array, scratch: Array) -> None:
             combined(x, y, z, turned(w, straight, a, bb, (0.0, 1.0, 0.0))),
             combined(x, y, z, turned(w, straight, a, bb, (0.0, 0.0, 1.0))),
         )
-        for k in range(3):
-            scratch[8 + k, j], scratch[8 + k, j + 1], scratch[8 + k, j + 2] = towards_x[k], towards_y[k], twist[k]
-            scratch[11, j + k], scratch[12, j + k], scratch[13, j + k] = z[k], omega[k], bias[k]
+        scratch[8, j], scratch[9, j], scratch[10, j] = towards_x
+        scratch[8, j + 1], scratch[9, j + 1], scratch[10, j + 1] = towards_y
+        scratch[8, j + 2], scratch[9, j + 2], scratch[10, j + 2] = twist
+        scratch[11, j], scratch[11, j + 1], scratch[11, j + 2] = z
+        scratch[12, j], scratch[12, j + 1], scratch[12, j + 2] = omega
+        scratch[13, j], scratch[13, j + 1], scratch[13, j + 2] = bias
 
 
 def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
@@ -151,8 +154,8 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
             uf = combined(h0, h1, h2, s)
             free = share * drive - spring * q[j + k] - (damper + d * stiff) * v[j + k] - moment[j + k] - dot(s, n)
             over = 1.0 / (dot(s, un) + d * (drag + d * stiff))
-            for row in range(3):
-                scratch[row, j + k], scratch[3 + row, j + k] = un[row], uf[row]
+            scratch[0, j + k], scratch[1, j + k], scratch[2, j + k] = un
+            scratch[3, j + k], scratch[4, j + k], scratch[5, j + k] = uf
             scratch[6, j + k], scratch[7, j + k] = over, free
             n, f = plus(n, free * over, un), plus(f, free * over, uf)
             j00, j01, j02 = j00 - over * un[0] * un[0], j01 - over * un[0] * un[1], j02 - over * un[0] * un[2]
