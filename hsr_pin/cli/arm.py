@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -29,11 +30,14 @@ ARM_OPTIONS: dict[str, tuple[str, str, object]] = {
     "diameter": ("X", "Outer diameter [m].", 0.04),
     "tip_mass": ("X", "Point mass at the tip [kg].", 0.0),
     "tilt": ("X", "Turn of the base from its mount, towards positive bending [rad].", 0.0),
+    "bending": ("WORD", "In a plane (plane) or about two axes (space).", "plane"),
+    "torsion": ("X", "Stiffness against twisting, in space [Nm/rad]; inf: none, 0: freely.", math.inf),
+    "cross_tilt": ("X", "Turn of the base towards its side, in space [rad].", 0.0),
 }
 
 
 def arm_options(command: Command) -> Command:
-    """Give a command ``--links`` to ``--tilt``; it passes their values, by name and as typed, to :func:`arm_from`."""
+    """Give a command ``--links`` to ``--cross-tilt``; it passes their values, by name and as typed, to :func:`arm_from`."""
     for name, (metavar, text, default) in reversed(ARM_OPTIONS.items()):
         option = f"--{name.replace('_', '-')}"
         command = click.option(option, name, metavar=metavar, help=f"{text}  [default: {default}]")(command)

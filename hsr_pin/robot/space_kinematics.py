@@ -48,6 +48,11 @@ class SpaceMarkerMap:
             found[..., i + 1, :, :] = found[..., i, :, :] @ turns[..., i, :, :]
         return found
 
+    def joints(self, frames: Array, starts: Array) -> Array:
+        """(..., N, 3) [m] of one arm's joints, for :meth:`frames` (..., N + 1, 3, 3) and their arc lengths (N,) [m]."""
+        ways = np.diff(starts, prepend=0.0)[:, None] * frames[..., :-1, :, 2]
+        return np.asarray(ways.cumsum(axis=-2))
+
     def positions(self, joint_angles: Array) -> Array:
         """(..., M, 3) [m] in the world frame, for coordinates (..., 3 N) [rad]; with C > 1 arms (..., C, M, 3)."""
         frames = self.frames(_by_joint(joint_angles))

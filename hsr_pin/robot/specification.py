@@ -174,6 +174,21 @@ def mount_frame(mount: str) -> tuple[Array, Array]:
     return {"hanging": (down, forward), "upright": (-down, forward), "horizontal": (forward, down)}[mount]
 
 
+def in_plane(arm: ArmSpecification, what: str) -> ArmSpecification:
+    """The arm itself, for what knows nothing of space.
+
+    Args:
+        arm: any.
+        what: that is done with it, for the message.
+
+    Raises:
+        SpecificationError: it bends in space.
+    """
+    if arm.bending == "space":
+        raise SpecificationError("bending", expected=f"plane for {what}", received="space")
+    return arm
+
+
 def default_damping(keq: float) -> float:
     """C [Nm s/rad] for a stiffness the paper does not tabulate: the line through its two values (0.05 at 1.11, 0.1 at 2.33)."""
     return 0.05 + (keq - 1.11) * (0.1 - 0.05) / (2.33 - 1.11)

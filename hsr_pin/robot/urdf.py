@@ -4,6 +4,10 @@ The straight arm lies along +z of the frame ``base``; every joint turns about +y
 of ``base``. Mounts: upright, ``base`` is the world frame; hanging, it is turned by pi about x (still bends towards world +x);
 horizontal, by pi/2 about y (bends towards world -z). ``tilt`` is one more turn about y.
 
+An arm that bends in space has two hinges in each place, towards +x and then towards +y, and where it twists a third about z, with
+links of no length between them, which carry a millionth of the link's mass (some readers accept none without). That is what other
+readers can have: hinges one after the other are not the rotation vector of the arm in ``<hsr>``, and come near it as 1/N only.
+
 Springs and dampers, and the arm's own numbers, travel in ``<hsr>`` under ``<robot>``: other readers ignore it.
 There is no collision geometry: thick short links of a bent arm would touch each other, which the real arm does not.
 """
@@ -22,16 +26,34 @@ from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
 from hsr_pin.robot.appearance import colour, shape
+from hsr_pin.robot.chain import Arms
+from hsr_pin.robot.space import base_rotations
 from hsr_pin.robot.specification import ArmSpecification, link_shares
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
-#: Version of the extension element; a change of what its attributes mean raises it.
-VERSION = 1
+#: Version of the extension element for arms in the plane, and in space; a change of what its attributes mean raises it.
+VERSIONS = {"plane": 1, "space": 2}
+#: Mass of a link of no length, over that of the link beyond it.
+SLIGHT = 1e-6
 
 _FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification))
+#: What only arms in space tell, and what is text.
+_OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
+
+
+@dataclass(frozen=True)
+class _Hinge:
+    """A revolute joint between two links; ``slight``: the second has no length and hardly any mass."""
+
+    name: str
+    parent: str
+    child: str
+    start: float  # [m] along the parent
+    axis: str
+    slight: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,6 +79,18 @@ class _Link:
         """About the link's own axis [kg m^2]."""
         return self.mass * self.radius**2 / 2
 
+    def hinges(self, spec: ArmSpecification) -> list[_Hinge]:
+        """What it hangs on."""
+        if spec.bending == "plane":
+            return [_Hinge(self.joint, self.parent, self.name, self.start, "0 1 0")]
+        turns = [("x", "0 1 0"), ("y", "-1 0 0"), *([("twist", "0 0 1")] if spec.torsion < math.inf else [])]
+        children = [*(f"{self.name}_{turn}" for turn, _ in turns[:-1]), self.name]
+        parents = [self.parent, *children[:-1]]
+        return [
+            _Hinge(f"{self.joint}_{turn}", parent, child, 0.0 if k else self.start, axis, child != self.name)
+            for k, ((turn, axis), parent, child) in enumerate(zip(turns, parents, children, strict=True))
+        ]
+
 
 def arm_to_urdf(spec: ArmSpecification) -> str:
     """Write the arm as URDF text, every number so that reading it gives back the same float."""
@@ -65,12 +99,14 @@ def arm_to_urdf(spec: ArmSpecification) -> str:
     links = _links(spec)
     middle = (spec.links + 1) // 2 - 1 if spec.placement == "base" else spec.links // 2
     return _template().render(
-        version=VERSION,
-        arm=dataclasses.asdict(spec),
+        version=VERSIONS[spec.bending],
+        arm={name: value for name, value in plain.items() if spec.bending == "space" or name not in _OF_SPACE},
+        slight=SLIGHT,
         joint_stiffness=spec.joint_stiffness,
         joint_damping=spec.joint_damping,
         base_rpy=_base_rpy(spec),
         links=links,
+        spec=spec,
         middle={"parent": links[middle].name, "z": spec.length / 2 - sum(link.length for link in links[:middle])},
         shape=shape(spec),
     )
@@ -140,6 +176,9 @@ def _links(spec: ArmSpecification) -> list[_Link]:
 
 def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
     """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
+    if spec.bending == "space":
+        x, y, z = base_rotations(Arms.of([spec]))[0].T
+        return math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
     roll = math.pi if spec.mount == "hanging" else 0.0
     pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
     return roll, pitch, 0.0
@@ -170,15 +209,16 @@ def _read_extension(tree: XmlTree) -> ArmSpecification:
         received = "none" if not found else len(found)
         tree.fail("not a URDF of hsr_pin", expected="one <hsr> element under <robot>", received=received, hint=make)
     element = found[0]
-    if element.get("version") != str(VERSION):
-        hint = "read it with the hsr_pin that wrote it"
-        tree.fail("<hsr>", element, expected=f'version="{VERSION}"', received=repr(element.get("version")), hint=hint)
+    kind = next((bends for bends, version in VERSIONS.items() if element.get("version") == str(version)), None)
+    if kind is None:
+        hint, known = "read it with the hsr_pin that wrote it", " or ".join(f'version="{v}"' for v in VERSIONS.values())
+        tree.fail("<hsr>", element, expected=known, received=repr(element.get("version")), hint=hint)
     values: dict[str, Any] = {}
-    for name in _FIELDS:
+    for name in (name for name in _FIELDS if kind == "space" or name not in _OF_SPACE):
         text = element.get(name)
         if text is None:
             tree.fail("<hsr>", element, expected=f"an attribute {name}", received="none", hint=make)
-        values[name] = text if name in ("placement", "mount") else _number(text, int if name == "links" else float)
+        values[name] = text if name in _WORDS else _number(text, int if name == "links" else float)
     try:
         return ArmSpecification(**values)
     except SpecificationError as error:

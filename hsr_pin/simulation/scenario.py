@@ -152,12 +152,20 @@ def step_scenario(
 ) -> Scenario:
     """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4.
 
+    For an arm in space the torque is towards x, or (2,).
+
     Raises:
         InputError: a torque that is no number, or a duration or a step [s] that no run can have.
     """
-    torque, rest = finite("torque", torque), finite("rest", rest)
+    if space := arm.bending == "space":
+        torque = [finite("torque", part) for part in (*np.atleast_1d(torque), 0.0)[:2]]
+    else:
+        torque = finite("torque", torque)
+    rest = finite("rest", rest)
     if not (0 < finite("step", step) <= finite("duration", duration) <= LONGEST and duration / step <= MOST_SAMPLES):
         expected = f"a step above 0, at most {MOST_SAMPLES:g} of them, and at most {LONGEST:g} s"
         raise InputError("duration", expected=expected, received=f"{duration:g} s in steps of {step:g} s")
     time = np.arange(round(duration / step) + 1) * step
-    return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, torque), Settled(0.0), **more)  # type: ignore[arg-type]
+    resting = time < rest - step / 2
+    held = np.where(resting[:, None] if space else resting, 0.0, torque)
+    return Scenario(arm, time, held, Settled(0.0), **more)  # type: ignore[arg-type]

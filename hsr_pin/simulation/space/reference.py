@@ -20,9 +20,13 @@ from hsr_pin.simulation import march, reference
 from hsr_pin.simulation.compiled import Loops
 from hsr_pin.simulation.reference import PinocchioSystem
 from hsr_pin.simulation.space import kernel, rest
+from hsr_pin.simulation.space.elements import drift as drift_of
+from hsr_pin.simulation.space.elements import factors
 from hsr_pin.simulation.space.kernel import bends
 from hsr_pin.trajectory import Array
 
+#: Near the straight pose [rad] Pinocchio's second derivative of the logarithm loses its digits, and at it has none.
+_CLEAR = 0.1
 #: A joint's coordinates from its rotation vector: (3, 3), and the vector from them by the transpose.
 _ORDER = vectors(np.eye(3))
 
@@ -47,7 +51,7 @@ def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Ar
     for i, (turn, j) in enumerate(zip(turns, to_body, strict=True)):
         own = slice(3 * i, 3 * i + 3)
         blocks[own, own] = j @ _ORDER.T
-        drift[own] = -j @ pin.Hlog3(turn, omega[own]) @ omega[own]
+        drift[own] = _drift(turn, w[i], w_rate[i], omega[own])
     pin.forwardKinematics(model, data, whole)
     bias = pin.rnea(model, data, whole, omega, drift, _forces(system, b, torque))
     upper = np.triu(pin.crba(model, data, whole))
@@ -65,6 +69,14 @@ def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Ar
     out = np.zeros(len(q))
     out[moves] = np.linalg.solve(left[np.ix_(moves, moves)], right[moves])
     return out
+
+
+def _drift(turn: Array, w: Array, rate: Array, omega: Array) -> Array:
+    """(3,) [rad/s^2] in the body, where the rotation vector changes at an even rate; by Pinocchio where it has all digits."""
+    if w @ w > _CLEAR**2:
+        return np.asarray(-pin.Jexp3(w) @ pin.Hlog3(turn, omega) @ omega)
+    _, c, db, dc = factors(float(w @ w))
+    return np.asarray(turn.T @ drift_of(tuple(w), tuple(rate), db, c, dc))
 
 
 def _forces(system: PinocchioSystem, b: int, torque: Array) -> pin.StdVec_Force:
