@@ -67,7 +67,7 @@ def address(effect: Effect, hook: str, *, space: bool = False) -> int:
 
 
 @cache
-def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...], space: bool = False) -> Any:
+def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...], space: bool) -> Any:
     from numba import cfunc, njit
     from numba import types as nb
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+import scipy.linalg
 
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
@@ -79,3 +80,18 @@ def test_links_fill_the_arm_from_joint_to_joint(links, placement):
     shares, joints = link_shares(links, placement), joint_arc_lengths(links, placement)
     np.testing.assert_allclose(shares.cumsum()[:-1] / links, joints, atol=1e-15)
     assert shares.sum() == pytest.approx(links)
+
+
+@pytest.mark.parametrize(("placement", "order"), [("mid", 2), ("shifted", 3)])
+def test_the_first_frequency_converges_to_a_cantilevers(placement, order):
+    """3.516 sqrt(EI / (mu L^4)) of a thin beam, with EI = Keq L."""
+    errors = []
+    for links in (10, 20):
+        arm = ArmSpecification(links, placement=placement, diameter=1e-4, bending="space")
+        model = space_model(arm)
+        upper = np.triu(pin.crba(model, model.createData(), np.tile([0.0, 0.0, 0.0, 1.0], links)))
+        across = (upper + np.triu(upper, 1).T)[0::3, 0::3]
+        slowest = np.sqrt(scipy.linalg.eigh(links * arm.keq * np.eye(links), across, eigvals_only=True)[0])
+        errors.append(slowest / (3.5160152685 * np.sqrt(arm.keq / (arm.mass * arm.length**2))) - 1)
+    assert errors[0] > errors[1] > 0
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
