@@ -60,7 +60,7 @@ class Trajectory:
         markers: (M,) the tracked points, in the order of ``positions``.
         positions: (T, M, 3) [m] in the world frame; NaN where a marker was not seen.
         torque: (T,) [N m] the commanded torque, held from each sample to the next, in space (T, 2) towards x and towards y of the
-            base; None without this input.
+            base, or (T, 2 S) for S sections; None without this input.
         pressures: (T, 2) [bar] the commanded pressures P1, P2; None without this input.
         joint_angles: (T, N) [rad], simulated motion only; in space (T, N, 3), towards x, towards y and twist.
         joint_rates: as these, [rad/s].
@@ -83,7 +83,7 @@ class Trajectory:
         shapes = {
             "time": (samples,),
             "positions": (samples, len(self.markers), 3),
-            "torque": (samples, 2) if self.torque is not None and self.torque.ndim == 2 else (samples,),
+            "torque": (samples,) if self.torque is None or self.torque.ndim == 1 else (samples, self.torque.shape[1]),
             "pressures": (samples, 2),
         }
         for name, shape in shapes.items():

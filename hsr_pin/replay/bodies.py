@@ -41,7 +41,7 @@ class Body:
 
 def bodies(arm: ArmSpecification) -> list[Body]:
     """All visuals of an arm; one in space looks as its straight self in the plane does."""
-    arm = replace(arm, bending="plane", torsion=math.inf, cross_tilt=0.0)
+    arm = replace(arm, bending="plane", torsion=math.inf, cross_tilt=0.0, sections=())
     model = build_model(arm).model
     visuals = pin.buildGeomFromUrdfString(model, arm_to_urdf(arm), pin.GeometryType.VISUAL)
     found = []

@@ -8,6 +8,7 @@
 - ``pressure``: PressureMap: pressures, stiffness, bending and torque, Eqs. (1), (4), (5)
 - ``rotations``: rotation vectors of many joints at once
 - ``scatter``: how far the 16 measured rows are from the planes through them
+- ``sections``: stretches of an arm with inputs of their own
 - ``space``: the base, the bodies and the Pinocchio model of an arm in space
 - ``space_kinematics``: where the points of an arm in space are
 - ``specification``: ArmSpecification: Table I and what the paper leaves open

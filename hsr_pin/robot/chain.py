@@ -12,12 +12,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.robot.specification import ArmSpecification, link_shares, mount_frame
+from hsr_pin.robot.sections import Section, bodies_of
+from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array
 
 #: Acceleration of gravity [m/s^2], Pinocchio's.
 GRAVITY = 9.81
-_SAME = ("links", "placement", "mount", "bending")
+_SAME = ("links", "placement", "mount", "bending", "sections")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,7 @@ class Arms:
     torsion: Array
     cross_tilt: Array
     bending: str = "plane"
+    sections: tuple[Section, ...] = ()
 
     #: Names of those that differ.
     NUMBERS: ClassVar[tuple[str, ...]] = (
@@ -50,7 +52,7 @@ class Arms:
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
-        return cls(first.links, first.placement, first.mount, **numbers, bending=first.bending)
+        return cls(first.links, first.placement, first.mount, bending=first.bending, sections=first.sections, **numbers)
 
     def __len__(self) -> int:
         return len(self.keq)
@@ -85,6 +87,7 @@ class Chain:
         lever: [m] from a link's joint to its centre of mass.
         inertia: [kg m^2] about the centre of mass.
         reach: [m] from a link's joint to the next one, or to the tip.
+        axial: [kg m^2] about the link's own axis.
         gravity: (B, 2) [m/s^2] along the straight arm, and across it towards positive bending.
     """
 
@@ -92,6 +95,7 @@ class Chain:
     lever: Array
     inertia: Array
     reach: Array
+    axial: Array
     gravity: Array
 
 
@@ -102,11 +106,18 @@ def chain_of(arms: Arms) -> Chain:
     reach = share * element
     mass = share * (arms.mass / links)[:, None]
     lever = reach / 2
-    inertia = mass * (3 * (arms.diameter / 2)[:, None] ** 2 + reach**2) / 12
+    radius = (arms.diameter / 2)[:, None]
+    inertia = mass * (3 * radius**2 + reach**2) / 12
+    if arms.sections:
+        joints = joint_arc_lengths(links, arms.placement)
+        part, centre, gyration = bodies_of(arms.sections, joints, np.append(joints[1:], 1.0))
+        mass, lever = part * arms.mass[:, None], centre * arms.length[:, None]
+        inertia = mass * (radius**2 / 4 + (gyration * arms.length[:, None]) ** 2)
+    axial = mass * radius**2 / 2
     tip = np.zeros_like(mass)
     tip[:, -1] = arms.tip_mass
     together = mass + tip
     centre = (mass * lever + tip * reach) / together
     inertia = inertia + mass * (lever - centre) ** 2 + tip * (reach - centre) ** 2
     along, across = arms.frame()
-    return Chain(together, centre, inertia, reach, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))
+    return Chain(together, centre, inertia, reach, axial, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))

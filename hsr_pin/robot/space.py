@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from hsr_pin.robot.chain import Arms, chain_of
 from hsr_pin.robot.rotations import rotations, vectors
-from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
+from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, mount_frame
 from hsr_pin.trajectory import Array
 
 
@@ -21,17 +21,11 @@ def base_rotations(arms: Arms) -> Array:
     return np.asarray(mounted @ turned)
 
 
-def axial_inertia(arms: Arms) -> Array:
-    """(B, N) [kg m^2] of the links about their own axes."""
-    share = link_shares(arms.links, arms.placement)[1:]
-    return np.asarray(share * (arms.mass / arms.links * (arms.diameter / 2) ** 2 / 2)[:, None])
-
-
 @lru_cache(maxsize=256)
 def space_model(specification: ArmSpecification) -> pin.Model:
     """The moving links of an arm in space; gravity along -z of the world. Copy it before changing it."""
     arms = Arms.of([specification])
-    chain, axial = chain_of(arms), axial_inertia(arms)[0]
+    chain = chain_of(arms)
     starts = np.diff(joint_arc_lengths(arms.links, arms.placement) * specification.length, prepend=0.0)
     model, parent = pin.Model(), 0
     place = pin.SE3(base_rotations(arms)[0], np.zeros(3))
@@ -39,7 +33,7 @@ def space_model(specification: ArmSpecification) -> pin.Model:
         along = pin.SE3(np.eye(3), np.array([0.0, 0.0, starts[i]]))
         parent = model.addJoint(parent, pin.JointModelSpherical(), place * along, f"joint_{i + 1}")
         across = chain.inertia[0, i]
-        inertia = np.diag([across, across, axial[i]])
+        inertia = np.diag([across, across, chain.axial[0, i]])
         body = pin.Inertia(chain.mass[0, i], np.array([0.0, 0.0, chain.lever[0, i]]), inertia)
         model.appendBodyToJoint(parent, body, pin.SE3.Identity())
         place = pin.SE3.Identity()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from hsr_pin.errors import SpecificationError, quoted
+from hsr_pin.robot.sections import Section, whole
 from hsr_pin.trajectory import Array, Dataset, Trial
 
 Placement = Literal["base", "mid", "shifted"]
@@ -59,6 +61,8 @@ class ArmSpecification:
         torsion: stiffness against twisting of the whole arm [Nm/rad]; infinite: it does not twist; 0: it does so freely. In space
             alone. Its damping is C torsion / Keq: the time constant of bending.
         cross_tilt: turn of the base towards the side to which the arm bends in space only [rad]; with ``tilt`` a rotation vector.
+        sections: that the arm is made of, in space, from the base on; none: a uniform one. They say how its numbers are spread:
+            the arm's own are those of all together (see :meth:`in_sections`), and to change one changes all sections alike.
     """
 
     links: int = 4
@@ -75,6 +79,7 @@ class ArmSpecification:
     bending: Bends = "plane"
     torsion: float = math.inf
     cross_tilt: float = 0.0
+    sections: tuple[Section, ...] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.links, bool) or not isinstance(self.links, (int, np.integer)) or not 1 <= self.links <= MAX_LINKS:
@@ -90,6 +95,11 @@ class ArmSpecification:
             if not isinstance(word, str) or word not in choices:
                 raise SpecificationError(name, expected=" or ".join(choices), received=quoted(word))
         self._check_torsion()
+        if self.sections and self.bending == "plane":
+            hint = 'an arm in space has bending="space"'
+            raise SpecificationError(
+                "sections", expected="none where the arm bends in a plane", received=len(self.sections), hint=hint
+            )
 
     def _check_torsion(self) -> None:
         stiff = isinstance(self.torsion, float) and self.torsion == math.inf
@@ -116,6 +126,11 @@ class ArmSpecification:
             tip_mass=trial.tip_mass,
         )
         return replace(declared, **changes)
+
+    @classmethod
+    def in_sections(cls, sections: Sequence[Section], **more: Any) -> ArmSpecification:
+        """The arm in space that sections make, base first; ``more`` are its other numbers."""
+        return cls(**{"bending": "space", **whole(sections), "sections": tuple(sections), **more})
 
     @property
     def coordinates(self) -> int:

@@ -39,7 +39,7 @@ VERSIONS = {"plane": 1, "space": 2}
 #: Mass of a link of no length, over that of the link beyond it.
 SLIGHT = 1e-6
 
-_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification))
+_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if field.name != "sections")
 #: What only arms in space tell, and what is text.
 _OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
 
@@ -93,7 +93,13 @@ class _Link:
 
 
 def arm_to_urdf(spec: ArmSpecification) -> str:
-    """Write the arm as URDF text, every number so that reading it gives back the same float."""
+    """Write the arm as URDF text, every number so that reading it gives back the same float.
+
+    Raises:
+        SpecificationError: it has sections, of which a URDF of ours knows nothing.
+    """
+    if spec.sections:
+        raise SpecificationError("sections", expected="none for a URDF", received=len(spec.sections))
     plain: dict[str, Any] = {name: _plain(getattr(spec, name)) for name in _FIELDS}
     spec = ArmSpecification(**plain)
     links = _links(spec)

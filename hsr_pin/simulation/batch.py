@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -73,14 +74,14 @@ def moved(
 ) -> Motion:
     """The motions of scenarios with the same times, all with the steps of the first, or (``apart``) each with its own."""
     first, engine = scenarios[0], Engine(columns, dynamics)
-    start = np.array([s.start.torque if isinstance(s.start, Settled) else s.command[0] for s in scenarios])
-    torque = np.array([s.command for s in scenarios]).T
-    substeps = method.substeps(first.step)
-    command = engine.deliver(torque, start, first.step, interpolated=first.interpolated, substeps=substeps)
+    deliver = partial(engine.deliver, step=first.step, interpolated=first.interpolated, substeps=method.substeps(first.step))
     if columns.space:
-        from hsr_pin.simulation.space.drive import with_loads
+        from hsr_pin.simulation.space.drive import delivered
 
-        command = with_loads(columns, scenarios, command)
+        command = delivered(columns, scenarios, deliver)
+    else:
+        start = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in scenarios])
+        command = deliver(np.array([s.torque for s in scenarios]).T, start)
     q, v = np.zeros((2, len(columns), columns.coordinates))
     wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
     for b, s in enumerate(scenarios):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hsr_pin.effects.effect import Effect, columns_of, stack
 from hsr_pin.robot.chain import Arms, chain_of
 from hsr_pin.robot.model import build_model, rigid_body
+from hsr_pin.robot.sections import along_sections
 from hsr_pin.robot.space import space_model
 from hsr_pin.simulation.integrator import HARDLY_DAMPED
 from hsr_pin.simulation.kernel import System
@@ -108,10 +109,11 @@ class Columns:
     def arrays(self) -> Any:
         """Everything but the machine code of the laws (whose rows are empty)."""
         arms, links = self.arms, self.links
-        profile = along(self.effects, "stiffness", links, len(self))
+        sections = along_sections(arms.sections, links) if arms.sections else (1.0, 1.0)
+        profile = along(self.effects, "stiffness", links, len(self)) * sections[0]
         keq, damping = arms.keq[:, None], arms.damping[:, None]
         spring = links * keq * profile
-        damper = links * damping * along(self.effects, "damping", links, len(self))
+        damper = links * damping * along(self.effects, "damping", links, len(self)) * sections[1]
         stiff, drag = spring.copy(), damper.copy()
         for effect in self.effects:
             stiffness, resistance = effect.tangent(arms.keq)
@@ -168,7 +170,7 @@ def likeness(scenario: Scenario) -> object:
     """What must be the same in scenarios whose arms are to stand side by side."""
     arm = scenario.arm
     kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
-    return arm.links, arm.placement, arm.mount, arm.bending, kinds, len(scenario.markers), len(scenario.loads)
+    return arm.links, arm.placement, arm.mount, arm.bending, arm.sections, kinds, len(scenario.markers), len(scenario.loads)
 
 
 def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> Array:

@@ -63,7 +63,7 @@ def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> 
     """
     torque = finite("torque", torque, "a finite number [N m]")
     scenario = step_scenario(arm, torque, rest=REST, duration=checked_duration(duration))
-    return Drive(scenario.time, scenario.command.real)
+    return Drive(scenario.time, scenario.command.real.reshape(len(scenario.time), -1)[:, 0])
 
 
 def pressure_step(arm: ArmSpecification, pressures: ArrayLike, duration: float = 3.0) -> Drive:

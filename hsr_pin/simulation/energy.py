@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,13 +66,12 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     columns = Columns.of([scenario])
     q, v = motion.joint_angles, motion.joint_rates
     assert q is not None and v is not None  # of a simulation
-    start = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.command[0]
-    arriving = deliver(columns, scenario.command[:, None], np.array([start]), scenario.step).impulse[0]
     least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
+    if columns.space:
+        return _in_space(scenario, columns, q, v, least)
+    start: Any = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
     with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears
-        given = np.diff(arriving)[: len(q) - 1]
-        if columns.space:
-            return _in_space(scenario, columns, q, v, given, least)
+        given = _arriving(columns, scenario, scenario.torque, start)[: len(q) - 1]
         brought = given * (np.diff(q, axis=0) @ columns.arrays.share[0])
     arrays, chain = columns.arrays, chain_of(columns.arms)
     theta, omega = q.cumsum(axis=1), v.cumsum(axis=1)
@@ -84,14 +84,23 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     return Energy(kinetic, springs - height, np.append(0.0, brought.cumsum()), least)
 
 
-def _in_space(scenario: Scenario, columns: Columns, q: Array, v: Array, given: Array, least: float) -> Energy:
+def _arriving(columns: Columns, scenario: Scenario, torque: Array, start: complex) -> Array:
+    """(T - 1,) [N m] the mean of what arrives between the samples."""
+    return np.asarray(np.diff(deliver(columns, torque[:, None], np.array([start]), scenario.step).impulse[0]))
+
+
+def _in_space(scenario: Scenario, columns: Columns, q: Array, v: Array, least: float) -> Energy:
     from hsr_pin.simulation.space.account import kinetic_and_height, twisting, work_of_loads
 
     bends = q[:, :, 0] + 1j * q[:, :, 1]
     kinetic, height = kinetic_and_height(columns, q, v)
     springs = (columns.arrays.spring * np.abs(bends) ** 2).sum(axis=1) / 2 + twisting(columns, q)
     springs = springs + sum(_stored(columns, law, bends) for law in columns.laws)
-    brought = (given.conj() * (np.diff(bends, axis=0) @ columns.arrays.share[0])).real + work_of_loads(scenario, columns, q)
+    ways = (np.diff(bends, axis=0) * columns.arrays.share[0]) @ columns.arrays.inputs
+    brought = work_of_loads(scenario, columns, q)
+    for section, start in enumerate(scenario.held_under):
+        given = _arriving(columns, scenario, scenario.command[:, section], start)[: len(q) - 1]
+        brought = brought + (given.conj() * ways[:, section]).real
     return Energy(kinetic, springs + height, np.append(0.0, brought.cumsum()), least)
 
 

@@ -24,17 +24,20 @@ MOST_SAMPLES = 10_000_000
 class Settled:
     """Start at rest, in equilibrium under a constant torque [N m]; in space a complex number, towards x and towards y.
 
+    An arm of S sections takes (S,) of them, or one for all.
+
     An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad], in space (N, 3) (default:
     straight).
     """
 
-    torque: complex = 0.0
+    torque: complex | tuple[complex, ...] = 0.0
     near: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "near", read_only(self.near))
-        for part in (self.torque.real, self.torque.imag) if isinstance(self.torque, complex) else (self.torque,):
-            finite("start", part, "a finite torque [N m]")
+        for each in self.torque if isinstance(self.torque, tuple) else (self.torque,):
+            for part in (each.real, each.imag) if isinstance(each, complex) else (each,):
+                finite("start", part, "a finite torque [N m]")
         if self.near is not None and not np.all(np.isfinite(self.near)):
             raise InputError("start", expected="finite angles [rad]", received=quoted(self.near))
 
@@ -65,7 +68,8 @@ class Scenario:
     Attributes:
         arm: the nominal arm.
         time: (T,) [s] evenly spaced; the result is given at these times.
-        torque: (T,) [N m] the command at these times; in space (T, 2), towards x and towards y of the base.
+        torque: (T,) [N m] the command at these times; in space (T, 2), towards x and towards y of the base, and for an arm of S
+            sections (T, 2 S), two for each.
         start: settled under a torque, or a pose.
         effects: what acts beside the nominal model, at most one of a kind.
         markers: the points to follow; default: base, middle and tip.
@@ -97,10 +101,14 @@ class Scenario:
                 "time", expected="increasing, evenly spaced", received=f"steps from {steps.min():g} to {steps.max():g} s"
             )
         space = self.arm.bending == "space"
-        if torque.shape != ((*time.shape, 2) if space else time.shape) or not np.all(np.isfinite(torque)):
-            expected = f"{len(time)} finite values [N m]" + (" towards x and towards y" if space else "")
+        parts = max(1, len(self.arm.sections))
+        if torque.shape != ((*time.shape, 2 * parts) if space else time.shape) or not np.all(np.isfinite(torque)):
+            each = f" for each of {parts} sections" if parts > 1 else ""
+            expected = f"{len(time)} finite values [N m]" + (f" towards x and towards y{each}" if space else "")
             raise InputError("torque", expected=expected, received=f"shape {torque.shape}")
-        if not space and (self.loads or (isinstance(self.start, Settled) and isinstance(self.start.torque, complex))):
+        if isinstance(self.start, Settled) and isinstance(self.start.torque, tuple) and len(self.start.torque) != parts:
+            raise InputError("start", expected=f"one torque, or {parts}", received=str(len(self.start.torque)))
+        if not space and (self.loads or (isinstance(self.start, Settled) and isinstance(self.start.torque, complex | tuple))):
             name = "loads" if self.loads else "start"
             hint = 'an arm in space has bending="space"'
             raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
@@ -133,8 +141,14 @@ class Scenario:
 
     @property
     def command(self) -> Array:
-        """(T,) [N m] the torque; in space complex, towards x and towards y."""
-        return np.asarray(self.torque[:, 0] + 1j * self.torque[:, 1] if self.torque.ndim == 2 else self.torque)
+        """(T,) [N m] the torque; in space (T, S) complex, towards x and towards y."""
+        return np.asarray(self.torque[:, 0::2] + 1j * self.torque[:, 1::2] if self.torque.ndim == 2 else self.torque)
+
+    @property
+    def held_under(self) -> Array:
+        """(S,) [N m] in space, complex: the torque before the first sample."""
+        before = self.start.torque if isinstance(self.start, Settled) else self.command[0]
+        return np.array(np.broadcast_to(before, self.command.shape[1]), dtype=complex)
 
     @property
     def step(self) -> float:
@@ -152,13 +166,14 @@ def step_scenario(
 ) -> Scenario:
     """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4.
 
-    For an arm in space the torque is towards x, or (2,).
+    For an arm in space the torque is towards x, or (2,); the same for all sections, or (2 S,).
 
     Raises:
         InputError: a torque that is no number, or a duration or a step [s] that no run can have.
     """
     if space := arm.bending == "space":
-        torque = [finite("torque", part) for part in (*np.atleast_1d(torque), 0.0)[:2]]
+        parts = [finite("torque", part) for part in (*np.atleast_1d(torque), 0.0)]
+        torque = np.tile(parts[:2], max(1, len(arm.sections))) if len(parts) < 4 else parts[:-1]
     else:
         torque = finite("torque", torque)
     rest = finite("rest", rest)

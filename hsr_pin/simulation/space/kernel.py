@@ -1,7 +1,7 @@
 """The inner loops in space, for the compiler: one substep of a chain of spherical joints, and what the march does with arrays.
 
-As :mod:`hsr_pin.simulation.kernel`. What drives an arm is a row of U = 2 + 6 K numbers: the torque towards x and towards y, then
-force and moment of each load.
+As :mod:`hsr_pin.simulation.kernel`. What drives an arm is a row of U = 2 S + 6 K numbers: for each section the torque towards x
+and towards y, then force and moment of each load.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
     For the angular acceleration alpha and the acceleration a of its joint, a link needs the moment J alpha + H a + n and the
     force H' alpha + M a + f.
     """
-    loads = system.link.shape[1]
+    loads, sections = system.link.shape[1], system.inputs.shape[1]
     none = (0.0, 0.0, 0.0)
     h0, h1, h2, n, f = none, none, none, none, none
     j00, j01, j02, j11, j12, j22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -128,7 +128,7 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
         n = plus(plus(n, more * dot(axis, omega), cross(omega, axis)), -arm, cross(axis, g))
         for k in range(loads):
             if system.link[b, k] == i:
-                u = 2 + 6 * k
+                u = 2 * sections + 6 * k
                 force, turn = (torque[u], torque[u + 1], torque[u + 2]), (torque[u + 3], torque[u + 4], torque[u + 5])
                 f = plus(f, -1.0, force)
                 n = plus(plus(n, -1.0, turn), -system.place[b, k], cross(axis, force))
@@ -148,7 +148,8 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
                 spring, damper, share = system.twist[b, i], system.twist_damper[b, i], 0.0
                 stiff, drag = spring, damper
             else:
-                drive = torque[k]
+                for part in range(sections):
+                    drive += system.inputs[i, part] * torque[2 * part + k]
             s = (scratch[8, j + k], scratch[9, j + k], scratch[10, j + k])
             un = combined((j00, j01, j02), (j01, j11, j12), (j02, j12, j22), s)
             uf = combined(h0, h1, h2, s)
@@ -210,7 +211,7 @@ def alone(system: Any, b: int) -> Any:
     return SpaceSystem(
         s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.axial[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
         s.drag[b:e], s.share[b:e], s.profile[b:e], s.twist[b:e], s.twist_damper[b:e], s.gravity[b:e], s.keq[b:e], s.laws,
-        np.ascontiguousarray(s.numbers[:, :, b:e]), s.link[b:e], s.place[b:e],
+        np.ascontiguousarray(s.numbers[:, :, b:e]), s.link[b:e], s.place[b:e], s.inputs,
     )  # fmt: skip
 
 

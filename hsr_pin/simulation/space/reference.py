@@ -63,7 +63,8 @@ def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Ar
     moves = np.isfinite(joints(a.spring, a.twist))
     spring, damper = (np.where(moves, each, 0.0) for each in (joints(a.spring, a.twist), joints(a.damper, a.twist_damper)))
     stiff, drag = (np.where(moves, each, 0.0) for each in (joints(a.stiff, a.twist), joints(a.drag, a.twist_damper)))
-    drive = np.outer(a.share[b], [torque[0], torque[1], 0.0]).ravel()
+    parts = torque[: 2 * a.inputs.shape[1]].reshape(-1, 2)
+    drive = (a.share[b][:, None] * (a.inputs @ np.column_stack([parts, np.zeros(len(parts))]))).ravel()
     right = drive - spring * q - (damper + d * stiff) * v - moment - blocks.T @ bias
     left = blocks.T @ inertia @ blocks + np.diag(d * (drag + d * stiff))
     out = np.zeros(len(q))
@@ -85,9 +86,10 @@ def _forces(system: PinocchioSystem, b: int, torque: Array) -> pin.StdVec_Force:
     found = pin.StdVec_Force()
     found.extend([pin.Force.Zero() for _ in range(model.njoints)])
     base = model.jointPlacements[1].rotation
+    wrenches = torque[2 * a.inputs.shape[1] :].reshape(-1, 2, 3)
     for k, link in enumerate(a.link[b].tolist()):
         if link >= 0:
-            force, turn = (data.oMi[link + 1].rotation.T @ base @ part for part in torque[2 + 6 * k : 8 + 6 * k].reshape(2, 3))
+            force, turn = (data.oMi[link + 1].rotation.T @ base @ part for part in wrenches[k])
             found[link + 1] += pin.Force(force, turn + a.place[b, k] * np.cross([0.0, 0.0, 1.0], force))
     return found
 

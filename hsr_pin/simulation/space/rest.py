@@ -42,7 +42,7 @@ def laws_at(system: Any, q: Array, work: Array, z: Array, moment: Array) -> None
 def imbalance(arrays: Any, b: int, q: Array, drive: Array, moment: Array, out: Array, axes: Array) -> None:
     """(3 N,) [N m] by which each coordinate q (3 N,) of arm b is out of balance; ``axes`` (4, 3 N) for work."""
     x, y, z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    links = len(q) // 3
+    links, sections = len(q) // 3, arrays.inputs.shape[1]
     for i in range(links):
         j = 3 * i
         w = (-q[j + 1], q[j], q[j + 2])
@@ -71,14 +71,17 @@ def imbalance(arrays: Any, b: int, q: Array, drive: Array, moment: Array, out: A
         turn = plus(turn, arrays.mass[b, i] * arrays.lever[b, i], cross(axis, g))
         for k in range(arrays.link.shape[1]):
             if arrays.link[b, k] == i:
-                u = 2 + 6 * k
+                u = 2 * sections + 6 * k
                 load = (drive[u], drive[u + 1], drive[u + 2])
                 force = plus(force, 1.0, load)
                 turn = plus(plus(turn, 1.0, (drive[u + 3], drive[u + 4], drive[u + 5])), arrays.place[b, k], cross(axis, load))
         for k in range(3):
             pull = dot((axes[0, j + k], axes[1, j + k], axes[2, j + k]), turn) - moment[j + k]
             if k < 2:
-                out[j + k] = arrays.share[b, i] * drive[k] - arrays.spring[b, i] * q[j + k] + pull
+                given = 0.0
+                for part in range(sections):
+                    given += arrays.inputs[i, part] * drive[2 * part + k]
+                out[j + k] = arrays.share[b, i] * given - arrays.spring[b, i] * q[j + k] + pull
             elif arrays.twist[b, i] == inf:
                 out[j + k] = 0.0
             else:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.robot.chain import GRAVITY, Arms, chain_of
-from hsr_pin.robot.space import axial_inertia, base_rotations
+from hsr_pin.robot.sections import inputs
+from hsr_pin.robot.space import base_rotations
 from hsr_pin.robot.specification import joint_arc_lengths
 from hsr_pin.trajectory import Array
 
@@ -26,6 +27,7 @@ class SpaceSystem(NamedTuple):
         laws, numbers: as in the plane.
         link: (B, K) that each load acts on, -1: the fixed half link.
         place: (B, K) [m] where, from the link's joint.
+        inputs: (N, S) share of each section's torque that drives a joint.
     """
 
     mass: Array
@@ -47,6 +49,7 @@ class SpaceSystem(NamedTuple):
     numbers: Array
     link: NDArray[np.int64]
     place: Array
+    inputs: Array
 
 
 def space_system(arms: Arms, joints: dict[str, Array], points: Array) -> SpaceSystem:
@@ -63,17 +66,17 @@ def space_system(arms: Arms, joints: dict[str, Array], points: Array) -> SpaceSy
     starts = joint_arc_lengths(links, arms.placement) * arms.length[:, None]
     link = np.count_nonzero(starts[:, None] < points[..., None], axis=2) - 1
     first = np.take_along_axis(starts, np.maximum(link, 0), axis=1)
-    bodies = {name: getattr(chain, name) for name in ("mass", "lever", "inertia", "reach")}
+    bodies = {name: getattr(chain, name) for name in ("mass", "lever", "inertia", "reach", "axial")}
     fields: dict[str, Any] = {
         **bodies,
         **joints,
-        "axial": axial_inertia(arms),
         "twist": links * arms.torsion[:, None] * joints["profile"],
         "twist_damper": np.nan_to_num(twist_damper),
         "gravity": -GRAVITY * base_rotations(arms)[:, 2],
         "keq": arms.keq,
         "numbers": np.zeros((0, 1, len(arms))),
         "place": points - first,
+        "inputs": inputs(arms.sections, links),
     }
     whole = {"laws": np.zeros((0, 4), dtype=np.int64), "link": link.astype(np.int64)}
     arrays = {name: np.array(value, dtype=float, order="C") for name, value in fields.items()} | whole
