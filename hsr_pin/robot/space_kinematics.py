@@ -66,6 +66,12 @@ class SpaceMarkerMap:
         towards_x = np.broadcast_to(np.array([1.0, 0.0, 0.0]), self.beside.shape)
         return self._turned(self.frames(_by_joint(joint_angles)), towards_x)
 
+    def turned(self, joint_angles: Array) -> Array:
+        """(..., M) [rad] bending from the base to the markers: the length of the sum of the joints'."""
+        bends = _by_joint(joint_angles)[..., :2].cumsum(axis=-2)
+        size = np.linalg.norm(bends, axis=-1)[..., None]  # (..., N, 1)
+        return np.asarray(self._at_markers(np.concatenate([np.zeros_like(size[..., :1, :]), size], axis=-2), 2)[..., 0])
+
     def velocities(self, joint_angles: Array, joint_rates: Array) -> Array:
         """As :meth:`positions`, [m/s], for rates [rad/s] of the same shape as the coordinates."""
         q, v = _by_joint(joint_angles), _by_joint(joint_rates)

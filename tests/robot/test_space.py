@@ -49,6 +49,7 @@ def test_in_the_plane_they_are_todays():
     whole = np.zeros((7, 5, 3))
     whole[..., 0] = q
     space = space_marker_map(replace(arm, bending="space"), PLACES)
+    np.testing.assert_allclose(space.turned(whole.reshape(7, 15)), np.abs(marker_map(arm, PLACES).turned(q)), atol=1e-14)
     for name in ("positions", "normals"):
         np.testing.assert_allclose(
             getattr(space, name)(whole.reshape(7, 15)), getattr(marker_map(arm, PLACES), name)(q), atol=1e-14
