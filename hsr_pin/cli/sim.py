@@ -76,10 +76,6 @@ def command(**options: Any) -> None:
 
     runs = planned(options)
     _check(options)
-    if options["csv_folder"] is not None:
-        from hsr_pin.robot.specification import in_plane
-
-        in_plane(runs[0].arm, "recordings, which hold one torque")
     options["dynamics"] = options["dynamics"] or usual_dynamics(runs)
     _tell(simulated(runs, options["dynamics"]), options)
 

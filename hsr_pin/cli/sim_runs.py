@@ -157,6 +157,8 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
         mass=arm.mass,
         diameter=arm.diameter,
         mount=arm.mount,
+        bending=arm.bending,
+        torsion=arm.torsion,
         trials=tuple(
             Trial(f"trial_{number:02d}", run.motion, run.arm.keq, run.arm.damping, run.arm.tip_mass)
             for number, run in enumerate(runs, 1)

@@ -104,7 +104,7 @@ def angular_velocities(frames: Array, q: Array, v: Array) -> Array:
 
 
 def space_marker_map(arm: ArmSpecification | Arms, arc_lengths: ArrayLike, beside: ArrayLike = 0.0) -> SpaceMarkerMap:
-    """The map for points at ``arc_lengths`` (M,) or (B, M) [m], off the backbone by ``beside`` (M,) complex [m]: x + y i."""
+    """The map for points at ``arc_lengths`` (M,) or (B, M) [m], off it by ``beside`` (M,) or (B, M) complex [m]: x + y i."""
     arms = Arms.of([arm]) if isinstance(arm, ArmSpecification) else arm
     reach = np.broadcast_to(np.atleast_2d(np.asarray(arc_lengths, dtype=float)), (len(arms), np.shape(arc_lengths)[-1]))
     reach = reach[:, None]  # (B, 1, M)

@@ -124,6 +124,8 @@ class ArmSpecification:
             mass=dataset.mass,
             diameter=dataset.diameter,
             tip_mass=trial.tip_mass,
+            bending=dataset.bending,  # type: ignore[arg-type]
+            torsion=dataset.torsion,
         )
         return replace(declared, **changes)
 

@@ -22,7 +22,7 @@ class Cameras:
     Args:
         columns: the arms.
         arc_lengths: (M,) or (B, M) [m] of the markers, from the base.
-        beside: (M,) complex [m] from the backbone, towards x and towards y of the link; in space alone.
+        beside: (M,) or (B, M) complex [m] from the backbone, towards x and towards y of the link; in space alone.
     """
 
     def __init__(self, columns: Columns, arc_lengths: ArrayLike, beside: ArrayLike = 0.0) -> None:

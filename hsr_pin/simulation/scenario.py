@@ -112,6 +112,8 @@ class Scenario:
             name = "loads" if self.loads else "start"
             hint = 'an arm in space has bending="space"'
             raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
+        if not space and (off := [marker.name for marker in self.markers if marker.radius]):
+            raise InputError("markers", expected="on the backbone of an arm in a plane", received=f"{off[0]} beside it")
         if planar := [effect.name for effect in self.effects if space and not effect.in_space]:
             raise InputError("effects", expected="laws that hold about two axes", received=", ".join(planar))
         for load in self.loads:
@@ -133,6 +135,11 @@ class Scenario:
     def reach(self) -> Array:
         """(M,) [m] arc lengths of the markers."""
         return np.array([marker.arc_length for marker in self.markers])
+
+    @property
+    def beside(self) -> Array:
+        """(M,) complex [m] where the markers are from the backbone, towards x and towards y of their links."""
+        return np.array([marker.beside for marker in self.markers])
 
     @property
     def points(self) -> Array:

@@ -76,7 +76,7 @@ def sensitivities(
             family += [with_value(scenario, name, value + offset) for offset in pair]
         columns = Columns.of(family)
         motion = moved(family, columns, method, dynamics)
-        positions = Cameras(columns, scenario.reach).positions(motion.angles)
+        positions = Cameras(columns, scenario.reach, scenario.beside).positions(motion.angles)
         results = [result_of(each, motion, positions, b) for b, each in enumerate(family)]
         own.append(results[0])
         slopes.append(_derivatives(results, offsets))
