@@ -47,9 +47,8 @@ def simulate_batch(
     for members, columns in _of_one_method(scenarios, groups.values()):
         group = [scenarios[i] for i in members]
         motion = moved(group, columns, method, dynamics, apart=True, threads=threads)
-        positions = Cameras(columns, [scenario.reach for scenario in group], [scenario.beside for scenario in group]).positions(
-            motion.angles
-        )
+        beside = [scenario.beside for scenario in group] if columns.space else 0.0
+        positions = Cameras(columns, [scenario.reach for scenario in group], beside).positions(motion.angles)
         results.update((i, result_of(scenarios[i], motion, positions, b)) for b, i in enumerate(members))
     return [results[i] for i in range(len(scenarios))]
 
