@@ -222,6 +222,11 @@ class Effect(ABC):
         return 0.0, 0.0
 
     @property
+    def in_plane(self) -> bool:
+        """Whether this law has a form for an arm in a plane."""
+        return True
+
+    @property
     def in_space(self) -> bool:
         """Whether this law has a form for bending about two axes."""
         return True

@@ -114,8 +114,9 @@ class Scenario:
             raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
         if not space and (off := [marker.name for marker in self.markers if marker.radius]):
             raise InputError("markers", expected="on the backbone of an arm in a plane", received=f"{off[0]} beside it")
-        if planar := [effect.name for effect in self.effects if space and not effect.in_space]:
-            raise InputError("effects", expected="laws that hold about two axes", received=", ".join(planar))
+        if wrong := [effect.name for effect in self.effects if not (effect.in_space if space else effect.in_plane)]:
+            expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
+            raise InputError("effects", expected=expected, received=", ".join(wrong))
         for load in self.loads:
             load.wrenches(len(time))
         kinds = [type(effect) for effect in self.effects]

@@ -34,6 +34,8 @@ ARM_PARAMETERS = {
         Parameter("mass", "kg", 0.15, 1e-4, 1e2, 0.1, False, "mass of the arm"),
         Parameter("tip_mass", "kg", 0.0, 0.0, 1e2, 0.05, True, "point mass at the tip"),
         Parameter("tilt", "rad", 0.0, -pi, pi, 0.1, True, "turn of the base from its mount"),
+        Parameter("cross_tilt", "rad", 0.0, -pi, pi, 0.1, True, "turn of the base towards its side, in space"),
+        Parameter("torsion", "Nm/rad", 1.0, 0.0, 1e3, 0.5, False, "stiffness of the arm against twisting, in space"),
     )
 }
 
