@@ -26,8 +26,6 @@ from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
 from hsr_pin.robot.appearance import colour, shape
-from hsr_pin.robot.chain import Arms
-from hsr_pin.robot.space import base_rotations
 from hsr_pin.robot.specification import ArmSpecification, link_shares
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
@@ -183,6 +181,9 @@ def _links(spec: ArmSpecification) -> list[_Link]:
 def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
     """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
     if spec.bending == "space":
+        from hsr_pin.robot.chain import Arms
+        from hsr_pin.robot.space import base_rotations  # loads Pinocchio
+
         x, y, z = base_rotations(Arms.of([spec]))[0].T
         return math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
     roll = math.pi if spec.mount == "hanging" else 0.0

@@ -179,3 +179,13 @@ def test_what_space_does_not_have_is_refused_there():
         Scenario(SPACE, [0, 0.1], [0.0, 0.0])
     with pytest.raises(InputError, match="samples"):
         Scenario(SPACE, [0, 0.1], np.zeros((2, 2)), loads=(Load(0.1, np.zeros((5, 3))),))
+
+
+def test_an_arm_that_is_bent_at_rest_rests_bent():
+    bend = parse_effect("bend_at_rest:towards_x=0.3,towards_y=-0.2")
+    arm = replace(SPACE, mass=1e-6, tip_mass=0.0)
+    for way in ("compiled", "rnea"):
+        rest = simulate(Scenario(arm, [0, 0.01], np.zeros((2, 2)), effects=(bend,)), dynamics=way).trajectory.joint_angles[0]
+        np.testing.assert_allclose(rest.sum(axis=0), [0.3, -0.2, 0.0], atol=1e-4)
+    with pytest.raises(InputError, match="expected laws of an arm in a plane, got bend_at_rest"):
+        step_scenario(PLANE, 0.1, effects=(bend,))
