@@ -4,6 +4,7 @@
 - ``chain``: the rigid bodies of many planar arms as arrays
 - ``combinations``: Table II of the paper
 - ``kinematics``: where the points of the backbone are, for many poses at once
+- ``links``: the cylinders and hinges of a URDF
 - ``model``: build_model: specification -> pin.Model
 - ``pressure``: PressureMap: pressures, stiffness, bending and torque, Eqs. (1), (4), (5)
 - ``rotations``: rotation vectors of many joints at once

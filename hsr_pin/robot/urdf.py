@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,8 +24,9 @@ from xml.etree.ElementTree import Element
 from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
-from hsr_pin.robot.appearance import colour, shape
-from hsr_pin.robot.specification import ArmSpecification, link_shares
+from hsr_pin.robot.appearance import shape
+from hsr_pin.robot.links import base_rpy, links_of
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
 if TYPE_CHECKING:
@@ -42,54 +42,6 @@ _FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if 
 _OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
 
 
-@dataclass(frozen=True)
-class _Hinge:
-    """A revolute joint between two links; ``slight``: the second has no length and hardly any mass."""
-
-    name: str
-    parent: str
-    child: str
-    start: float  # [m] along the parent
-    axis: str
-    slight: bool = False
-
-
-@dataclass(frozen=True)
-class _Link:
-    """A uniform solid cylinder on its joint (``joint`` is empty: fixed)."""
-
-    name: str
-    parent: str
-    joint: str
-    start: float  # [m] along the parent
-    length: float  # [m]
-    mass: float  # [kg]
-    radius: float  # [m]
-    colour: tuple[float, float, float]
-
-    @property
-    def inertia_across(self) -> float:
-        """About an axis across the link through its middle [kg m^2]."""
-        return self.mass * (3 * self.radius**2 + self.length**2) / 12
-
-    @property
-    def inertia_along(self) -> float:
-        """About the link's own axis [kg m^2]."""
-        return self.mass * self.radius**2 / 2
-
-    def hinges(self, spec: ArmSpecification) -> list[_Hinge]:
-        """What it hangs on."""
-        if spec.bending == "plane":
-            return [_Hinge(self.joint, self.parent, self.name, self.start, "0 1 0")]
-        turns = [("x", "0 1 0"), ("y", "-1 0 0"), *([("twist", "0 0 1")] if spec.torsion < math.inf else [])]
-        children = [*(f"{self.name}_{turn}" for turn, _ in turns[:-1]), self.name]
-        parents = [self.parent, *children[:-1]]
-        return [
-            _Hinge(f"{self.joint}_{turn}", parent, child, 0.0 if k else self.start, axis, child != self.name)
-            for k, ((turn, axis), parent, child) in enumerate(zip(turns, parents, children, strict=True))
-        ]
-
-
 def arm_to_urdf(spec: ArmSpecification) -> str:
     """Write the arm as URDF text, every number so that reading it gives back the same float.
 
@@ -100,7 +52,7 @@ def arm_to_urdf(spec: ArmSpecification) -> str:
         raise SpecificationError("sections", expected="none for a URDF", received=len(spec.sections))
     plain: dict[str, Any] = {name: _plain(getattr(spec, name)) for name in _FIELDS}
     spec = ArmSpecification(**plain)
-    links = _links(spec)
+    links = links_of(spec)
     middle = (spec.links + 1) // 2 - 1 if spec.placement == "base" else spec.links // 2
     return _template().render(
         version=VERSIONS[spec.bending],
@@ -108,7 +60,7 @@ def arm_to_urdf(spec: ArmSpecification) -> str:
         slight=SLIGHT,
         joint_stiffness=spec.joint_stiffness,
         joint_damping=spec.joint_damping,
-        base_rpy=_base_rpy(spec),
+        base_rpy=base_rpy(spec),
         links=links,
         spec=spec,
         middle={"parent": links[middle].name, "z": spec.length / 2 - sum(link.length for link in links[:middle])},
@@ -154,41 +106,6 @@ def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
         OutputError: the file cannot be written.
     """
     write_text(path, arm_to_urdf(spec))
-
-
-def _links(spec: ArmSpecification) -> list[_Link]:
-    """List them from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
-    mid = spec.placement != "base"
-    shares = link_shares(spec.links, spec.placement).tolist()[0 if mid else 1 :]
-    links: list[_Link] = []
-    for i, share in enumerate(shares):
-        number = i if mid else i + 1
-        links.append(
-            _Link(
-                name=f"link_{number}",
-                parent=links[-1].name if links else "base",
-                joint=f"joint_{number}" if number else "",
-                start=links[-1].length if links else 0.0,
-                length=share * spec.length / spec.links,
-                mass=share * spec.mass / spec.links,
-                radius=spec.diameter / 2,
-                colour=colour(i / max(len(shares) - 1, 1)),
-            )
-        )
-    return links
-
-
-def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
-    """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
-    if spec.bending == "space":
-        from hsr_pin.robot.chain import Arms
-        from hsr_pin.robot.space import base_rotations  # loads Pinocchio
-
-        x, y, z = base_rotations(Arms.of([spec]))[0].T
-        return math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
-    roll = math.pi if spec.mount == "hanging" else 0.0
-    pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
-    return roll, pitch, 0.0
 
 
 def _plain(value: Any) -> int | float | str:

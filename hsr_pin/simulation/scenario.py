@@ -100,11 +100,27 @@ class Scenario:
             raise InputError(
                 "time", expected="increasing, evenly spaced", received=f"steps from {steps.min():g} to {steps.max():g} s"
             )
+        self._check_space(torque, len(time))
+        kinds = [type(effect) for effect in self.effects]
+        if len(set(kinds)) < len(kinds):
+            raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
+        angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
+        shape = (self.arm.links, 3) if self.arm.bending == "space" else (self.arm.links,)
+        if angles is not None and angles.shape != shape:
+            expected = f"{self.arm.links} joint angles" if len(shape) == 1 else f"joint angles {shape}"
+            raise InputError("start", expected=expected, received=f"shape {angles.shape}")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "torque", torque)
+        if not self.markers:
+            object.__setattr__(self, "markers", standard_markers(self.arm.length))
+
+    def _check_space(self, torque: Array, samples: int) -> None:
+        """Refuse what only an arm in space has for one in a plane, and the other way round."""
         space = self.arm.bending == "space"
         parts = max(1, len(self.arm.sections))
-        if torque.shape != ((*time.shape, 2 * parts) if space else time.shape) or not np.all(np.isfinite(torque)):
+        if torque.shape != ((samples, 2 * parts) if space else (samples,)) or not np.all(np.isfinite(torque)):
             each = f" for each of {parts} sections" if parts > 1 else ""
-            expected = f"{len(time)} finite values [N m]" + (f" towards x and towards y{each}" if space else "")
+            expected = f"{samples} finite values [N m]" + (f" towards x and towards y{each}" if space else "")
             raise InputError("torque", expected=expected, received=f"shape {torque.shape}")
         if isinstance(self.start, Settled) and isinstance(self.start.torque, tuple) and len(self.start.torque) != parts:
             raise InputError("start", expected=f"one torque, or {parts}", received=str(len(self.start.torque)))
@@ -118,19 +134,10 @@ class Scenario:
             expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
             raise InputError("effects", expected=expected, received=", ".join(wrong))
         for load in self.loads:
-            load.wrenches(len(time))
-        kinds = [type(effect) for effect in self.effects]
-        if len(set(kinds)) < len(kinds):
-            raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
-        angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
-        shape = (self.arm.links, 3) if space else (self.arm.links,)
-        if angles is not None and angles.shape != shape:
-            expected = f"{self.arm.links} joint angles" if not space else f"joint angles {shape}"
-            raise InputError("start", expected=expected, received=f"shape {angles.shape}")
-        object.__setattr__(self, "time", time)
-        object.__setattr__(self, "torque", torque)
-        if not self.markers:
-            object.__setattr__(self, "markers", standard_markers(self.arm.length))
+            load.wrenches(samples)
+            if not 0 <= load.arc_length <= self.arm.length * (1 + 1e-9):
+                expected = f"from 0 to the arm's length, {self.arm.length:g} m"
+                raise InputError("arc length of a load", expected=expected, received=f"{load.arc_length:g}")
 
     @property
     def reach(self) -> Array:

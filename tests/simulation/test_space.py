@@ -189,3 +189,8 @@ def test_an_arm_that_is_bent_at_rest_rests_bent():
         np.testing.assert_allclose(rest.sum(axis=0), [0.3, -0.2, 0.0], atol=1e-4)
     with pytest.raises(InputError, match="expected laws of an arm in a plane, got bend_at_rest"):
         step_scenario(PLANE, 0.1, effects=(bend,))
+
+
+def test_a_load_beyond_the_arm_is_refused():
+    with pytest.raises(InputError, match="arc length of a load: expected from 0 to the arm's length, 0.24 m, got 0.3"):
+        Scenario(SPACE, [0, 0.1], np.zeros((2, 2)), loads=(Load(0.3),))
