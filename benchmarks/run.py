@@ -3,6 +3,7 @@
     python benchmarks/run.py                 everything, into benchmarks/results.md (about 6 minutes on an idle machine)
     python benchmarks/run.py --quick         a little of everything, printed only
     python benchmarks/run.py --only growth   one measurement, printed only
+    python benchmarks/run.py --renew growth  one measurement, in place of its lines in results.md (same day, same machine)
     python benchmarks/run.py --show          print what was written last
 
 Then: python scripts/readme.py --only benchmarks. Peers: python3 scripts/install.py bench; those that are absent are left out.
@@ -22,7 +23,7 @@ from time import perf_counter
 
 from rows import HEADER, Row
 
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "space")
 RESULTS = Path(__file__).with_name("results.md")
 _LIBRARIES = ("pin", "numpy", "numba", "scipy", "mujoco", "pybullet")
 
@@ -32,19 +33,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a little of everything")
     parser.add_argument("--only", choices=MEASUREMENTS, help="one measurement")
+    parser.add_argument("--renew", choices=MEASUREMENTS, help="one measurement, into the table")
     parser.add_argument("--show", action="store_true", help="print what was written last")
     chosen = parser.parse_args()
     if chosen.show:
         print(RESULTS.read_text(encoding="utf-8"), end="")
         return
     rows = []
-    for name in [chosen.only] if chosen.only else MEASUREMENTS:
+    one = chosen.only or chosen.renew
+    for name in [one] if one else MEASUREMENTS:
         begin = perf_counter()
         for row in import_module(name).measure(chosen.quick):
             rows.append(row)
             print(row, end="", file=sys.stderr, flush=True)
         print(f"{name}: {perf_counter() - begin:.0f} s", file=sys.stderr)
-    text = document(rows)
+    text = renewed(chosen.renew, rows) if chosen.renew else document(rows)
     if chosen.quick or chosen.only:
         print(text, end="")
     else:
@@ -54,6 +57,19 @@ def main() -> None:
 def document(rows: list[Row]) -> str:
     """The table, and where and with what it was measured."""
     return f"{HEADER}{''.join(map(str, rows))}\n{conditions()}\n"
+
+
+def renewed(name: str, rows: list[Row]) -> str:
+    """What was written last, with the lines of one measurement in place of its own."""
+    table, _, told = RESULTS.read_text(encoding="utf-8").partition("\n\n")
+    if told.strip() != conditions():
+        raise SystemExit(f"cannot renew {name}: the other lines were measured elsewhere or on another day; run everything")
+    lines = {each: [] for each in MEASUREMENTS}
+    place = {f"| {title.task} |": each for each in MEASUREMENTS for title in import_module(each).titles()}
+    for line in table.splitlines(keepends=True)[2:]:
+        lines[place[next(start for start in place if line.startswith(start))]].append(line.rstrip("\n") + "\n")
+    lines[name] = [str(row) for row in rows]
+    return f"{HEADER}{''.join(line for each in MEASUREMENTS for line in lines[each])}\n{told}"
 
 
 def conditions() -> str:

@@ -5,7 +5,9 @@ World frame everywhere: z up, origin at the base of the arm, the arm bends in th
 
 from __future__ import annotations
 
+import cmath
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,7 @@ from hsr_pin.parameters import finite
 Array = NDArray[np.float64]
 
 MOUNTS = ("hanging", "upright", "horizontal")
+BENDS = ("plane", "space")
 
 
 def read_only(values: ArrayLike | None) -> Array | None:
@@ -42,13 +45,24 @@ class Marker:
     Attributes:
         name: any; column prefix in a recording.
         arc_length: distance from the base along the backbone [m].
+        radius: distance from the backbone [m]; of an arm in space alone.
+        angle: of the direction in which it lies, from x towards y of its link [rad].
     """
 
     name: str
     arc_length: float
+    radius: float = 0.0
+    angle: float = 0.0
 
     def __post_init__(self) -> None:
         finite(f"arc length of marker {self.name}", self.arc_length, "a finite number [m]")
+        finite(f"radius of marker {self.name}", self.radius, "a finite number [m]")
+        finite(f"angle of marker {self.name}", self.angle, "a finite number [rad]")
+
+    @property
+    def beside(self) -> complex:
+        """Where it is seen from its place on the backbone [m]: towards x, and towards y of its link."""
+        return cmath.rect(self.radius, self.angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +73,11 @@ class Trajectory:
         time: (T,) [s], increasing, evenly spaced.
         markers: (M,) the tracked points, in the order of ``positions``.
         positions: (T, M, 3) [m] in the world frame; NaN where a marker was not seen.
-        torque: (T,) [N m] the commanded torque, held from each sample to the next; None without this input.
+        torque: (T,) [N m] the commanded torque, held from each sample to the next, in space (T, 2) towards x and towards y of the
+            base, or (T, 2 S) for S sections; None without this input.
         pressures: (T, 2) [bar] the commanded pressures P1, P2; None without this input.
-        joint_angles: (T, nq) [rad], simulated motion only.
-        joint_rates: (T, nv) [rad/s], simulated motion only.
+        joint_angles: (T, N) [rad], simulated motion only; in space (T, N, 3), towards x, towards y and twist.
+        joint_rates: as these, [rad/s].
         notes: what was done to the data on the way here, one sentence each.
     """
 
@@ -82,7 +97,7 @@ class Trajectory:
         shapes = {
             "time": (samples,),
             "positions": (samples, len(self.markers), 3),
-            "torque": (samples,),
+            "torque": (samples,) if self.torque is None or self.torque.ndim == 1 else (samples, self.torque.shape[1]),
             "pressures": (samples, 2),
         }
         for name, shape in shapes.items():
@@ -161,6 +176,8 @@ class Dataset:
         description: one line.
         path: the folder it was read from; None if it was made in memory.
         notes: what was done to the data on the way here, one sentence each.
+        bending: "plane", or "space" where the arm bends about two axes.
+        torsion: declared stiffness against twisting [Nm/rad]; infinite: it does not twist.
     """
 
     name: str
@@ -172,6 +189,8 @@ class Dataset:
     description: str = ""
     path: Path | None = None
     notes: tuple[str, ...] = ()
+    bending: str = "plane"
+    torsion: float = inf
 
     @property
     def markers(self) -> tuple[Marker, ...]:

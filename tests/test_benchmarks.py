@@ -14,7 +14,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "benchmarks"
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "space")
 ROW = re.compile(r"\| (?P<task>.+) \| (?P<ours>.+) \| (?P<peer>.+): (?P<theirs>.+) \| (?P<ratio>.+) \| .*\|")
 
 
@@ -49,8 +49,10 @@ def test_all_measurements_are_run(bench):
 
 
 @pytest.mark.parametrize("name", MEASUREMENTS)
-def test_a_measurement_runs(name, bench, capfd):
-    if name != "startup":
+def test_a_measurement_runs(name, bench, capfd, request):
+    if name == "space":
+        request.getfixturevalue("shared")
+    elif name != "startup":
         pytest.importorskip("mujoco", reason="compares with MuJoCo: python3 scripts/install.py bench")
     rows = list(bench(name).measure(quick=True))
     assert rows

@@ -29,14 +29,20 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
 )
 @click.option("--torque", type=float, multiple=True, metavar="TAU", help="Step to this torque [N m]; may be repeated.")
 @click.option(
-    "--input", "input_file", metavar="FILE.csv", help="Follow a file with columns t,P1,P2 or t,tau instead [s, bar, N m]."
+    "--direction", type=float, metavar="X", help="Of every torque, from x towards y of the base, in space [rad].  [default: 0]"
+)
+@click.option(
+    "--input",
+    "input_file",
+    metavar="FILE.csv",
+    help="Follow a file with columns t,P1,P2 or t,tau or, in space, t,tau_x,tau_y instead [s, bar, N m].",
 )
 @click.option("--duration", type=float, metavar="T", help="Length of a run [s].  [default: 3, or that of --input]")
 @click.option(
     "--dynamics",
     type=click.Choice(["aba", "rnea", "compiled"]),
-    help="Pinocchio's articulated bodies or recursive Newton-Euler, or the compiled loops.  [default: aba; compiled beyond "
-    "64 links]",
+    help="Pinocchio's articulated bodies or recursive Newton-Euler, or the compiled loops.  [default: aba, in space rnea; "
+    "compiled beyond 64 links]",
 )
 @click.option(
     "--effect",

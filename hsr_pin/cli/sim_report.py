@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from hsr_pin.cli.sim_runs import Run
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.measures import BAND
 
 #: Headings: a name in up to two lines, and its unit.
@@ -24,6 +25,8 @@ _COLUMNS = (
     "over-\nshoot\n%",
     "off\ncircle\nmm",
 )
+#: In space, in place of the pressures.
+_IN_SPACE = ("tau\n\nN m", "towards\n\nrad", "phi\n\nrad", "tip x\n\nmm", "tip y\n\nmm", *_COLUMNS[5:], "off\nplane\nmm")
 
 
 def print_table(runs: Sequence[Run], dynamics: str) -> None:
@@ -37,7 +40,8 @@ def print_table(runs: Sequence[Run], dynamics: str) -> None:
     several = len({run.arm.keq for run in runs}) > 1
     screen.print(title(runs, dynamics), style="bold", soft_wrap=True)
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), header_style="bold cyan")
-    for column in ("Keq\n\nNm/rad", *_COLUMNS) if several else _COLUMNS:
+    columns = _COLUMNS if runs[0].direction is None else _IN_SPACE
+    for column in ("Keq\n\nNm/rad", *columns) if several else columns:
         table.add_column(column, justify="right", no_wrap=True)
     for run in runs:
         table.add_row(*([f"{run.arm.keq:.4g}"] if several else []), *_cells(run))
@@ -66,16 +70,23 @@ def title(runs: Sequence[Run], dynamics: str) -> str:
     stiffness = "" if len({run.arm.keq for run in runs}) > 1 else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
     effects = "".join(f", {effect.name}" for effect in runs[0].effects)
     links = "1 link" if arm.links == 1 else f"{arm.links} links"
-    return f"{links}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{effects}"
+    space = ", in space" if arm.bending == "space" else ""
+    return f"{links}{space}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{effects}"
 
 
 def _cells(run: Run) -> list[str]:
     measures, pressures = run.measures, run.pressures
-    cells = ["-", "-"] if pressures is None else [f"{p:.4f}" for p in pressures]
-    cells += [f"{run.torque:.3f}", f"{run.torque / run.arm.keq:.3f}", f"{1e3 * measures.x:.1f}", f"{1e3 * measures.z:.1f}"]
+    tip, bent = [f"{1e3 * part:.1f}" for part in (measures.x, measures.y, measures.z)], f"{run.torque / run.arm.keq:.3f}"
+    if run.direction is None:
+        cells = ["-", "-"] if pressures is None else [f"{p:.4f}" for p in pressures]
+        cells += [f"{run.torque:.3f}", bent, tip[0], tip[2]]
+    else:
+        cells = [f"{run.torque:.3f}", f"{run.direction:.3f}", bent, *tip]
     cells.append("-" if measures.settling_time is None else f"{measures.settling_time:.3f}")
     cells.append("-" if measures.overshoot is None else f"{100 * measures.overshoot:.1f}")
     cells.append("-" if measures.circle is None else f"{1e3 * measures.circle.distance:.3f}")
+    if measures.off_plane is not None:
+        cells.append(f"{1e3 * measures.off_plane:.3f}")
     return cells
 
 
@@ -86,7 +97,11 @@ def _footnotes(runs: Sequence[Run]) -> list[str]:
     ]
     if not all(run.measures.settled for run in runs):
         lines.append("a dash under settling time: not settled within the run; try a longer --duration")
-    if any(run.drive.pressures is None for run in runs):
+    if runs[0].direction is not None:
+        lines[1] = (
+            "off plane: RMS distance of the tip's path from the plane nearest to it; off circle: in that, from the nearest circle"
+        )
+    elif any(run.drive.pressures is None for run in runs):
         lines.append("P1, P2 beside a given torque: the pressures that make it (a dash: none do)")
     return lines
 
@@ -106,20 +121,31 @@ def _record(run: Run) -> dict[str, Any]:
             "diameter": float(arm.diameter),
             "tip_mass": float(arm.tip_mass),
             "tilt": float(arm.tilt),
+            **_of_space(arm),
         },
         "effects": [_effect(effect) for effect in run.effects],
         "pressures": run.pressures,
         "torque": run.torque,
         "phi": run.torque / run.arm.keq,
-        "tip": {"x": measures.x, "z": measures.z},
+        **({} if run.direction is None else {"direction": run.direction}),
+        "tip": {"x": measures.x, "z": measures.z} | ({} if run.direction is None else {"y": measures.y}),
         "settling_time": measures.settling_time,
         "overshoot": measures.overshoot,
         "circle": None
         if circle is None
         else {"radius": circle.radius if math.isfinite(circle.radius) else None, "distance": circle.distance},
+        **({} if measures.off_plane is None else {"off_plane": measures.off_plane}),
         "duration": float(run.motion.time[-1] - run.motion.time[0]),
         "notes": list(run.notes),
     }
+
+
+def _of_space(arm: ArmSpecification) -> dict[str, Any]:
+    """What only an arm in space has; a torsion of null is infinite."""
+    if arm.bending == "plane":
+        return {}
+    torsion = float(arm.torsion) if math.isfinite(arm.torsion) else None
+    return {"bending": arm.bending, "torsion": torsion, "cross_tilt": float(arm.cross_tilt)}
 
 
 def _effect(effect: Any) -> dict[str, Any]:

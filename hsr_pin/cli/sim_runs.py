@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from hsr_pin.cli.arm import arm_from
 from hsr_pin.cli.progress import progress
 from hsr_pin.effects.catalogue import parse_effect
@@ -48,8 +50,14 @@ class Run:
 
     @property
     def torque(self) -> float:
-        """The last command [N m]."""
-        return float(self.drive.torque[-1])
+        """The last command [N m]; in space its size."""
+        last = self.drive.torque[-1]
+        return float(last) if self.drive.torque.ndim == 1 else float(np.hypot(*last))
+
+    @property
+    def direction(self) -> float | None:
+        """Of the last command in space, from x towards y [rad]; None in the plane."""
+        return float(np.arctan2(*self.drive.torque[-1, ::-1])) if self.drive.torque.ndim == 2 else None
 
     @property
     def pressures(self) -> tuple[float, float] | None:
@@ -80,7 +88,8 @@ class Run:
     def label(self) -> str:
         """What tells this run from the others."""
         if self.drive.pressures is None or self.pressures is None:
-            return f"{self.torque:.4g} N m"
+            where = "" if self.direction is None else f" towards {self.direction:.3g} rad"
+            return f"{self.torque:.4g} N m{where}"
         p1, p2 = self.pressures
         return f"{self.torque:.3f} N m (P1 {p1:.5g}, P2 {p2:.5g} bar)"
 
@@ -101,7 +110,7 @@ def planned(options: dict[str, Any]) -> list[Run]:
     if options["input_file"] is not None:
         if stepped:
             raise InputError("--input", expected="alone", received="--pressures or --torque beside it")
-        return [_from_file(options, effects)]
+        return [_in_its_space(_from_file(options, effects), options["direction"])]
     duration = checked_duration(_DURATION if options["duration"] is None else options["duration"])
     runs = [_from_pressures(options, pair, duration) for pair in options["pressures"]]
     if options["torque"] or not stepped:
@@ -109,7 +118,7 @@ def planned(options: dict[str, Any]) -> list[Run]:
         runs += [Run(arm, torque_step(arm, torque, duration)) for torque in options["torque"]]
         if not stepped:
             runs = [_from_table(arm, row, duration) for row in _tabulated(arm.keq)]
-    runs = [replace(run, effects=effects) for run in runs]
+    runs = [_in_its_space(replace(run, effects=effects), options["direction"]) for run in runs]
     for run in runs:
         run.drive.scenario(run.arm, effects)  # what cannot be simulated together is refused here, before anything runs
     return runs
@@ -117,7 +126,8 @@ def planned(options: dict[str, Any]) -> list[Run]:
 
 def usual_dynamics(runs: list[Run]) -> Dynamics:
     """Pinocchio for arms of few links; its memory grows with their cube, that of the compiled loops with their number."""
-    return "aba" if max(run.arm.links for run in runs) <= MANY_LINKS else "compiled"
+    over_pinocchio: Dynamics = "aba" if runs[0].arm.bending == "plane" else "rnea"
+    return over_pinocchio if max(run.arm.links for run in runs) <= MANY_LINKS else "compiled"
 
 
 def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
@@ -147,6 +157,8 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
         mass=arm.mass,
         diameter=arm.diameter,
         mount=arm.mount,
+        bending=arm.bending,
+        torsion=arm.torsion,
         trials=tuple(
             Trial(f"trial_{number:02d}", run.motion, run.arm.keq, run.arm.damping, run.arm.tip_mass)
             for number, run in enumerate(runs, 1)
@@ -154,6 +166,18 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
         description=f"{DESCRIPTION}: {arm.links} links, joints at {arm.placement}",
         notes=(f"simulated: {arm.links} links, placement {arm.placement}, dynamics {dynamics}, effects {effects}",),
     )
+
+
+def _in_its_space(run: Run, direction: float | None) -> Run:
+    """The run with a torque of as many components as its arm bends in."""
+    alone, space = run.drive.torque.ndim == 1, run.arm.bending == "space"
+    if direction is not None and not (alone and space):
+        received = "two components of torque" if space else "an arm in a plane"
+        raise InputError("--direction", expected="one torque for an arm in space", received=received, hint="try --bending space")
+    if not alone and not space:
+        hint = "try --bending space"
+        raise InputError("--input", expected="one torque for an arm in a plane", received="tau_x and tau_y", hint=hint)
+    return replace(run, drive=run.drive.towards(direction or 0.0)) if alone and space else run
 
 
 def _tabulated(keq: float) -> tuple[Combination, ...]:

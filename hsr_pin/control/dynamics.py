@@ -19,7 +19,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.robot.model import build_model
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
@@ -79,7 +79,7 @@ class ArmDynamics:
         if strange:
             expected = f"known ones that act through {', '.join(_KNOWABLE)} only"
             raise InputError("effects", expected=expected, received=", ".join(strange))
-        scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
+        scenario = Scenario(in_plane(arm, "controllers"), np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
         self.columns = columns = Columns.of([scenario])
         self.nominal, self.effects = arm, tuple(effects)
         self.arm = columns.arms.specification(0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns, likeness
 from hsr_pin.simulation.integrator import STEP, Integrator
@@ -66,7 +66,10 @@ class ArmFleet:
         self._made = partial(ArmFleet, arms, effects, dynamics=dynamics, integrator=integrator, step=step, markers=markers)
         self._weights = Integrator(integrator, step=step).weights
         made = zip(arms, effects, strict=True)
-        scenarios = [Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(own), markers=markers) for arm, own in made]
+        time = np.array([0.0, 1.0])
+        scenarios = [
+            Scenario(in_plane(arm, "control"), time, np.zeros(2), effects=tuple(own), markers=markers) for arm, own in made
+        ]
         if len({likeness(scenario) for scenario in scenarios}) != 1:
             raise InputError("arms", expected="the same links, placement, mount and kinds of effects", received="others")
         self.columns = columns = Columns.of(scenarios)

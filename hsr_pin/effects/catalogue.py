@@ -21,6 +21,7 @@ from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.soft_spot import SoftSpot
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.effects.stiffening import Stiffening
 from hsr_pin.effects.stiffness_gradient import StiffnessGradient
 from hsr_pin.effects.tip_mass import TipMass
@@ -62,12 +63,12 @@ EFFECTS: dict[str, type[Effect]] = {
 
 
 def effect_named(name: str) -> type[Effect]:
-    """An effect by its name, or the flexible law of a kind.
+    """An effect by its name, or the flexible law of a kind, or an effect that only an arm in space has.
 
     Raises:
         EffectError: listing the names there are, and the nearest.
     """
-    every = EFFECTS | FLEXIBLE
+    every = EFFECTS | FLEXIBLE | SPATIAL
     if name not in every:
         raise EffectError("effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, every))
     return every[name]

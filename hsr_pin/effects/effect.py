@@ -221,6 +221,16 @@ class Effect(ABC):
         """
         return 0.0, 0.0
 
+    @property
+    def in_plane(self) -> bool:
+        """Whether this law has a form for an arm in a plane."""
+        return True
+
+    @property
+    def in_space(self) -> bool:
+        """Whether this law has a form for bending about two axes."""
+        return True
+
     def observe(self, view: View) -> Array:
         """(T, B, M, 3) [m] marker positions as they are seen."""
         return view.positions

@@ -39,6 +39,10 @@ class TorqueMap(Effect):
     )
     parity: str = option("odd", "even", description="of the quadratic term")
 
+    @property
+    def in_space(self) -> bool:
+        return self.parity == "odd"  # a parabola in a command of two components has a direction of its own
+
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         weight = np.abs(torque) if p.parity == ODD else torque

@@ -52,6 +52,8 @@ def read_result(
         links=declared.get("links", LINKS),
         placement=declared.get("placement", "mid"),
         mount=declared["mount"],
+        bending="plane",
+        sections=(),
         **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
         **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
     )

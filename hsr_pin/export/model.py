@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario, standard_markers
 from hsr_pin.trajectory import Marker
@@ -33,6 +33,7 @@ class CorrectedModel:
     origin: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        in_plane(self.arm, "an export")
         self.scenario  # noqa: B018  # refuses an effect given twice
         if not self.markers:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))

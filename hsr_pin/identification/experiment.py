@@ -130,6 +130,8 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     """
     if not dataset.trials:
         raise IdentificationError("trials", expected="at least one", received="none")
+    if dataset.bending == "space":
+        raise IdentificationError("bending", expected="an arm in a plane: fits know no other", received="space")
     dataset = clean(dataset)
     moving = _bending_markers(dataset)
     if not (np.isfinite(delay) and delay >= 0):

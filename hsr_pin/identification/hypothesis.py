@@ -188,7 +188,14 @@ class Hypothesis:
         for name, number in _FACTORS.items():
             numbers[number] = numbers[number] * self.factor(name, run, values)
         return Columns(
-            Arms(declared.links, declared.placement, declared.mount, **numbers),
+            Arms(
+                declared.links,
+                declared.placement,
+                declared.mount,
+                bending=declared.bending,
+                sections=declared.sections,
+                **numbers,
+            ),
             self.effects_at(values, run.trial.keq / experiment.levels[0]),
         )
 

@@ -29,7 +29,9 @@ def modes_of(columns: Columns, seen: int) -> Array:
     links = columns.links
     count = min(2 * seen, 4, links)
     s = 2 * (np.arange(links) + 0.5) / links - 1
-    return np.polynomial.legendre.legvander(s, max(count, 1) - 1)[None, :, :count] / (links * columns.arrays.profile[..., None])
+    return np.asarray(
+        np.polynomial.legendre.legvander(s, max(count, 1) - 1)[None, :, :count] / (links * columns.arrays.profile[..., None])
+    )
 
 
 def pose_from_markers(

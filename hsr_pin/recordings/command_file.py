@@ -1,4 +1,7 @@
-"""Commands over time from a CSV file: columns ``t,P1,P2`` or ``t,tau``, in s, bar and N m, each held until the next row."""
+"""Commands over time from a CSV file: columns ``t,P1,P2``, ``t,tau`` or, for an arm in space, ``t,tau_x,tau_y``.
+
+In s, bar and N m; each is held until the next row.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,7 @@ TOLERANCE = 1e-6
 LARGEST_TORQUE = 1e3
 #: Longest command [s].
 LONGEST = 3600.0
+_IN_SPACE = ("tau_x", "tau_y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +34,7 @@ class CommandFile:
 
     Attributes:
         time: (T,) [s].
-        torque: (T,) [N m], or None.
+        torque: (T,) [N m], in space (T, 2), or None.
         pressures: (T, 2) [bar], or None.
         note: one sentence, if rows had to be moved; else empty.
     """
@@ -64,18 +68,19 @@ def read_commands(path: str | Path, *, max_pressure: float, duration: float | No
     time = rows[0] + np.arange(round(span / step) + 1) * step
     held = hold(rows, np.stack([table.column(name) for name in names], axis=1), time + (TOLERANCE if exact else step / 2))
     note = "" if exact else f"rows of {path} were moved by up to {step / 2:g} s, onto even steps of {step:g} s"
-    return CommandFile(time, held[:, 0] if names == ("tau",) else None, held if len(names) == 2 else None, note)
+    torque = held[:, 0] if names == ("tau",) else held if names == _IN_SPACE else None
+    return CommandFile(time, torque, held if torque is None else None, note)
 
 
 def _inputs(table: Table) -> tuple[str, ...]:
-    for names in (("P1", "P2"), ("tau",)):
+    for names in (("P1", "P2"), ("tau",), _IN_SPACE):
         if set(table.header) == {"t", *names}:
             return names
-    raise table.fault("header", None, 0, expected="t,P1,P2 or t,tau", received=",".join(table.header)[:60])
+    raise table.fault("header", None, 0, expected="t,P1,P2 or t,tau or t,tau_x,tau_y", received=",".join(table.header)[:60])
 
 
 def _check(table: Table, names: tuple[str, ...], max_pressure: float) -> None:
-    low, high, unit = (0.0, max_pressure, "bar") if len(names) == 2 else (-LARGEST_TORQUE, LARGEST_TORQUE, "N m")
+    low, high, unit = (0.0, max_pressure, "bar") if "P1" in names else (-LARGEST_TORQUE, LARGEST_TORQUE, "N m")
     for row in range(len(table.values)):
         for field, name in enumerate(table.header):
             value = table.values[row, field]

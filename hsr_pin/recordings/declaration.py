@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from hsr_pin.recordings.document import Section, read_document
 from hsr_pin.recordings.text import nearest
-from hsr_pin.trajectory import MOUNTS, Marker
+from hsr_pin.trajectory import BENDS, MOUNTS, Marker
 
-#: The version of the format that is read and written.
-VERSION = 1
+#: The versions of the format that are read and written; the second knows arms in space.
+VERSIONS = (1, 2)
+#: What only the second has: in [robot], and in [[marker]].
+_ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle")
 #: Name of the file that makes a folder a dataset.
 FILE_NAME = "dataset.toml"
 #: An arm outside of these lengths [m] is not measured in metres.
@@ -49,6 +52,8 @@ class Declaration:
     mount: str
     markers: tuple[Marker, ...]
     trials: tuple[TrialDeclaration, ...]
+    bending: str
+    torsion: float
 
 
 def read_declaration(path: Path) -> Declaration:
@@ -58,10 +63,10 @@ def read_declaration(path: Path) -> Declaration:
         RecordingError: with file, line and column of the first fault.
     """
     top = read_document(path)
-    _check_version(top)
+    newer = _version(top) == VERSIONS[1]
     top.only("format", "name", "description", "robot", "marker", "trial")
     robot = top.section("robot")
-    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input")
+    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input", *(_ROBOT_IN_SPACE if newer else ()))
     length = robot.number("length", "m")
     if not SHORTEST <= length <= LONGEST:
         raise robot.fault(
@@ -74,6 +79,14 @@ def read_declaration(path: Path) -> Declaration:
     mount = robot.text("mount")
     if mount not in MOUNTS:
         raise robot.fault("mount", "mount", expected=" or ".join(MOUNTS), received=mount, hint=nearest(mount, MOUNTS, "mounts"))
+    bending = robot.text("bending", BENDS[0])
+    if bending not in BENDS:
+        raise robot.fault(
+            "bending", "bending", expected=" or ".join(BENDS), received=bending, hint=nearest(bending, BENDS, "words")
+        )
+    space = bending == "space"
+    if "torsion" in robot.values and not space:
+        raise robot.fault("torsion", "torsion", expected='bending = "space" with it', received=bending)
     return Declaration(
         name=top.text("name"),
         description=top.text("description", ""),
@@ -81,28 +94,31 @@ def read_declaration(path: Path) -> Declaration:
         mass=robot.number("mass", "kg"),
         diameter=robot.number("diameter", "m"),
         mount=mount,
-        markers=_markers(top, length),
+        markers=_markers(top, length, space),
         trials=_trials(top, robot),
+        bending=bending,
+        torsion=robot.number("torsion", "Nm/rad", zero=True) if "torsion" in robot.values else math.inf,
     )
 
 
-def _check_version(top: Section) -> None:
+def _version(top: Section) -> int:
     version = top.values.get("format")
-    if version != VERSION or isinstance(version, (bool, float)):
+    if version not in VERSIONS or isinstance(version, (bool, float)):
         raise top.fault(
             "format version",
             "format",
-            expected=f"format = {VERSION}",
+            expected=" or ".join(f"format = {version}" for version in VERSIONS),
             received="none" if version is None else repr(version)[:60],
-            hint="only this version is known",
+            hint="no other version is known",
         )
+    return int(version)
 
 
-def _markers(top: Section, length: float) -> tuple[Marker, ...]:
+def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
     markers: list[Marker] = []
     taken: set[str] = set()
     for section in top.sections("marker"):
-        section.only("name", "arc_length")
+        section.only("name", "arc_length", *(_MARKER_IN_SPACE if space else ()))
         name = section.text("name")
         if name != name.strip():
             raise section.fault("marker name", "name", expected="no space around it", received=repr(name))
@@ -114,7 +130,9 @@ def _markers(top: Section, length: float) -> tuple[Marker, ...]:
             raise section.fault(
                 "arc_length", "arc_length", expected=f"from 0 to the arm's length, {length} m", received=arc_length
             )
-        markers.append(Marker(name, arc_length))
+        radius = section.number("radius", "m", zero=True) if "radius" in section.values else 0.0
+        angle = section.number("angle", "rad", sign=True) if "angle" in section.values else 0.0
+        markers.append(Marker(name, arc_length, radius, angle))
     if all(marker.arc_length == 0 for marker in markers):
         raise top.sections("marker")[0].fault("no moving marker", expected="at least one with arc_length above 0")
     return tuple(markers)

@@ -16,6 +16,8 @@ from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
+#: The input of an arm in space.
+IN_SPACE = ("tau_x", "tau_y")
 #: No coordinate [m], time [s] or input is larger.
 LARGEST = 1e10
 #: No two samples are closer [s].
@@ -66,6 +68,8 @@ def read_dataset(path: str | Path) -> Dataset:
         trials=trials,
         description=declaration.description,
         path=folder,
+        bending=declaration.bending,
+        torsion=declaration.torsion,
     )
 
 
@@ -88,7 +92,7 @@ def _table(folder: Path, trial: TrialDeclaration) -> Table:
 
 
 def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> Trial:
-    _check_columns(table, declaration.markers)
+    _check_columns(table, declaration.markers, space=declaration.bending == "space")
     _check_size(table)
     trajectory, origin = _on_even_grid(table, declaration.markers)
     time, start = trajectory.time, None if trial.t_start is None else trial.t_start - origin
@@ -98,13 +102,15 @@ def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> T
     return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, start, trial.interpolated)
 
 
-def _check_columns(table: Table, markers: tuple[Marker, ...]) -> None:
+def _check_columns(table: Table, markers: tuple[Marker, ...], *, space: bool) -> None:
     wanted = ["t", *(f"{marker.name}_{axis}" for marker in markers for axis in "xyz")]
-    inputs = [name for name in ("P1", "P2", "tau") if name in table.header]
-    if inputs and inputs not in (["P1", "P2"], ["tau"]):
-        field = table.place[inputs[-1]]
-        raise table.fault("input columns", None, field, expected="P1 and P2, or tau, or none", received=" and ".join(inputs))
-    known, there = {*wanted, *(inputs or ("P1", "P2", "tau"))}, table.place
+    possible = [[*IN_SPACE]] if space else [["P1", "P2"], ["tau"]]
+    every = [name for names in possible for name in names]
+    inputs = [name for name in every if name in table.header]
+    if inputs and inputs not in possible:
+        field, expected = table.place[inputs[-1]], ", or ".join(" and ".join(names) for names in possible)
+        raise table.fault("input columns", None, field, expected=f"{expected}, or none", received=" and ".join(inputs))
+    known, there = {*wanted, *(inputs or every)}, table.place
     missing = [name for name in wanted if name not in there]
     for field, name in enumerate(table.header):
         if name not in known:
@@ -133,7 +139,7 @@ def _check_size(table: Table) -> None:
             received=f"{values[row, field]:g}",
             hint="times are in seconds, positions in metres, torques in Nm, pressures in bar",
         )
-    for name in ("t", "P1", "P2", "tau"):
+    for name in ("t", "P1", "P2", "tau", *IN_SPACE):
         if name in table.header and np.isnan(table.column(name)).any():
             row = int(np.argmax(np.isnan(table.column(name))))
             raise table.fault(f"column {name}", row, table.place[name], expected="a number", received="no value")
@@ -154,6 +160,8 @@ def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> tuple[Trajectory
         raise table.fault("time", row, table.place["t"], **asdict(facts))
     pressures = np.stack([table.column("P1"), table.column("P2")], axis=1) if "P1" in table.header else None
     torque = table.column("tau") if "tau" in table.header else None
+    if IN_SPACE[0] in table.header:
+        torque = np.stack([table.column(name) for name in IN_SPACE], axis=1)
     notes = [
         f"marker {marker.name} was not seen" for marker, p in zip(markers, positions.swapaxes(0, 1), strict=True) if not _seen(p)
     ]

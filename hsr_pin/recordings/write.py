@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import shutil
 from pathlib import Path
@@ -11,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.errors import OutputError, RecordingError
-from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSION, read_declaration
-from hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSIONS, read_declaration
+from hsr_pin.recordings.read import IN_SPACE, read_dataset
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
 
@@ -115,14 +116,21 @@ def _move(draft: Path, target: Path) -> None:
 
 def _declaration(dataset: Dataset) -> str:
     lines = [f"# {_one_line(note)}" for note in dataset.notes]
-    lines += [f"format = {VERSION}", f"name = {_quoted(dataset.name)}"]
+    space = dataset.bending == "space"
+    lines += [f"format = {VERSIONS[space]}", f"name = {_quoted(dataset.name)}"]
     if dataset.description:
         lines.append(f"description = {_quoted(dataset.description)}")
     lines += ["", "[robot]"]
     lines += [_entry(key, getattr(dataset, key), unit) for key, unit in (("length", "m"), ("mass", "kg"), ("diameter", "m"))]
     lines.append(f"mount = {_quoted(dataset.mount)}")
+    if space:
+        lines.append(f"bending = {_quoted(dataset.bending)}")
+    if math.isfinite(dataset.torsion):
+        lines.append(_entry("torsion", dataset.torsion, "Nm/rad"))
     for marker in dataset.markers:
         lines += ["", "[[marker]]", f"name = {_quoted(marker.name)}", _entry("arc_length", marker.arc_length, "m")]
+        if marker.radius:
+            lines += [_entry("radius", marker.radius, "m"), _entry("angle", marker.angle, "rad")]
     for trial in dataset.trials:
         lines += ["", *_trial_declaration(trial)]
     return "\n".join(lines) + "\n"
@@ -161,8 +169,8 @@ def _write_trial(trajectory: Trajectory, path: Path) -> None:
         header += ["P1", "P2"]
         columns.append(trajectory.pressures)
     elif trajectory.torque is not None:
-        header.append("tau")
-        columns.append(trajectory.torque[:, None])
+        header += ["tau"] if trajectory.torque.ndim == 1 else IN_SPACE
+        columns.append(trajectory.torque.reshape(len(trajectory.time), -1))
     header += [f"{marker.name}_{axis}" for marker in trajectory.markers for axis in "xyz"]
     columns.append(trajectory.positions.reshape(len(trajectory.time), -1))
     with path.open("x", newline="", encoding="utf-8") as file:

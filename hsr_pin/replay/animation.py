@@ -39,6 +39,7 @@ ASPECT = 1.5
 _FIELD_OF_VIEW = 30.0
 _HALF_VIEW = math.tan(math.radians(_FIELD_OF_VIEW / 2))
 _VIEW = np.array([0.16, -1.0, 0.13]) / np.linalg.norm([0.16, -1.0, 0.13])
+_VIEW_IN_SPACE = np.array([0.55, -1.0, 0.4]) / np.linalg.norm([0.55, -1.0, 0.4])
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +78,9 @@ def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
             place["label"].set_object(*label(run.label.split(" (")[0], f"#{colour:06x}", height))
             place["label"].set_transform(_upright_at(_label_place(run, low, high, height)))
     whole = np.array([low + np.minimum(0, (len(runs) - 1) * shift), high + np.maximum(0, (len(runs) - 1) * shift)])
-    _draw_wall(scene["grid"], whole, 1.5 * runs[0].arm.diameter)
-    _set_stage(viewer, scene, whole)
+    space = any(run.arm.bending == "space" for run in runs)
+    _draw_wall(scene["grid"], whole, max(1.5 * runs[0].arm.diameter, whole[1, 1] if space else 0.0))
+    _set_stage(viewer, scene, whole, _VIEW_IN_SPACE if space else _VIEW)
     viewer.set_animation(animation, play=True, repetitions=math.inf)
     return clip
 
@@ -124,10 +126,11 @@ def _draw_arm(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Animation
     radius = run.arm.diameter
     plate = place["mount"]
     plate.set_object(mg.Cylinder(0.1 * radius, 0.9 * radius), mg.MeshLambertMaterial(color=0x9AA0A8))
-    translation, quaternion = (part[:, 0] for part in poses(run.arm, np.zeros((1, run.arm.links)))[:2])
+    translation, quaternion = (part[:, 0] for part in poses(run.arm, np.zeros_like(run.angles[:1])))
     base = _matrix(translation[0], quaternion[0])
     plate.set_transform(base @ mt.translation_matrix([0, 0, -0.05 * radius]) @ mt.rotation_matrix(math.pi / 2, [1, 0, 0]))
-    angles = _at_frames(clip.time, run.simulated.time, run.angles)
+    angles = _at_frames(clip.time, run.simulated.time, run.angles.reshape(len(run.angles), -1))
+    angles = angles.reshape(-1, *run.angles.shape[1:])
     translations, quaternions = poses(run.arm, angles)
     for joint in range(1, run.arm.links + 1):
         path = place.path.append(f"joint_{joint}")
@@ -177,12 +180,16 @@ def _draw_wall(node: Visualizer, corners: Array, behind: float) -> None:
     node.set_object(mg.LineSegments(mg.PointsGeometry(points), mg.LineBasicMaterial(color=0xC4CAD3)))
 
 
-def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array) -> None:
-    """Background, and a camera that sees all between two corners (2, 3) [m]; it looks at the origin, so the scene moves there."""
+def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array, view: Array) -> None:
+    """Background, and a camera that sees all between two corners (2, 3) [m]; it looks at the origin, so the scene moves there.
+
+    It stands in the direction ``view`` (3,) of it.
+    """
     scene.set_transform(mt.translation_matrix(-corners.mean(axis=0)))
-    width, _, height = corners[1] - corners[0]
-    distance = 1.25 * max(height, width / ASPECT) / 2 / _HALF_VIEW
-    x, y, z = distance * _VIEW
+    width, depth, height = corners[1] - corners[0]
+    nearer = depth / 2 if view is _VIEW_IN_SPACE else 0.0
+    distance = 1.25 * max(height, width / ASPECT) / 2 / _HALF_VIEW + nearer
+    x, y, z = distance * view
     camera = viewer["/Cameras/default/rotated/<object>"]
     camera.set_property("fov", _FIELD_OF_VIEW)
     camera.set_property("position", [x, z, -y])  # the camera's own frame has y up
@@ -225,6 +232,8 @@ def _at_frames(frames: Array, time: Array, values: Array) -> Array:
 
 
 def _front(run: Drawn) -> Array:
+    if run.arm.bending == "space":
+        return np.zeros(3)  # it is seen from all sides
     return np.array([0.0, -0.65 * run.arm.diameter, 0.0])
 
 

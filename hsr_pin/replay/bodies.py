@@ -1,14 +1,15 @@
-"""The arm's visuals and where they are: read from its own URDF, moved by Pinocchio's forward kinematics."""
+"""The arm's visuals and where they are: read from its own URDF, moved by Pinocchio's forward kinematics, or by ours in space."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
 from hsr_pin.robot.model import build_model
+from hsr_pin.robot.space_kinematics import space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.urdf import arm_to_urdf
 from hsr_pin.trajectory import Array
@@ -39,7 +40,8 @@ class Body:
 
 
 def bodies(arm: ArmSpecification) -> list[Body]:
-    """All visuals of an arm."""
+    """All visuals of an arm; one in space looks as its straight self in the plane does."""
+    arm = replace(arm, bending="plane", torsion=math.inf, cross_tilt=0.0, sections=())
     model = build_model(arm).model
     visuals = pin.buildGeomFromUrdfString(model, arm_to_urdf(arm), pin.GeometryType.VISUAL)
     found = []
@@ -65,8 +67,10 @@ def poses(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
 
     Args:
         arm: the arm.
-        angles: (T, N) [rad].
+        angles: (T, N) [rad], in space (T, N, 3).
     """
+    if arm.bending == "space":
+        return _poses_in_space(arm, angles)
     model = build_model(arm).model
     data = model.createData()
     base = model.frames[model.getFrameId("base")].placement
@@ -77,3 +81,12 @@ def poses(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
             translations[number, joint] = pose.translation
             quaternions[number, joint] = pin.Quaternion(pose.rotation).coeffs()
     return translations, quaternions
+
+
+def _poses_in_space(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
+    places = space_marker_map(arm, [0.0])
+    frames = places.frames(angles)
+    joints = places.joints(frames, arm.joint_arc_lengths * arm.length)
+    translations = np.concatenate([np.zeros_like(joints[:, :1]), joints], axis=1)
+    quaternions = [[pin.Quaternion(each).coeffs() for each in pose] for pose in frames]
+    return translations, np.array(quaternions)

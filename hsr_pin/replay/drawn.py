@@ -33,7 +33,7 @@ class Drawn:
 
     @property
     def angles(self) -> Array:
-        """(T, N) [rad] of the simulated motion."""
+        """(T, N) [rad] of the simulated motion; in space (T, N, 3)."""
         assert self.simulated.joint_angles is not None
         return self.simulated.joint_angles
 

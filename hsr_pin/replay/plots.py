@@ -20,6 +20,7 @@ from hsr_pin.output import GENERATOR, write_bytes
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
+from hsr_pin.robot.space_kinematics import space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Marker
 
@@ -104,12 +105,19 @@ def _cut(text: str, room: int) -> str:
 
 
 def tip_figure(runs: Sequence[Drawn]) -> Figure:
-    """The tips' paths in the plane of bending, as the paper's Fig. 4: one colour per run, constant curvature for reference."""
+    """The tips' paths in the plane of bending, as the paper's Fig. 4: one colour per run, constant curvature for reference.
+
+    In space there are two pictures, x-z and y-z, and no reference.
+    """
     from matplotlib.figure import Figure
 
+    views = _views(runs)
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(5.6, 5.2), layout="constrained")
-        _draw_paths(figure.add_subplot(), runs)
+        figure = Figure(figsize=(5.6 if len(views) == 1 else 9.6, 5.2), layout="constrained")
+        first = None
+        for number, axes in enumerate(views):
+            first = panel = figure.add_subplot(1, len(views), number + 1, sharey=first)
+            _draw_paths(panel, runs, axes)
     return figure
 
 
@@ -120,7 +128,7 @@ def comparison_figure(run: Drawn) -> Figure:
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(10.0, 6.4), layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 1.15))
-        _draw_paths(figure.add_subplot(grid[:, 0]), [run])
+        _draw_paths(figure.add_subplot(grid[:, 0]), [run], _views([run])[0])
         first = figure.add_subplot(grid[0, 1])
         second = figure.add_subplot(grid[1, 1], sharex=first)
         third = figure.add_subplot(grid[2, 1], sharex=first)
@@ -144,8 +152,17 @@ def constant_curvature(arm: ArmSpecification, bending: Array) -> Array:
     return np.asarray(tip[:, [0, 2]])
 
 
-def _draw_paths(axes: Axes, runs: Sequence[Drawn]) -> None:
-    _draw_reference(axes, runs)
+def _views(runs: Sequence[Drawn]) -> tuple[tuple[int, int], ...]:
+    """Pairs of world axes, across and up."""
+    return ((0, 2), (1, 2)) if any(run.arm.bending == "space" for run in runs) else ((0, 2),)
+
+
+def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int]) -> None:
+    """Paths of the tips, and the arms at their ends, along two axes of the world."""
+    shown_from = list(view)
+    space = len(_views(runs)) > 1
+    if not space:
+        _draw_reference(axes, runs)
     # the shortest path on top: under the same arm, paths lie on each other for a good part
     order = np.argsort([-np.ptp(run.simulated.marker(run.tip.name), axis=0).max() for run in runs])
     colours = _cycle(len(runs))
@@ -153,26 +170,28 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn]) -> None:
     for layer, index in enumerate(order):
         run, colour = runs[index], colours[index]
         alone = len(runs) == 1 and run.measured is not None
-        shape = 1e3 * _backbone(run)
+        shape = 1e3 * _backbone(run)[:, shown_from]
         axes.plot(*shape.T, color=colour, lw=5.0, alpha=0.22, solid_capstyle="round", zorder=1.5)
-        path = 1e3 * run.tip_path[:, [0, 2]]
+        path = 1e3 * run.tip_path[:, shown_from]
         (handles[index],) = axes.plot(*path.T, color=colour, zorder=3 + layer, label="simulated" if alone else run.label)
         axes.plot(*path[-1], "o", color=colour, mec="white", ms=6, zorder=4 + len(runs))
         if run.measured is not None and run.tip in run.common:
-            seen = 1e3 * run.measured.marker(run.tip.name)[:, [0, 2]]
+            seen = 1e3 * run.measured.marker(run.tip.name)[:, shown_from]
             dots = COLOURS[1] if alone else colour
             (handle,) = axes.plot(*seen.T, ".", color=dots, ms=2.5, alpha=0.7, zorder=2, label="measured" if alone else "")
             handles[len(runs)] = handle
     axes.plot(0, 0, "s", color="#444444", ms=8, zorder=2)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.07)
-    axes.set_xlabel("x [mm]")
-    axes.set_ylabel("z [mm]")
-    axes.set_title("Path of the tip in the plane of bending, and the arm at its end", fontsize=9)
+    axes.set_xlabel(f"{'xyz'[view[0]]} [mm]")
+    axes.set_ylabel(f"{'xyz'[view[1]]} [mm]")
+    where = "" if space else " in the plane of bending"
+    axes.set_title(f"Path of the tip{where}, and the arm at its end", fontsize=9)
     shown, labels = axes.get_legend_handles_labels()
     rank = {handle: index for index, handle in handles.items()}
     legend = sorted(zip(shown, labels, strict=True), key=lambda entry: rank.get(entry[0], len(runs) + 1))
-    axes.legend(*zip(*legend, strict=True), loc="best", markerscale=1.6)
+    if view == _views(runs)[0]:
+        axes.legend(*zip(*legend, strict=True), loc="best", markerscale=1.6)
 
 
 def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
@@ -187,10 +206,12 @@ def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
 
 
 def _backbone(run: Drawn) -> Array:
-    """(n, 2) [m] x and z of the chain at the end of a run, from base to tip."""
+    """(n, 3) [m] the chain at the end of a run, from base to tip."""
     arm = run.arm
     bends = np.concatenate([[0.0], arm.joint_arc_lengths * arm.length, [arm.length]])
-    return np.asarray(marker_map(arm, bends).positions(run.angles[-1])[:, [0, 2]])
+    if arm.bending == "space":
+        return space_marker_map(arm, bends).positions(run.angles[-1].ravel())
+    return marker_map(arm, bends).positions(run.angles[-1])
 
 
 def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:

@@ -12,12 +12,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.robot.specification import ArmSpecification, mount_frame
+from hsr_pin.robot.sections import Section, bodies_of
+from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array
 
 #: Acceleration of gravity [m/s^2], Pinocchio's.
 GRAVITY = 9.81
-_SAME = ("links", "placement", "mount")
+_SAME = ("links", "placement", "mount", "bending", "sections")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,17 +36,23 @@ class Arms:
     tip_mass: Array
     tilt: Array
     bending_limit: Array
+    torsion: Array
+    cross_tilt: Array
+    bending: str = "plane"
+    sections: tuple[Section, ...] = ()
 
     #: Names of those that differ.
-    NUMBERS: ClassVar[tuple[str, ...]] = ("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit")
+    NUMBERS: ClassVar[tuple[str, ...]] = (
+        *("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit", "torsion", "cross_tilt"),
+    )
 
     @classmethod
     def of(cls, specifications: Sequence[ArmSpecification]) -> Arms:
-        """The same arms side by side; all must have the same number of links, placement and mount."""
+        """The same arms side by side; all must have the same number of links, placement, mount and bending."""
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
-        return cls(first.links, first.placement, first.mount, **numbers)
+        return cls(first.links, first.placement, first.mount, bending=first.bending, sections=first.sections, **numbers)
 
     def __len__(self) -> int:
         return len(self.keq)
@@ -57,7 +64,8 @@ class Arms:
     def specification(self, column: int) -> ArmSpecification:
         """One of them."""
         numbers = {name: float(values[column]) for name, values in self.numbers().items()}
-        return ArmSpecification(links=self.links, placement=self.placement, mount=self.mount, **numbers)  # type: ignore[arg-type]
+        same = {name: getattr(self, name) for name in _SAME}
+        return ArmSpecification(**same, **numbers)  # type: ignore[arg-type]
 
     def columns(self, members: Any) -> Arms:
         """Some of them (indices or a slice)."""
@@ -79,6 +87,7 @@ class Chain:
         lever: [m] from a link's joint to its centre of mass.
         inertia: [kg m^2] about the centre of mass.
         reach: [m] from a link's joint to the next one, or to the tip.
+        axial: [kg m^2] about the link's own axis.
         gravity: (B, 2) [m/s^2] along the straight arm, and across it towards positive bending.
     """
 
@@ -86,23 +95,29 @@ class Chain:
     lever: Array
     inertia: Array
     reach: Array
+    axial: Array
     gravity: Array
 
 
 def chain_of(arms: Arms) -> Chain:
     """The links of uniform cylinders that the URDF holds, and the point mass at the tip."""
     links, element = arms.links, (arms.length / arms.links)[:, None]
-    share = np.ones((1, links))
-    if arms.placement == "mid":
-        share[0, -1] = 0.5  # half a link beyond the last joint; the half before the first does not move
+    share = link_shares(links, arms.placement)[None, 1:]  # what is before the first joint does not move
     reach = share * element
     mass = share * (arms.mass / links)[:, None]
     lever = reach / 2
-    inertia = mass * (3 * (arms.diameter / 2)[:, None] ** 2 + reach**2) / 12
+    radius = (arms.diameter / 2)[:, None]
+    inertia = mass * (3 * radius**2 + reach**2) / 12
+    if arms.sections:
+        joints = joint_arc_lengths(links, arms.placement)
+        part, centre, gyration = bodies_of(arms.sections, joints, np.append(joints[1:], 1.0))
+        mass, lever = part * arms.mass[:, None], centre * arms.length[:, None]
+        inertia = mass * (radius**2 / 4 + (gyration * arms.length[:, None]) ** 2)
+    axial = mass * radius**2 / 2
     tip = np.zeros_like(mass)
     tip[:, -1] = arms.tip_mass
     together = mass + tip
     centre = (mass * lever + tip * reach) / together
     inertia = inertia + mass * (lever - centre) ** 2 + tip * (reach - centre) ** 2
     along, across = arms.frame()
-    return Chain(together, centre, inertia, reach, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))
+    return Chain(together, centre, inertia, reach, axial, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))

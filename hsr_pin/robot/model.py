@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.robot.urdf import arm_to_urdf
 from hsr_pin.trajectory import Array
 
@@ -56,7 +56,11 @@ def build_model(specification: ArmSpecification) -> ArmModel:
 
     Returns:
         A model with nq = nv = ``links`` revolute joints, gravity along -z, no armature.
+
+    Raises:
+        SpecificationError: the arm bends in space; see :func:`hsr_pin.robot.space.space_model`.
     """
+    specification = in_plane(specification, "a chain of hinges")
     return ArmModel(specification, _pinocchio_model(rigid_body(specification)))
 
 

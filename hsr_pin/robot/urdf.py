@@ -4,6 +4,10 @@ The straight arm lies along +z of the frame ``base``; every joint turns about +y
 of ``base``. Mounts: upright, ``base`` is the world frame; hanging, it is turned by pi about x (still bends towards world +x);
 horizontal, by pi/2 about y (bends towards world -z). ``tilt`` is one more turn about y.
 
+An arm that bends in space has two hinges in each place, towards +x and then towards +y, and where it twists a third about z, with
+links of no length between them, which carry a millionth of the link's mass (some readers accept none without). That is what other
+readers can have: hinges one after the other are not the rotation vector of the arm in ``<hsr>``, and come near it as 1/N only.
+
 Springs and dampers, and the arm's own numbers, travel in ``<hsr>`` under ``<robot>``: other readers ignore it.
 There is no collision geometry: thick short links of a bent arm would touch each other, which the real arm does not.
 """
@@ -12,7 +16,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,56 +24,45 @@ from xml.etree.ElementTree import Element
 from hsr_pin.errors import SpecificationError, UrdfError
 from hsr_pin.output import write_text
 from hsr_pin.resources import resource
-from hsr_pin.robot.appearance import colour, shape
+from hsr_pin.robot.appearance import shape
+from hsr_pin.robot.links import base_rpy, links_of
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
-#: Version of the extension element; a change of what its attributes mean raises it.
-VERSION = 1
+#: Version of the extension element for arms in the plane, and in space; a change of what its attributes mean raises it.
+VERSIONS = {"plane": 1, "space": 2}
+#: Mass of a link of no length, over that of the link beyond it.
+SLIGHT = 1e-6
 
-_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification))
-
-
-@dataclass(frozen=True)
-class _Link:
-    """A uniform solid cylinder on its joint (``joint`` is empty: fixed)."""
-
-    name: str
-    parent: str
-    joint: str
-    start: float  # [m] along the parent
-    length: float  # [m]
-    mass: float  # [kg]
-    radius: float  # [m]
-    colour: tuple[float, float, float]
-
-    @property
-    def inertia_across(self) -> float:
-        """About an axis across the link through its middle [kg m^2]."""
-        return self.mass * (3 * self.radius**2 + self.length**2) / 12
-
-    @property
-    def inertia_along(self) -> float:
-        """About the link's own axis [kg m^2]."""
-        return self.mass * self.radius**2 / 2
+_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if field.name != "sections")
+#: What only arms in space tell, and what is text.
+_OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
 
 
 def arm_to_urdf(spec: ArmSpecification) -> str:
-    """Write the arm as URDF text, every number so that reading it gives back the same float."""
+    """Write the arm as URDF text, every number so that reading it gives back the same float.
+
+    Raises:
+        SpecificationError: it has sections, of which a URDF of ours knows nothing.
+    """
+    if spec.sections:
+        raise SpecificationError("sections", expected="none for a URDF", received=len(spec.sections))
     plain: dict[str, Any] = {name: _plain(getattr(spec, name)) for name in _FIELDS}
     spec = ArmSpecification(**plain)
-    links = _links(spec)
+    links = links_of(spec)
     middle = (spec.links + 1) // 2 - 1 if spec.placement == "base" else spec.links // 2
     return _template().render(
-        version=VERSION,
-        arm=dataclasses.asdict(spec),
+        version=VERSIONS[spec.bending],
+        arm={name: value for name, value in plain.items() if spec.bending == "space" or name not in _OF_SPACE},
+        slight=SLIGHT,
         joint_stiffness=spec.joint_stiffness,
         joint_damping=spec.joint_damping,
-        base_rpy=_base_rpy(spec),
+        base_rpy=base_rpy(spec),
         links=links,
+        spec=spec,
         middle={"parent": links[middle].name, "z": spec.length / 2 - sum(link.length for link in links[:middle])},
         shape=shape(spec),
     )
@@ -116,35 +108,6 @@ def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
     write_text(path, arm_to_urdf(spec))
 
 
-def _links(spec: ArmSpecification) -> list[_Link]:
-    """List them from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
-    mid = spec.placement == "mid"
-    shares = [0.5, *[1.0] * (spec.links - 1), 0.5] if mid else [1.0] * spec.links
-    links: list[_Link] = []
-    for i, share in enumerate(shares):
-        number = i if mid else i + 1
-        links.append(
-            _Link(
-                name=f"link_{number}",
-                parent=links[-1].name if links else "base",
-                joint=f"joint_{number}" if number else "",
-                start=links[-1].length if links else 0.0,
-                length=share * spec.length / spec.links,
-                mass=share * spec.mass / spec.links,
-                radius=spec.diameter / 2,
-                colour=colour(i / max(len(shares) - 1, 1)),
-            )
-        )
-    return links
-
-
-def _base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
-    """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
-    roll = math.pi if spec.mount == "hanging" else 0.0
-    pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
-    return roll, pitch, 0.0
-
-
 def _plain(value: Any) -> int | float | str:
     """Turn a number of numpy's into Python's own."""
     return value if isinstance(value, str) else int(value) if hasattr(value, "__index__") else float(value)
@@ -170,15 +133,16 @@ def _read_extension(tree: XmlTree) -> ArmSpecification:
         received = "none" if not found else len(found)
         tree.fail("not a URDF of hsr_pin", expected="one <hsr> element under <robot>", received=received, hint=make)
     element = found[0]
-    if element.get("version") != str(VERSION):
-        hint = "read it with the hsr_pin that wrote it"
-        tree.fail("<hsr>", element, expected=f'version="{VERSION}"', received=repr(element.get("version")), hint=hint)
+    kind = next((bends for bends, version in VERSIONS.items() if element.get("version") == str(version)), None)
+    if kind is None:
+        hint, known = "read it with the hsr_pin that wrote it", " or ".join(f'version="{v}"' for v in VERSIONS.values())
+        tree.fail("<hsr>", element, expected=known, received=repr(element.get("version")), hint=hint)
     values: dict[str, Any] = {}
-    for name in _FIELDS:
+    for name in (name for name in _FIELDS if kind == "space" or name not in _OF_SPACE):
         text = element.get(name)
         if text is None:
             tree.fail("<hsr>", element, expected=f"an attribute {name}", received="none", hint=make)
-        values[name] = text if name in ("placement", "mount") else _number(text, int if name == "links" else float)
+        values[name] = text if name in _WORDS else _number(text, int if name == "links" else float)
     try:
         return ArmSpecification(**values)
     except SpecificationError as error:

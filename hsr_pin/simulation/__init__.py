@@ -11,6 +11,7 @@
 - ``inverse``: which torque, which pressures, make a motion
 - ``kernel``: the inner loops, for the compiler
 - ``laws``: the effects' laws as machine code
+- ``load``: a force and a moment on a point of an arm in space
 - ``march``: the loop over time, for Python and for the compiler
 - ``measures``: settled tip, settling time, overshoot, distance from a circle
 - ``motion``: columns from their start to their last sample
@@ -21,5 +22,6 @@
 - ``scenario``: Scenario: what to simulate
 - ``sensitivity``: derivatives of marker positions to parameters
 - ``simulate``: simulate: a batch of one
+- ``space``: the loops for arms that bend about two axes
 - ``stamp``: a mark of the source that compiled code was made from
 """

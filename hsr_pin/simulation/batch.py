@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -46,7 +47,8 @@ def simulate_batch(
     for members, columns in _of_one_method(scenarios, groups.values()):
         group = [scenarios[i] for i in members]
         motion = moved(group, columns, method, dynamics, apart=True, threads=threads)
-        positions = Cameras(columns, [scenario.reach for scenario in group]).positions(motion.angles)
+        beside = [scenario.beside for scenario in group] if columns.space else 0.0
+        positions = Cameras(columns, [scenario.reach for scenario in group], beside).positions(motion.angles)
         results.update((i, result_of(scenarios[i], motion, positions, b)) for b, i in enumerate(members))
     return [results[i] for i in range(len(scenarios))]
 
@@ -73,17 +75,21 @@ def moved(
 ) -> Motion:
     """The motions of scenarios with the same times, all with the steps of the first, or (``apart``) each with its own."""
     first, engine = scenarios[0], Engine(columns, dynamics)
-    start = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in scenarios])
-    torque = np.array([s.torque for s in scenarios]).T
-    substeps = method.substeps(first.step)
-    command = engine.deliver(torque, start, first.step, interpolated=first.interpolated, substeps=substeps)
-    q, v = np.zeros((2, len(columns), columns.links))
+    deliver = partial(engine.deliver, step=first.step, interpolated=first.interpolated, substeps=method.substeps(first.step))
+    if columns.space:
+        from hsr_pin.simulation.space.drive import delivered
+
+        command = delivered(columns, scenarios, deliver)
+    else:
+        start = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in scenarios])
+        command = deliver(np.array([s.torque for s in scenarios]).T, start)
+    q, v = np.zeros((2, len(columns), columns.coordinates))
     wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
     for b, s in enumerate(scenarios):
         if isinstance(s.start, Pose):
-            q[b], v[b] = s.start.angles, s.start.rates
+            q[b], v[b] = s.start.angles.ravel(), np.asarray(s.start.rates).ravel()
         elif s.start.near is not None:
-            q[b] = s.start.near
+            q[b] = s.start.near.ravel()
     if wanted.any():
         rests, found = engine.settled(command.initial, wanted, q)
         q = np.where(wanted[:, None], rests, q)
@@ -99,17 +105,19 @@ def result_of(scenario: Scenario, motion: Motion, positions: Array, column: int)
     if np.isfinite(motion.lost[column]):
         elapsed = float(motion.lost[column])
         count = max(1, int(np.ceil(elapsed / scenario.step - 1e-9)))
-        last = motion.beyond[column]
+        last = motion.beyond[column].reshape(scenario.arm.links, -1)
         # where there is no rest, the arm is left straight
-        nowhere = elapsed == 0 and abs(last.sum()) <= scenario.arm.bending_limit
+        nowhere = elapsed == 0 and np.linalg.norm(last[:, :2].sum(axis=0)) <= scenario.arm.bending_limit
+        last = np.linalg.norm(last, axis=1)
         outcome = Outcome.NO_EQUILIBRIUM if nowhere else reason_of(last)
         joint, time = furthest_joint(last), float(scenario.time[0] + elapsed)
+    shape = (count, scenario.arm.links, 3) if scenario.arm.bending == "space" else (count, scenario.arm.links)
     trajectory = Trajectory(
         time=scenario.time[:count],
         markers=scenario.markers,
         positions=positions[:count, column],
         torque=scenario.torque[:count],
-        joint_angles=motion.angles[:count, column],
-        joint_rates=motion.rates[:count, column],
+        joint_angles=motion.angles[:count, column].reshape(shape),
+        joint_rates=motion.rates[:count, column].reshape(shape),
     )
     return SimulationResult(scenario, trajectory, outcome, time, joint)

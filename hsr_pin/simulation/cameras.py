@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,9 @@ from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
+if TYPE_CHECKING:
+    from hsr_pin.robot.space_kinematics import SpaceMarkerMap
+
 
 class Cameras:
     """Marker positions with what the effects make of them.
@@ -17,16 +22,25 @@ class Cameras:
     Args:
         columns: the arms.
         arc_lengths: (M,) or (B, M) [m] of the markers, from the base.
+        beside: (M,) or (B, M) complex [m] from the backbone, towards x and towards y of the link; in space alone.
     """
 
-    def __init__(self, columns: Columns, arc_lengths: ArrayLike) -> None:
+    def __init__(self, columns: Columns, arc_lengths: ArrayLike, beside: ArrayLike = 0.0) -> None:
         self._reach = np.asarray(arc_lengths, dtype=float)
-        self._places: MarkerMap = marker_map(columns.arms, self._reach)
+        self._places = _places(columns, self._reach, beside)
         self._effects = tuple(effect for effect in columns.effects if effect.acts_through("observe"))
 
     def positions(self, q: Array) -> Array:
-        """(T, B, M, 3) [m] in the world frame, for joint angles q (T, B, N) [rad]."""
+        """(T, B, M, 3) [m] in the world frame, for joint angles q (T, B, N) [rad], in space (T, B, 3 N)."""
         seen = self._places.positions(q)
         for effect in self._effects:
             seen = effect.observe(View(seen, self._places.normals(q), self._places.turned(q), self._reach, self._places.axis))
         return seen
+
+
+def _places(columns: Columns, reach: Array, beside: ArrayLike) -> MarkerMap | SpaceMarkerMap:
+    if not columns.space:
+        return marker_map(columns.arms, reach)
+    from hsr_pin.robot.space_kinematics import space_marker_map
+
+    return space_marker_map(columns.arms, reach, beside)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect, columns_of, stack
 from hsr_pin.robot.chain import Arms, chain_of
-from hsr_pin.robot.model import build_model
+from hsr_pin.robot.model import build_model, rigid_body
+from hsr_pin.robot.sections import along_sections
+from hsr_pin.robot.space import space_model
 from hsr_pin.simulation.integrator import HARDLY_DAMPED
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.reference import PinocchioSystem
@@ -30,29 +33,43 @@ class Columns:
     Attributes:
         nominal: the arms without what the effects make of their bodies.
         effects: with (B,) parameters.
+        points: (B, K) [m] arc lengths at which loads act, in space; None: none.
     """
 
     nominal: Arms
     effects: tuple[Effect, ...]
+    points: Array | None = None
 
     @classmethod
     def of(cls, scenarios: Sequence[Scenario]) -> Columns:
         """The arms of some scenarios."""
         count = len(scenarios[0].effects)
         effects = tuple(stack([scenario.effects[i] for scenario in scenarios]) for i in range(count))
-        return cls(Arms.of([scenario.arm for scenario in scenarios]), effects)
+        points = np.array([s.points for s in scenarios]) if scenarios[0].loads else None
+        return cls(Arms.of([scenario.arm for scenario in scenarios]), effects, points)
 
     def __len__(self) -> int:
         return len(self.nominal)
 
     def members(self, chosen: slice | NDArray[np.intp] | NDArray[np.bool_]) -> Columns:
         """Some of the columns, by a slice, by their indices, or by a truth for each."""
-        return Columns(self.nominal.columns(chosen), tuple(columns_of(effect, chosen) for effect in self.effects))
+        points = None if self.points is None else self.points[chosen]
+        return Columns(self.nominal.columns(chosen), tuple(columns_of(effect, chosen) for effect in self.effects), points)
 
     @property
     def links(self) -> int:
         """N."""
         return self.nominal.links
+
+    @property
+    def space(self) -> bool:
+        """Whether the arms bend in space."""
+        return self.nominal.bending == "space"
+
+    @property
+    def coordinates(self) -> int:
+        """N, in space 3 N."""
+        return (3 if self.space else 1) * self.links
 
     @cached_property
     def arms(self) -> Arms:
@@ -89,32 +106,40 @@ class Columns:
         return sum(law.states for law in self.laws)
 
     @cached_property
-    def arrays(self) -> System:
+    def arrays(self) -> Any:
         """Everything but the machine code of the laws (whose rows are empty)."""
         arms, links = self.arms, self.links
-        chain = chain_of(arms)
-        profile = along(self.effects, "stiffness", links, len(self))
+        sections = along_sections(arms.sections, links) if arms.sections else (1.0, 1.0)
+        profile = along(self.effects, "stiffness", links, len(self)) * sections[0]
         keq, damping = arms.keq[:, None], arms.damping[:, None]
         spring = links * keq * profile
-        damper = links * damping * along(self.effects, "damping", links, len(self))
+        damper = links * damping * along(self.effects, "damping", links, len(self)) * sections[1]
         stiff, drag = spring.copy(), damper.copy()
         for effect in self.effects:
             stiffness, resistance = effect.tangent(arms.keq)
             stiff += links * np.broadcast_to(stiffness, len(self))[:, None]
             drag += links * np.broadcast_to(resistance, len(self))[:, None]
+        share = along(self.effects, "actuation", links, len(self))
+        if self.space:
+            from hsr_pin.simulation.space.system import space_system
+
+            points = np.zeros((len(self), 0)) if self.points is None else self.points
+            names = ("spring", "damper", "stiff", "drag", "share", "profile")
+            return space_system(arms, dict(zip(names, (spring, damper, stiff, drag, share, profile), strict=True)), points)
+        chain = chain_of(arms)
         beyond = chain.mass[:, ::-1].cumsum(axis=1)[:, ::-1] - chain.mass
         # in one block: the compiled loops take one layout alone
         joints = np.array(
             (
                 *(chain.mass, chain.lever, chain.inertia, chain.reach, chain.mass * chain.lever + chain.reach * beyond),
-                *(spring, damper, stiff, drag, along(self.effects, "actuation", links, len(self)), profile),
+                *(spring, damper, stiff, drag, share, profile),
             )
         )
         whole = np.ascontiguousarray(chain.gravity), np.ascontiguousarray(arms.keq)
         return System._make((*joints, *whole, np.zeros((0, 4), dtype=np.int64), np.zeros((0, 1, len(self)))))
 
     @cached_property
-    def system(self) -> System:
+    def system(self) -> Any:
         """For the compiled loops."""
         from hsr_pin.simulation.laws import address  # here: machine code is made only where it is wanted
 
@@ -122,8 +147,8 @@ class Columns:
             return self.arrays
         rows, numbers, first = [], [self.numbers_of(law) for law in self.laws], 0
         for law in self.laws:
-            update = address(law, "update") if law.states else 0
-            rows.append((address(law, "moment"), update, first, law.states))
+            update = address(law, "update", space=self.space) if law.states else 0
+            rows.append((address(law, "moment", space=self.space), update, first, law.states))
             first += law.states
         table = np.zeros((len(rows), max(len(n) for n in numbers), len(self)))
         for row, values in zip(table, numbers, strict=True):
@@ -132,7 +157,8 @@ class Columns:
 
     def pinocchio(self, solve: str) -> PinocchioSystem:
         """For the loops over Pinocchio: "aba" or "rnea"."""
-        models = tuple(build_model(self.arms.specification(b)).model.copy() for b in range(len(self)))
+        every = [self.arms.specification(b) for b in range(len(self))]
+        models = tuple((space_model(rigid_body(arm)) if self.space else build_model(arm).model).copy() for arm in every)
         return PinocchioSystem(self.arrays, models, tuple(m.createData() for m in models), self.laws, solve)
 
     def numbers_of(self, effect: Effect) -> Array:
@@ -144,7 +170,7 @@ def likeness(scenario: Scenario) -> object:
     """What must be the same in scenarios whose arms are to stand side by side."""
     arm = scenario.arm
     kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
-    return arm.links, arm.placement, arm.mount, kinds, len(scenario.markers)
+    return arm.links, arm.placement, arm.mount, arm.bending, arm.sections, kinds, len(scenario.markers), len(scenario.loads)
 
 
 def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> Array:

@@ -27,10 +27,10 @@ class Delivered:
     """Torque over time, even within cells.
 
     Attributes:
-        impulse: (B, C + 1) its integral, in N m times cells.
+        impulse: (B, C + 1) its integral, in N m times cells; in space complex, or (B, C + 1, U) with the loads.
         cell: [s].
         per_sample: cells from sample to sample.
-        initial: (B,) [N m] before the first.
+        initial: (B,) [N m] before the first; in space complex, or (B, U).
     """
 
     impulse: Array
@@ -44,8 +44,10 @@ class Delivered:
             torque = np.diff(self.impulse, axis=1)
             largest = np.maximum(np.abs(torque).max(axis=1, keepdims=True), 1e-12)
             jumps = np.abs(np.diff(torque, axis=1)) > _JUMP * largest
+        if jumps.ndim == 3:
+            jumps = jumps.any(axis=2)
         cells = torque.shape[1]
-        ends = np.full(self.impulse.shape, float(cells))
+        ends = np.full(self.impulse.shape[:2], float(cells))
         ends[:, : cells - 1] = np.where(jumps, np.arange(1.0, cells), cells)
         return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1]
 
@@ -64,8 +66,8 @@ def deliver(
 
     Args:
         columns: the arms.
-        torque: (S, B) or (S, 1) [N m] at the samples.
-        initial: (B,) or (1,) [N m] before the first.
+        torque: (S, B) or (S, 1) [N m] at the samples; in space complex.
+        initial: (B,) or (1,) [N m] before the first, likewise.
         step: from sample to sample [s].
         interpolated: the command goes straight from sample to sample instead of being held.
         substeps: cells in a sample, at least.
@@ -76,7 +78,7 @@ def deliver(
     if interpolated:
         share = (np.arange(per_sample) + 0.5) / per_sample
         held = held + np.repeat(np.diff(torque, axis=0), per_sample, axis=0) * np.tile(share, len(torque) - 1)[:, None]
-    flow = np.empty((len(held) + 1, len(columns)))  # the first row is what was before, for ever
+    flow = np.empty((len(held) + 1, len(columns)), dtype=held.dtype)  # the first row is what was before, for ever
     flow[0], flow[1:] = initial, held
     cell = step / per_sample
     for effect in columns.muscles:
@@ -122,7 +124,8 @@ def by_machine(columns: Columns, effect: Effect, flow: Array, cell: float) -> Ar
 
     from hsr_pin.simulation.laws import address
 
-    loop = CFUNCTYPE(None, *[c_void_p] * 4, c_int64, c_int64, c_double)(address(effect, "respond"))
+    begin = address(effect, "respond", space=np.iscomplexobj(flow))
+    loop = CFUNCTYPE(None, *[c_void_p] * 4, c_int64, c_int64, c_double)(begin)
     answers, numbers, keq = np.empty_like(flow), columns.numbers_of(effect), np.ascontiguousarray(columns.nominal.keq)
     loop(flow.ctypes.data, keq.ctypes.data, numbers.ctypes.data, answers.ctypes.data, *flow.shape, cell)
     return answers

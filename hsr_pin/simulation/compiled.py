@@ -66,6 +66,19 @@ def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options
 
 @lru_cache(maxsize=1)
 def _loops() -> Loops:
+    return assembled("loops", kernel, rest, brief_advance, _arguments())
+
+
+def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], arguments: Iterable[Any]) -> Loops:
+    """The loops over one kind of arms.
+
+    Args:
+        part: the name under which :mod:`~hsr_pin.simulation.stamp` has what they are made from.
+        kernel: the module that has the inner loops.
+        rest: the module that has the search for rest.
+        advance: steps that are given from outside.
+        arguments: the types of what each of the loops takes.
+    """
     from numba import njit
     from numba.core import event
 
@@ -76,24 +89,25 @@ def _loops() -> Loops:
         scope = {**function.__globals__, **others}
         copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
-        copy.__qualname__ = f"{function.__name__}_{stamp('loops')}"
+        copy.__qualname__ = f"{function.__name__}_{stamp(part)}"
         code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
         all_kept = all_kept and is_kept
         return code
 
-    call_law = _caller()
-    plain = {name: made(getattr(kernel, name), inline=True) for name in ("substep", "add", "between", "bent", "alone")}
-    plain |= {name: made(getattr(kernel, name), call_law=call_law) for name in ("resist", "remember")}
-    plain["mean_torque"] = made(march.mean_torque, inline=True)
+    plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
+    for name in kernel.PARTS:
+        plain[name] = made(getattr(kernel, name), inline=name not in ("resist", "remember"), **plain)
+    plain["mean_torque"] = plain.get("mean_torque") or made(march.mean_torque, inline=True)
     plain["extrapolate"] = made(march.extrapolate, **plain)
-    statics = {name: made(getattr(rest, name), **plain) for name in ("laws_at", "imbalance", "newton_step")}
+    for name in rest.PARTS:
+        plain[name] = made(getattr(rest, name), **plain)
     plain["march"] = made(march.march, **plain)
     plain["advance"] = made(march.advance, **plain)
-    apart, steps = made(march.march_apart, **plain), made(brief_advance, **plain)
-    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain, **statics))
+    apart, steps = made(march.march_apart, **plain), made(advance, **plain)
+    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain))
     with event.install_listener("numba:compile", _announcement(_KEPT if all_kept else _LOST)):  # not heard when they are loaded
-        for function, arguments in zip(found, _arguments(), strict=True):
-            function.compile(arguments)  # for these types alone: nothing is ever compiled again unawares
+        for function, types_of in zip(found, arguments, strict=True):
+            function.compile(types_of)  # for these types alone: nothing is ever compiled again unawares
             function.disable_compile()
     return found
 
@@ -102,13 +116,14 @@ def brief_advance(
     joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, state: Array, impulse: Array, cell: float,
     weights: Array, limit: Array,
 ) -> int:  # fmt: skip
-    """As :func:`hsr_pin.simulation.march.advance`, for arms in few arrays: at a call from Python, each takes its time.
+    """As :func:`hsr_pin.simulation.march.advance`, for few arrays: at a call from Python, each takes its time.
 
-    ``joints`` (11, B, N) are the first fields of :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
+    ``state`` (2 + states, B, N) are angles, rates and what the laws remember; ``joints`` (11, B, N) are the first fields of
+    :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
     """
     j = joints
     arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)
-    return advance(arms, state, impulse, cell, weights, limit)
+    return advance(arms, state[0], state[1], state[2:], impulse, cell, weights, limit)
 
 
 def _arguments() -> tuple[Any, ...]:

@@ -27,7 +27,7 @@ class Drive:
 
     Attributes:
         time: (T,) [s] evenly spaced.
-        torque: (T,) [N m] held from each sample to the next.
+        torque: (T,) [N m] held from each sample to the next; for an arm in space (T, 2), towards x and towards y of the base.
         pressures: (T, 2) [bar] that give this torque by Eqs. (4) and (5); None: the torque itself is commanded.
     """
 
@@ -41,7 +41,13 @@ class Drive:
 
     def scenario(self, arm: ArmSpecification, effects: tuple[Effect, ...] = ()) -> Scenario:
         """The arm under this drive, at first settled under its first command."""
-        return Scenario(arm, self.time, self.torque, Settled(float(self.torque[0])), effects)
+        start = complex(*self.torque[0]) if self.torque.ndim == 2 else float(self.torque[0])
+        return Scenario(arm, self.time, self.torque, Settled(start), effects)
+
+    def towards(self, direction: float) -> Drive:
+        """The same in space, towards a direction from x to y of the base [rad]."""
+        direction = finite("direction", direction, "a finite angle [rad]")
+        return replace(self, torque=np.outer(self.torque, [np.cos(direction), np.sin(direction)]))
 
     def noted_in(self, trajectory: Trajectory) -> Trajectory:
         """A motion under this drive, with the pressures that caused it."""
@@ -57,7 +63,7 @@ def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> 
     """
     torque = finite("torque", torque, "a finite number [N m]")
     scenario = step_scenario(arm, torque, rest=REST, duration=checked_duration(duration))
-    return Drive(scenario.time, scenario.torque)
+    return Drive(scenario.time, scenario.command.real.reshape(len(scenario.time), -1)[:, 0])
 
 
 def pressure_step(arm: ArmSpecification, pressures: ArrayLike, duration: float = 3.0) -> Drive:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,6 +66,13 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     columns = Columns.of([scenario])
     q, v = motion.joint_angles, motion.joint_rates
     assert q is not None and v is not None  # of a simulation
+    least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
+    if columns.space:
+        return _in_space(scenario, columns, q, v, least)
+    start: Any = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
+    with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears
+        given = _arriving(columns, scenario, scenario.torque, start)[: len(q) - 1]
+        brought = given * (np.diff(q, axis=0) @ columns.arrays.share[0])
     arrays, chain = columns.arrays, chain_of(columns.arms)
     theta, omega = q.cumsum(axis=1), v.cumsum(axis=1)
     ahead = np.stack([np.cos(theta), np.sin(theta)])
@@ -73,24 +81,40 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     kinetic = (chain.mass * (speeds**2).sum(axis=0) + chain.inertia * omega**2).sum(axis=1) / 2
     springs = (arrays.spring * q**2).sum(axis=1) / 2 + sum(_stored(columns, law, q) for law in columns.laws)
     height = (chain.mass * (chain.gravity[0] @ places.swapaxes(0, 1).reshape(len(q), 2, -1))).sum(axis=1)
-    start = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
-    arriving = deliver(columns, scenario.torque[:, None], np.array([start]), scenario.step).impulse[0]
-    with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears
-        brought = np.diff(arriving)[: len(q) - 1] * (np.diff(q, axis=0) @ arrays.share[0])
-    least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
     return Energy(kinetic, springs - height, np.append(0.0, brought.cumsum()), least)
+
+
+def _arriving(columns: Columns, scenario: Scenario, torque: Array, start: complex) -> Array:
+    """(T - 1,) [N m] the mean of what arrives between the samples."""
+    return np.asarray(np.diff(deliver(columns, torque[:, None], np.array([start]), scenario.step).impulse[0]))
+
+
+def _in_space(scenario: Scenario, columns: Columns, q: Array, v: Array, least: float) -> Energy:
+    from hsr_pin.simulation.space.account import kinetic_and_height, twisting, work_of_loads
+
+    bends = q[:, :, 0] + 1j * q[:, :, 1]
+    kinetic, height = kinetic_and_height(columns, q, v)
+    springs = (columns.arrays.spring * np.abs(bends) ** 2).sum(axis=1) / 2 + twisting(columns, q)
+    springs = springs + sum(_stored(columns, law, bends) for law in columns.laws)
+    ways = (np.diff(bends, axis=0) * columns.arrays.share[0]) @ columns.arrays.inputs
+    brought = work_of_loads(scenario, columns, q)
+    for section, start in enumerate(scenario.held_under):
+        given = _arriving(columns, scenario, scenario.command[:, section], start)[: len(q) - 1]
+        brought = brought + (given.conj() * ways[:, section]).real
+    return Energy(kinetic, springs + height, np.append(0.0, brought.cumsum()), least)
 
 
 def untold(scenario: Scenario) -> str:
     """What keeps the account of a scenario from being told; empty if nothing does."""
     remembering = [effect.name for effect in scenario.effects if effect.states or effect.memories or effect.acts_through("late")]
-    return ", ".join(remembering) or ("an interpolated command" if scenario.interpolated else "")
+    turned = any(np.any(np.asarray(load.moment)) for load in scenario.loads)  # whose work is none of the samples'
+    return ", ".join(remembering) or ("an interpolated command" if scenario.interpolated else "moments of loads" * turned)
 
 
 def _stored(columns: Columns, law: Effect, q: Array) -> Array:
-    """(T,) [J] the work of a law's moment, at rest, on the way from the straight arm to q (T, N)."""
+    """(T,) [J] the work of a law's moment, at rest, on the way from the straight arm to q (T, N), in space complex."""
     total, links = np.zeros(len(q)), columns.links
     for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
         bending = Bending(point * links * q, 0.0 * q, columns.arms.keq[:, None], columns.arrays.profile, ())
-        total += weight * (law.moment(law.p, bending) * q).sum(axis=1)
+        total += weight * (np.conj(law.moment(law.p, bending)) * q).sum(axis=1).real
     return total

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.pressure import PressureMap
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.reference import resist
 from hsr_pin.simulation.scenario import Scenario
@@ -87,7 +87,7 @@ def _columns(arm: ArmSpecification, effects: Sequence[Effect]) -> Columns:
     remembering = [effect.name for effect in effects if effect.states]
     if remembering:
         raise InputError("effects", expected="those whose moment follows from the motion", received=", ".join(remembering))
-    scenario = Scenario(arm, np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
+    scenario = Scenario(in_plane(arm, "inverse dynamics"), np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
     return Columns.of([scenario])
 
 

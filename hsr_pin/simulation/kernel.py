@@ -16,6 +16,10 @@ from hsr_pin.trajectory import Array
 
 #: Rows of the scratch array for each link: cos, sin, rate of the link, J, hx, hy, 1/D, free torque.
 SCRATCH = 8
+#: The same with the march's own row.
+ROWS = SCRATCH + 1
+#: What the compiler takes from here, in the order of use.
+PARTS = ("substep", "add", "between", "bent", "alone", "resist", "remember")
 
 
 class System(NamedTuple):

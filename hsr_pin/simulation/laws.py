@@ -57,14 +57,17 @@ _FORMS = {
 }
 
 
-def address(effect: Effect, hook: str) -> int:
-    """Where the machine code of a law begins; compiled, or fetched from the cache, at the first call."""
+def address(effect: Effect, hook: str, *, space: bool = False) -> int:
+    """Where the machine code of a law begins; compiled, or fetched from the cache, at the first call.
+
+    In ``space`` bending, torque and memories are complex numbers.
+    """
     with _LOCK:  # a second thread waits for the first
-        return int(_compiled(type(effect), hook, effect.options).address)
+        return int(_compiled(type(effect), hook, effect.options, space).address)
 
 
 @cache
-def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...]) -> Any:
+def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...], space: bool) -> Any:
     from numba import cfunc, njit
     from numba import types as nb
 
@@ -86,9 +89,11 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
     exec(compile(text, inspect.getfile(law), "exec"), scope)
     loop: Any = scope[hook]
     readings = "_".join(value for _, value in options)
-    loop.__qualname__ = f"{kind.__name__}_{hook}_{readings}_{law_stamp(law)}"
-    number = nb.CPointer(nb.float64)
-    signature = nb.void(*[number] * pointers, *[nb.int64] * integers, *[nb.float64] * reals)
+    loop.__qualname__ = f"{kind.__name__}_{hook}_{readings}_{law_stamp(law)}{'_space' * space}"
+    number, vector = nb.CPointer(nb.float64), nb.CPointer(nb.complex128 if space else nb.float64)
+    names = arguments.split(", ")[:pointers]
+    points = [number if name in ("keq", "profile", "numbers") else vector for name in names]
+    signature = nb.void(*points, *[nb.int64] * integers, *[nb.float64] * reals)
     return cached(partial(cfunc, signature), loop, error_model="numpy")[0]
 
 

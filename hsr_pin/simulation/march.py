@@ -11,7 +11,8 @@ All columns take the steps that the first one needs: what differs between them i
 
 The functions here run as Python over Pinocchio, and compiled: names that they do not define (``substep``, ``resist``,
 ``remember``, ``add``, ``between``, ``bent``, ``alone``) come from :mod:`~hsr_pin.simulation.reference` or
-:mod:`~hsr_pin.simulation.kernel`.
+:mod:`~hsr_pin.simulation.kernel`; for arms in space, whose rows hold 3 N coordinates and whose impulses are (B, C + 1, U), from
+the modules of the same names in :mod:`~hsr_pin.simulation.space`.
 Only what both understand is used: arrays, numbers and loops.
 """
 
@@ -22,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.simulation.reference import add, alone, bent, between, remember, resist, substep
+from hsr_pin.simulation.reference import ROWS, add, alone, bent, between, remember, resist, substep
 from hsr_pin.trajectory import Array
 
 #: Shortest step, over a cell of the command.
@@ -64,7 +65,7 @@ def extrapolate(
         work: (7, B, N): the new angles and rates are left in the first two.
         z_now: (states, B, N) for work.
         torque: (B,) for work.
-        scratch: (9, N) for work.
+        scratch: (ROWS, N) for work.
 
     Returns:
         Errors of the first column, in radians summed over the joints, infinite where they are no numbers: at the end of the step,
@@ -73,7 +74,7 @@ def extrapolate(
     h = step * cell
     q_new, v_new, q_low, v_low, q_now, v_now, moment = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
     work[:] = 0.0
-    begin = scratch[8]
+    begin = scratch[ROWS - 1]
     begin[:] = 0.0
     laws, memory = system.laws.shape[0], z.shape[0]
     for k in range(weights.shape[1]):
@@ -139,7 +140,7 @@ def march(
     count, links = q.shape
     work = np.zeros((7, count, links))
     z_new, z_now = np.zeros_like(z), np.zeros_like(z)
-    torque, scratch = np.zeros(count), np.zeros((9, links))
+    torque, scratch = np.zeros_like(impulse[:, 0]), np.zeros((ROWS, links))
     t, h, samples, sample, steps = 0.0, first, angles.shape[0], 1, 0
     p = weights.shape[1]
     angles[0], rates[0] = q, v
@@ -225,12 +226,14 @@ def march_apart(
         )  # fmt: skip
 
 
-def advance(system: Any, state: Array, impulse: Array, cell: float, weights: Array, limit: Array) -> int:
+def advance(system: Any, q: Array, v: Array, z: Array, impulse: Array, cell: float, weights: Array, limit: Array) -> int:
     """Steps of one cell each, in place: a march to the only sample.
 
     Args:
         system: the arms.
-        state: (2 + states, B, N) angles [rad], rates [rad/s], and what the laws remember.
+        q: (B, N) [rad].
+        v: (B, N) [rad/s].
+        z: (states, B, N) of the laws.
         impulse: (B, C + 1) integral of the torque, as for :func:`march`.
         cell: [s].
         weights: (2, p) as for :func:`extrapolate`.
@@ -239,7 +242,6 @@ def advance(system: Any, state: Array, impulse: Array, cell: float, weights: Arr
     Returns:
         How many columns went beyond their limits. Those have the angles where they did, and no numbers for rates.
     """
-    q, v, z = state[0], state[1], state[2:]
     count, links = q.shape
     cells = impulse.shape[1] - 1
     until, lost, room = np.arange(1.0, cells + 1), np.full(count, inf), np.zeros((5, count, links))

@@ -1,6 +1,6 @@
 """What a run's tip path says: where it settles, how fast, how far it overshoots, and how far its path is from a circle.
 
-The path is looked at in the plane of bending, x and z.
+The path of an arm in a plane is looked at there, in x and z; that of one in space also in the plane nearest to it.
 """
 
 from __future__ import annotations
@@ -37,18 +37,21 @@ class TipMeasures:
     """What the tip did after the last change of the command.
 
     Attributes:
-        x, z: of the tip at the end of the run [m].
+        x, y, z: of the tip at the end of the run [m].
         settled: whether it had come to rest there.
         settling_time: from the last change of the command until it stays within 2 % of its way [s]; None if it did not settle.
         overshoot: how far it went beyond its end, over its whole way [1]; None if it did not settle.
-        circle: nearest to the path of the whole run; None if the tip did not move.
+        circle: nearest to the path of the whole run, in space in the plane nearest to it; None if the tip did not move.
+        off_plane: RMS distance of the path from that plane [m]; None in the plane of bending.
     """
 
     x: float
+    y: float
     z: float
     settling_time: float | None
     overshoot: float | None
     circle: Circle | None
+    off_plane: float | None = None
 
     @property
     def settled(self) -> bool:
@@ -62,15 +65,35 @@ def measure_tip(trajectory: Trajectory, marker: str = "tip") -> TipMeasures:
     Raises:
         KeyError: no such marker.
     """
-    path = trajectory.marker(marker)[:, [0, 2]]
+    space = trajectory.torque is not None and trajectory.torque.ndim == 2
+    whole = trajectory.marker(marker)
+    path = whole if space else whole[:, [0, 2]]
     seen = np.isfinite(path).all(axis=1)
     if not seen.any():
-        return TipMeasures(np.nan, np.nan, None, None, None)
+        return TipMeasures(np.nan, np.nan, np.nan, None, None, None)
     step = trajectory.time[_last_change(trajectory)]
     after = seen & (trajectory.time >= step)
     settling_time, overshoot = _settling(trajectory.time[after] - step, path[after])
-    x, z = path[seen][-1].tolist()
-    return TipMeasures(x, z, settling_time, overshoot, nearest_circle(path[seen]))
+    x, y, z = whole[seen][-1].tolist()
+    flat, off_plane = nearest_plane(path[seen]) if space else (path[seen], None)
+    return TipMeasures(x, y, z, settling_time, overshoot, nearest_circle(flat), off_plane)
+
+
+def nearest_plane(path: Array) -> tuple[Array, float]:
+    """A path (T, 3) [m] in the plane nearest to it, (T, 2), and its RMS distance from that [m]; each stretch counts by length."""
+    weight = _by_length(path)
+    centred = path - np.average(path, axis=0, weights=weight**2)
+    axes = np.linalg.svd(weight[:, None] * centred, full_matrices=False)[2]
+    return centred @ axes[:2].T, float(np.linalg.norm(weight * (centred @ axes[2])))
+
+
+def _by_length(path: Array) -> Array:
+    """(T,) roots of the shares of a path's length that its points stand for; of a path without length, even ones."""
+    pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    whole = pieces.sum()
+    if whole < STILL:
+        return np.full(len(path), 1 / np.sqrt(len(path)))
+    return np.asarray(np.sqrt((np.append(pieces, 0.0) + np.append(0.0, pieces)) / (2 * whole)))
 
 
 def nearest_circle(path: Array) -> Circle | None:
@@ -79,11 +102,9 @@ def nearest_circle(path: Array) -> Circle | None:
     A point's distance from a curve that crosses the path's second principal axis at ``offset``, with the direction ``turn`` and
     the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n: regular where circles become lines.
     """
-    pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    length = float(pieces.sum())
-    if length < STILL:
+    if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < STILL:
         return None
-    weight = np.sqrt((np.append(pieces, 0.0) + np.append(0.0, pieces)) / (2 * length))
+    weight = _by_length(path)
     centred = path - np.average(path, axis=0, weights=weight**2)
     _, extent, axes = np.linalg.svd(weight[:, None] * centred, full_matrices=False)
     scale = float(extent[0])

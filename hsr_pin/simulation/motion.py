@@ -28,7 +28,7 @@ class State:
     """What B arms are at one instant.
 
     Attributes:
-        q, v: (B, N) [rad], [rad/s].
+        q, v: (B, N) [rad], [rad/s]; in space (B, 3 N).
         z: (states, B, N) memories of the laws in the joints.
     """
 
@@ -72,14 +72,21 @@ class Engine:
         self.columns, self._limit = columns, np.ascontiguousarray(columns.arms.bending_limit)
         self._compiled = dynamics == "compiled"
         self._system: Any
-        self._advance: Callable[..., int]
-        if self._compiled:
+        self._brief: Callable[..., int]
+        if columns.space and dynamics == "aba":
+            raise InputError("dynamics", expected="compiled or rnea for an arm in space", received="'aba'")
+        if columns.space:
+            from hsr_pin.simulation.space.reference import python_loops
+
+            self._loops = _space_loops() if self._compiled else python_loops()
+            self._system = columns.system if self._compiled else columns.pinocchio(dynamics)
+            self._arrays = self._system if self._compiled else columns.arrays
+        elif self._compiled:
             self._loops, self._system, self._arrays = loops(), columns.system, columns.system
-            self._advance = partial(self._loops.advance, *columns.system.in_few())
+            self._brief = partial(self._loops.advance, *columns.system.in_few())
         else:
             self._loops = Loops(march.march, march.march_apart, march.advance, rest.rest)
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
-            self._advance = partial(self._loops.advance, self._system)
 
     def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
         """As :func:`hsr_pin.simulation.command.deliver`."""
@@ -104,17 +111,20 @@ class Engine:
 
     def loaded(self, q: Array, v: Array) -> State:
         """The state of arms at q, v (B, N) that were never bent before and settled there."""
-        z = np.zeros((self.columns.states, *q.shape))
+        columns = self.columns
+        z = np.zeros((columns.states, len(columns), columns.links), dtype=complex if columns.space else float)
         if len(z):
-            reference.remembered(self.columns.laws, z.copy(), np.zeros_like(q), q, inf, z)
+            reached = _bends(q) if columns.space else q
+            reference.remembered(columns.laws, z.copy(), np.zeros_like(reached), reached, inf, z)
         return State(np.array(q), np.array(v), z)
 
     def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
-        """As :func:`hsr_pin.simulation.march.advance`: steps of one cell each, in place."""
+        """As :func:`hsr_pin.simulation.march.advance`, in the plane: angles, rates and memories are one (2 + states, B, N)."""
         if self._compiled:  # there is no time to lose
-            return self._advance(state, impulse, cell, weights, self._limit)
+            return self._brief(state, impulse, cell, weights, self._limit)
         with np.errstate(all="ignore"):
-            return self._advance(state, impulse, cell, weights, self._limit)
+            parts = state[0], state[1], state[2:]
+            return int(self._loops.advance(self._system, *parts, impulse, cell, weights, self._limit))
 
     def run(self, state: State, command: Delivered, samples: int, method: Integrator, found: NDArray[np.bool_]) -> Motion:
         """The motion from a state under a command; columns that are not ``found`` (B,) stay where they are."""
@@ -166,8 +176,21 @@ class Engine:
     def _steps(self, command: Delivered, method: Integrator) -> tuple[Array, float, float, Array]:
         """(B,) tolerance in radians; the first and the longest step, in cells; (B, C + 1) what no step may pass."""
         if method.step is not None:
-            until = np.broadcast_to(np.arange(1.0, command.impulse.shape[1] + 1), command.impulse.shape)
+            shape = command.impulse.shape[:2]
+            until = np.broadcast_to(np.arange(1.0, shape[1] + 1), shape)
             return np.full(len(self.columns), inf), 1.0, 1.0, np.array(until, order="C")
         first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
         until = np.ascontiguousarray(command.until())
         return method.tolerance / self.columns.arms.length, max(first, 1 / 16), max(longest, 1.0), until
+
+
+def _space_loops() -> Loops:
+    from hsr_pin.simulation.space.loops import space_loops  # here: it is for arms in space alone
+
+    return space_loops()
+
+
+def _bends(q: Array) -> Array:
+    from hsr_pin.simulation.space.kernel import bends
+
+    return bends(q)  # type: ignore[no-any-return]  # complex numbers

@@ -15,7 +15,10 @@ import pinocchio as pin
 
 from hsr_pin.effects.effect import Bending, Effect, columns_of
 from hsr_pin.simulation import kernel
+from hsr_pin.simulation.kernel import ROWS
 from hsr_pin.trajectory import Array
+
+__all__ = ["ROWS", "add", "alone", "bent", "between", "remember", "remembered", "resist", "substep"]
 
 
 @dataclass(frozen=True, eq=False)

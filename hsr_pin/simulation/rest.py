@@ -23,6 +23,8 @@ TOLERANCE, ACCEPTED = 1e-12, 1e-8
 _NEWTON, _HALVINGS, _CREEP = 60, 8, 400
 #: No step turns a joint by more [rad].
 _FARTHEST = 0.5
+#: What the compiler takes from here, beside the search itself.
+PARTS = ("laws_at", "imbalance", "newton_step")
 
 
 def laws_at(system: Any, q: Array, work: Array, z: Array, moment: Array) -> None:

@@ -11,6 +11,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.parameters import finite
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.load import Load
 from hsr_pin.trajectory import Array, Marker, read_only
 
 #: Longest run [s]: a day, 8.6 million of the default steps. What asks for more has times in another unit.
@@ -21,24 +22,29 @@ MOST_SAMPLES = 10_000_000
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """Start at rest, in equilibrium under a constant torque [N m].
+    """Start at rest, in equilibrium under a constant torque [N m]; in space a complex number, towards x and towards y.
 
-    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad] (default: straight).
+    An arm of S sections takes (S,) of them, or one for all.
+
+    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad], in space (N, 3) (default:
+    straight).
     """
 
-    torque: float = 0.0
+    torque: complex | tuple[complex, ...] = 0.0
     near: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "near", read_only(self.near))
-        finite("start", self.torque, "a finite torque [N m]")
+        for each in self.torque if isinstance(self.torque, tuple) else (self.torque,):
+            for part in (each.real, each.imag) if isinstance(each, complex) else (each,):
+                finite("start", part, "a finite torque [N m]")
         if self.near is not None and not np.all(np.isfinite(self.near)):
             raise InputError("start", expected="finite angles [rad]", received=quoted(self.near))
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest)."""
+    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest); in space (N, 3) each."""
 
     angles: Array
     rates: Array | None = None
@@ -62,11 +68,13 @@ class Scenario:
     Attributes:
         arm: the nominal arm.
         time: (T,) [s] evenly spaced; the result is given at these times.
-        torque: (T,) [N m] the command at these times.
+        torque: (T,) [N m] the command at these times; in space (T, 2), towards x and towards y of the base, and for an arm of S
+            sections (T, 2 S), two for each.
         start: settled under a torque, or a pose.
         effects: what acts beside the nominal model, at most one of a kind.
         markers: the points to follow; default: base, middle and tip.
         interpolated: the command goes straight from each sample to the next (a measured pressure, say) instead of being held.
+        loads: forces and moments on points of an arm in space.
     """
 
     arm: ArmSpecification
@@ -76,6 +84,7 @@ class Scenario:
     effects: tuple[Effect, ...] = ()
     markers: tuple[Marker, ...] = ()
     interpolated: bool = False
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         time, torque = read_only(self.time), read_only(self.torque)
@@ -91,23 +100,70 @@ class Scenario:
             raise InputError(
                 "time", expected="increasing, evenly spaced", received=f"steps from {steps.min():g} to {steps.max():g} s"
             )
-        if torque.shape != time.shape or not np.all(np.isfinite(torque)):
-            raise InputError("torque", expected=f"{len(time)} finite values [N m]", received=f"shape {torque.shape}")
+        self._check_space(torque, len(time))
         kinds = [type(effect) for effect in self.effects]
         if len(set(kinds)) < len(kinds):
             raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
         angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
-        if angles is not None and angles.shape != (self.arm.links,):
-            raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {angles.shape}")
+        shape = (self.arm.links, 3) if self.arm.bending == "space" else (self.arm.links,)
+        if angles is not None and angles.shape != shape:
+            expected = f"{self.arm.links} joint angles" if len(shape) == 1 else f"joint angles {shape}"
+            raise InputError("start", expected=expected, received=f"shape {angles.shape}")
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "torque", torque)
         if not self.markers:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))
 
+    def _check_space(self, torque: Array, samples: int) -> None:
+        """Refuse what only an arm in space has for one in a plane, and the other way round."""
+        space = self.arm.bending == "space"
+        parts = max(1, len(self.arm.sections))
+        if torque.shape != ((samples, 2 * parts) if space else (samples,)) or not np.all(np.isfinite(torque)):
+            each = f" for each of {parts} sections" if parts > 1 else ""
+            expected = f"{samples} finite values [N m]" + (f" towards x and towards y{each}" if space else "")
+            raise InputError("torque", expected=expected, received=f"shape {torque.shape}")
+        if isinstance(self.start, Settled) and isinstance(self.start.torque, tuple) and len(self.start.torque) != parts:
+            raise InputError("start", expected=f"one torque, or {parts}", received=str(len(self.start.torque)))
+        if not space and (self.loads or (isinstance(self.start, Settled) and isinstance(self.start.torque, complex | tuple))):
+            name = "loads" if self.loads else "start"
+            hint = 'an arm in space has bending="space"'
+            raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
+        if not space and (off := [marker.name for marker in self.markers if marker.radius]):
+            raise InputError("markers", expected="on the backbone of an arm in a plane", received=f"{off[0]} beside it")
+        if wrong := [effect.name for effect in self.effects if not (effect.in_space if space else effect.in_plane)]:
+            expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
+            raise InputError("effects", expected=expected, received=", ".join(wrong))
+        for load in self.loads:
+            load.wrenches(samples)
+            if not 0 <= load.arc_length <= self.arm.length * (1 + 1e-9):
+                expected = f"from 0 to the arm's length, {self.arm.length:g} m"
+                raise InputError("arc length of a load", expected=expected, received=f"{load.arc_length:g}")
+
     @property
     def reach(self) -> Array:
         """(M,) [m] arc lengths of the markers."""
         return np.array([marker.arc_length for marker in self.markers])
+
+    @property
+    def beside(self) -> Array:
+        """(M,) complex [m] where the markers are from the backbone, towards x and towards y of their links."""
+        return np.array([marker.beside for marker in self.markers])
+
+    @property
+    def points(self) -> Array:
+        """(K,) [m] arc lengths of the loads."""
+        return np.array([load.arc_length for load in self.loads])
+
+    @property
+    def command(self) -> Array:
+        """(T,) [N m] the torque; in space (T, S) complex, towards x and towards y."""
+        return np.asarray(self.torque[:, 0::2] + 1j * self.torque[:, 1::2] if self.torque.ndim == 2 else self.torque)
+
+    @property
+    def held_under(self) -> Array:
+        """(S,) [N m] in space, complex: the torque before the first sample."""
+        before = self.start.torque if isinstance(self.start, Settled) else self.command[0]
+        return np.array(np.broadcast_to(before, self.command.shape[1]), dtype=complex)
 
     @property
     def step(self) -> float:
@@ -125,12 +181,21 @@ def step_scenario(
 ) -> Scenario:
     """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4.
 
+    For an arm in space the torque is towards x, or (2,); the same for all sections, or (2 S,).
+
     Raises:
         InputError: a torque that is no number, or a duration or a step [s] that no run can have.
     """
-    torque, rest = finite("torque", torque), finite("rest", rest)
+    if space := arm.bending == "space":
+        parts = [finite("torque", part) for part in (*np.atleast_1d(torque), 0.0)]
+        torque = np.tile(parts[:2], max(1, len(arm.sections))) if len(parts) < 4 else parts[:-1]
+    else:
+        torque = finite("torque", torque)
+    rest = finite("rest", rest)
     if not (0 < finite("step", step) <= finite("duration", duration) <= LONGEST and duration / step <= MOST_SAMPLES):
         expected = f"a step above 0, at most {MOST_SAMPLES:g} of them, and at most {LONGEST:g} s"
         raise InputError("duration", expected=expected, received=f"{duration:g} s in steps of {step:g} s")
     time = np.arange(round(duration / step) + 1) * step
-    return Scenario(arm, time, np.where(time < rest - step / 2, 0.0, torque), Settled(0.0), **more)  # type: ignore[arg-type]
+    resting = time < rest - step / 2
+    held = np.where(resting[:, None] if space else resting, 0.0, torque)
+    return Scenario(arm, time, held, Settled(0.0), **more)  # type: ignore[arg-type]

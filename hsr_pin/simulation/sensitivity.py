@@ -34,6 +34,8 @@ ARM_PARAMETERS = {
         Parameter("mass", "kg", 0.15, 1e-4, 1e2, 0.1, False, "mass of the arm"),
         Parameter("tip_mass", "kg", 0.0, 0.0, 1e2, 0.05, True, "point mass at the tip"),
         Parameter("tilt", "rad", 0.0, -pi, pi, 0.1, True, "turn of the base from its mount"),
+        Parameter("cross_tilt", "rad", 0.0, -pi, pi, 0.1, True, "turn of the base towards its side, in space"),
+        Parameter("torsion", "Nm/rad", 1.0, 0.0, 1e3, 0.5, False, "stiffness of the arm against twisting, in space"),
     )
 }
 
@@ -76,7 +78,7 @@ def sensitivities(
             family += [with_value(scenario, name, value + offset) for offset in pair]
         columns = Columns.of(family)
         motion = moved(family, columns, method, dynamics)
-        positions = Cameras(columns, scenario.reach).positions(motion.angles)
+        positions = Cameras(columns, scenario.reach, scenario.beside).positions(motion.angles)
         results = [result_of(each, motion, positions, b) for b, each in enumerate(family)]
         own.append(results[0])
         slopes.append(_derivatives(results, offsets))

@@ -12,7 +12,7 @@ from hsr_pin.simulation.scenario import Scenario
 def simulate(
     scenario: Scenario,
     *,
-    dynamics: Dynamics = "aba",
+    dynamics: Dynamics | None = None,
     integrator: str | None = None,
     tolerance: float = TOLERANCE,
     step: float | None = None,
@@ -22,7 +22,8 @@ def simulate(
 
     Args:
         scenario: the arm, what drives it, how it starts.
-        dynamics: "aba" or "rnea" over Pinocchio, which start at once; or "compiled", a hundred times as fast for many.
+        dynamics: "aba" or "rnea" over Pinocchio, which start at once; or "compiled", a hundred times as fast for many. Default:
+            "aba", for an arm in space "rnea".
         integrator: a name from ``hsr_pin.simulation.integrator``.
         tolerance: [m] of the tip, that a step may be in error by.
         step: [s] steps of at most this length in place of a tolerance.
@@ -31,5 +32,6 @@ def simulate(
     Raises:
         SimulationFailure: the arm left its bending limit, the motion diverged, or there is no pose to start from.
     """
+    dynamics = dynamics or ("rnea" if scenario.arm.bending == "space" else "aba")
     (result,) = simulate_batch([scenario], dynamics=dynamics, integrator=integrator, tolerance=tolerance, step=step)
     return result.raise_on_failure() if raise_on_failure else result

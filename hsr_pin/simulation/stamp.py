@@ -14,6 +14,15 @@ _HERE = Path(__file__).parent
 _SOURCES = {
     "laws": (_HERE / "laws.py", _HERE.parent / "effects" / "effect.py"),
     "loops": tuple(_HERE / f"{name}.py" for name in ("kernel", "march", "rest", "compiled")),
+    "space": tuple(
+        _HERE / f"{name}.py"
+        for name in (
+            "kernel",
+            "march",
+            "compiled",
+            *(f"space/{each}" for each in ("elements", "kernel", "loops", "rest", "system")),
+        )
+    ),
 }
 
 

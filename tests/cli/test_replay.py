@@ -102,7 +102,7 @@ BAD = {
     "a trial that is not there": (["data", "--trial", "3"], "--trial: expected 1 to 2, or a name of trial_01, trial_02, got 3"),
     "trial zero": (["data", "--trial", "0"], "--trial: expected 1 to 2"),
     "no links": (["data", "--links", "0"], "links: expected a whole number from 1 to 1000, got 0"),
-    "unknown placement": (["data", "--placement", "end"], "placement: expected base or mid, got 'end'"),
+    "unknown placement": (["data", "--placement", "end"], "placement: expected base or mid or shifted, got 'end'"),
     "unknown effect": (["data", "--effect", "friction"], "effect: expected stiffness_gradient, "),
     "an unwritable page": (["data", "--html", "gone/run.html"], "gone/run.html: cannot write the file"),
     "an unknown picture": (["data", "--plot", "run.bmp"], "picture: expected a name ending in .png, .pdf, .svg, got run.bmp"),

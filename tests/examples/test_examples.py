@@ -30,5 +30,13 @@ def test_a_plan_pays_that_knows_the_effects(monkeypatch, tmp_path, capsys):
     assert "corrected model, closed loop tip error" in capsys.readouterr().out
 
 
+def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    folder = str(shared / "recordings" / "real-trunk-space")
+    errors = importlib.import_module("trunk_in_space").main([folder, "--quick"])
+    assert errors["space + bend_at_rest"] < 0.95 * errors["plane"]
+    assert "13 releases fitted, 21 held out" in capsys.readouterr().out
+
+
 def test_every_example_is_tested():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "train_in_mujoco", "loop", "picture"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "train_in_mujoco", "trunk_in_space", "loop", "picture"}

@@ -56,7 +56,7 @@ def test_a_duration_holds_the_last_row_or_leaves_rows_away(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("time,torque\n0,1\n1,2\n", "input.csv:1:1: header: expected t,P1,P2 or t,tau, got time,torque"),
+        ("time,torque\n0,1\n1,2\n", "input.csv:1:1: header: expected t,P1,P2 or t,tau or t,tau_x,tau_y, got time,torque"),
         ("t,P1\n0,1\n1,2\n", "input.csv:1:1: header"),
         ("t,tau,P1,P2\n0,1,1,1\n1,2,1,1\n", "input.csv:1:1: header"),
         ("t,tau\n0,1\n0,2\n", "input.csv:3:1: column t: expected more than 0 s"),

@@ -68,7 +68,7 @@ SPOILED_DECLARATIONS = {
     "unknown key": ("length = 0.24", "lenght = 0.24", "lenght", "did you mean 'length'?"),
     "unknown key in a trial": ("damping", "tip_mas", "tip_mas", "did you mean 'tip_mass'?"),
     "unknown key at the top": ('name = "known"', 'nmae = "known"', "nmae", "did you mean 'name'?"),
-    "unknown version": ("format = 1", "format = 2", "format", "format = 1"),
+    "unknown version": ("format = 1", "format = 3", "format", "format = 1 or format = 2"),
     "version that is no whole number": ("format = 1", "format = 1.0", "format", "format = 1"),
     "wrong type": ("mass = 0.15", 'mass = "0.15"', "mass", "a number, more than zero [kg]"),
     "truth for a number": ("mass = 0.15", "mass = true", "mass", "a number, more than zero [kg]"),

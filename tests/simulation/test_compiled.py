@@ -25,7 +25,7 @@ from hsr_pin.effects import parse_effect
 from hsr_pin.simulation import laws
 law = parse_effect("dry_friction:level=0.1")
 address = laws.address(law, "update")
-code = laws._compiled(type(law), "update", law.options)
+code = laws._compiled(type(law), "update", law.options, False)
 found = {"law": code.cache_hits > 0, "address": address != 0}
 if "loops" in sys.argv:
     from hsr_pin.simulation.compiled import loops

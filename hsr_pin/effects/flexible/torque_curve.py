@@ -30,6 +30,10 @@ class TorqueCurve(Effect):
     )
     cubic: float = parameter(0.0, lower=-8.0, upper=8.0, unit="1/rad^2", scale=0.1, amplitude=True, description="with its square")
 
+    @property
+    def in_space(self) -> bool:
+        return False
+
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         x = torque / keq
