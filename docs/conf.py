@@ -1,0 +1,60 @@
+"""The documentation site: ``sphinx-build -W -j 2 docs build/docs`` (group ``docs``)."""
+
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "hsr_pin"
+author = "The hsr_pin developers"
+copyright = author
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon", "effect_pictures", "formulas"]
+exclude_patterns = ["_*"]
+templates_path = ["_templates"]
+
+html_theme = "furo"
+html_title = "hsr_pin"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_js_files = [("effects.js", {"defer": "defer"})]
+html_copy_source = False
+html_math_renderer = "mathml"  # drawn by the browser: no script, nothing fetched
+
+# Tutorials run at every build, in a process of their own, and end the build where they fail.
+nb_execution_mode = "force"
+nb_execution_timeout = 180
+nb_execution_raise_on_error = True
+nb_ipywidgets_js = {}  # they would come from elsewhere
+nb_merge_streams = True
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+
+autosummary_generate = True
+autoclass_content = "class"
+add_module_names = False
+toc_object_entries_show_parents = "hide"
+autodoc_member_order = "bysource"
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike")}
+autodoc_default_options = {"show-inheritance": True}
+suppress_warnings = ["ref.python"]  # a name that stands in two rooms links to neither of them
+python_maximum_signature_line_length = 60  # one argument a line beyond: telephones are narrow
+napoleon_numpy_docstring = False
+napoleon_use_rtype = False
+
+
+def _without_substitutions(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+    """Bars in docstrings are absolute values."""
+    lines[:] = [re.sub(r"(``.*?``)|\|", lambda found: found[1] or r"\|", line) for line in lines]
+
+
+def _without_tuple_fields(app, what, name, obj, skip, options):  # type: ignore[no-untyped-def]
+    """Fields of named tuples stand in the text of their class."""
+    return True if type(obj).__name__ == "_tuplegetter" else None
+
+
+def setup(app):  # type: ignore[no-untyped-def]
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", _without_substitutions)
+    app.connect("autodoc-skip-member", _without_tuple_fields)
