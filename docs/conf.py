@@ -1,5 +1,6 @@
 """The documentation site: ``sphinx-build -W -j 2 docs build/docs`` (group ``docs``)."""
 
+import os
 import re
 import sys
 from pathlib import Path
@@ -23,9 +24,11 @@ html_copy_source = False
 html_math_renderer = "mathml"  # drawn by the browser: no script, nothing fetched
 
 # Tutorials run at every build, in a process of their own, and end the build where they fail.
+os.environ |= {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "78", "NO_COLOR": "1"}
 nb_execution_mode = "force"
+nb_execution_in_temp = True
 nb_execution_timeout = 180
-nb_execution_raise_on_error = True
+nb_execution_show_tb = True  # and a warning, which ends the build
 nb_ipywidgets_js = {}  # they would come from elsewhere
 nb_merge_streams = True
 myst_enable_extensions = ["dollarmath", "colon_fence"]

@@ -155,7 +155,7 @@ def section(kind: type[Effect]) -> str:
             "| parameter | bounds | unit | |\n|---|---|---|---|",
             *rows,
             *options,
-            f"\n`--effect {kind.name}:{moved.name}={effects[-1].p[kind.parameters().index(moved)]:.3g}`. Source: {kind.citation}.\n",
+            f"\n`--effect {kind.name}:{moved.name}={getattr(effects[-1], moved.name):.3g}`. Source: {kind.citation}.\n",
         ]
     )
 
