@@ -24,7 +24,7 @@ html_copy_source = False
 html_math_renderer = "mathml"  # drawn by the browser: no script, nothing fetched
 
 # Tutorials run at every build, in a process of their own, and end the build where they fail.
-os.environ |= {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "78", "NO_COLOR": "1"}
+os.environ |= {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "92", "NO_COLOR": "1"}
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 180
