@@ -5,6 +5,8 @@ import re
 import sys
 from pathlib import Path
 
+from nbclient import NotebookClient
+
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "hsr_pin"
@@ -30,7 +32,7 @@ nb_execution_in_temp = True
 nb_execution_timeout = 180
 nb_execution_show_tb = True  # and a warning, which ends the build
 nb_ipywidgets_js = {}  # they would come from elsewhere
-nb_merge_streams = True
+NotebookClient.coalesce_streams.default_value = True  # what a program prints in pieces is one text
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 
