@@ -5,7 +5,8 @@ import re
 import sys
 from pathlib import Path
 
-from nbclient import NotebookClient
+import nbclient.client
+from traitlets import Bool
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
@@ -32,11 +33,24 @@ nb_execution_in_temp = True
 nb_execution_timeout = 180
 nb_execution_show_tb = True  # and a warning, which ends the build
 nb_ipywidgets_js = {}  # they would come from elsewhere
-NotebookClient.coalesce_streams.default_value = True  # what a program prints in pieces is one text
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 
+
+class _Joined(nbclient.client.NotebookClient):
+    """What a program prints in pieces is one text."""
+
+    coalesce_streams = Bool(True)
+
+
+nbclient.client.NotebookClient = _Joined
+
+PACKAGE = Path(__file__).parents[1] / "hsr_pin"
 autosummary_generate = True
+#: Rooms within rooms have pages of their own: each stands in api/index.md.
+autosummary_context = {
+    "packages": [".".join(door.parent.relative_to(PACKAGE.parent).parts) for door in PACKAGE.rglob("__init__.py")]
+}
 autoclass_content = "class"
 add_module_names = False
 toc_object_entries_show_parents = "hide"

@@ -32,8 +32,9 @@ def draw(score: Score, path: str | Path) -> None:
             if count:
                 depth = 0.25 + 0.75 * count / sum(counts)
                 means = meanings[row, column].most_common(1)[0][0]
-                look = {"facecolor": COLOURS[means], "alpha": depth, "hatch": HATCHES[means], "edgecolor": "#666666"}
-                axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, linewidth=0, **look))
+                cell = Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=COLOURS[means], edgecolor="#666666", alpha=depth)
+                cell.set(linewidth=0, hatch=HATCHES[means])
+                axes.add_patch(cell)
                 axes.text(x, y, str(count), ha="center", va="center", fontsize=9, color="white" if depth > 0.6 else "black")
     axes.set_xlim(-0.5, len(score.columns) - 0.5)
     axes.set_ylim(len(shown) - 0.5, -0.5)

@@ -97,6 +97,14 @@ def test_pages_are_silent_whole_and_no_wider_than_the_screen(site, pages, tab):
     assert wrong == {}
 
 
+def test_every_room_is_in_the_api(pages):
+    rooms = {".".join(door.parent.relative_to(ROOT).parts) for door in (ROOT / "hsr_pin").rglob("__init__.py")}
+    told_elsewhere = {
+        room for room in rooms if room.startswith(("hsr_pin.cli", "hsr_pin.blind.real", "hsr_pin.blind.plants.laws"))
+    }
+    assert {f"api/generated/{room}.html" for room in rooms - told_elsewhere} <= pages.keys()
+
+
 def test_a_slider_of_the_catalogue_moves_the_tip(site, tab):
     tab.open((site / "effects.html").as_uri())
     shown = "JSON.stringify([...document.querySelectorAll('div.effect')].map(one => [...one.querySelectorAll('.moved')].map("
