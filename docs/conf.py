@@ -24,6 +24,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("effects.js", {"defer": "defer"})]
 html_copy_source = False
+html_show_search_summary = False  # they would have to be fetched, which pages read from a disk may not
 html_math_renderer = "mathml"  # drawn by the browser: no script, nothing fetched
 
 # Tutorials run at every build, in a process of their own, and end the build where they fail.
