@@ -57,15 +57,17 @@ add_module_names = False
 toc_object_entries_show_parents = "hide"
 autodoc_member_order = "bysource"
 autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike")}
-autodoc_default_options = {"show-inheritance": True}
 suppress_warnings = ["ref.python"]  # a name that stands in two rooms links to neither of them
 python_maximum_signature_line_length = 60  # one argument a line beyond: telephones are narrow
 napoleon_numpy_docstring = False
 napoleon_use_rtype = False
 
 
-def _without_substitutions(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
-    """Bars in docstrings are absolute values."""
+def _as_written(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+    """Bars in docstrings are absolute values; what stands before the colon in the text of a constant is no type."""
+    if what in ("data", "attribute", "property") and lines and any(line.startswith(":type: ") for line in lines):
+        (told,) = (line for line in lines if line.startswith(":type: "))
+        lines[:] = [f"{told.removeprefix(':type: ')}: {lines[0]}", *(line for line in lines[1:] if line != told)]
     lines[:] = [re.sub(r"(``.*?``)|\|", lambda found: found[1] or r"\|", line) for line in lines]
 
 
@@ -76,5 +78,5 @@ def _without_tuple_fields(app, what, name, obj, skip, options):  # type: ignore[
 
 def setup(app):  # type: ignore[no-untyped-def]
     """Called by Sphinx."""
-    app.connect("autodoc-process-docstring", _without_substitutions)
+    app.connect("autodoc-process-docstring", _as_written, priority=900)  # after napoleon
     app.connect("autodoc-skip-member", _without_tuple_fields)
