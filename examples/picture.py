@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from hsr_pin.control.reference import Reference
-from hsr_pin.replay.plots import COLOURS, save
+from hsr_pin.replay.plots import COLOURS, DASHES, save
 from hsr_pin.trajectory import Array
 
 
@@ -53,14 +53,15 @@ def _figure(title: str, reference: Reference, runs: dict[str, Run]) -> Figure:
     figure = Figure(figsize=(7.2, 8.0 if estimated else 6.4), layout="constrained")
     figure.suptitle(title, fontsize=11)
     tip, error, torque, *more = figure.subplots(3 + estimated, 1, sharex=True, height_ratios=(1.3, 1, 1, 1)[: 3 + estimated])
-    tip.plot(reference.time, 1e3 * reference.tip[:, 0], color="black", linestyle="--", linewidth=1.2, label="reference", zorder=3)
-    for colour, (name, run) in zip(COLOURS[len(runs) - 1 :: -1], runs.items(), strict=True):
-        tip.plot(reference.time, 1e3 * np.array(run.tip)[:, 0], color=colour, label=name)
-        error.plot(reference.time, run.errors(reference), color=colour, label=name)
+    tip.plot(reference.time, 1e3 * reference.tip[:, 0], color="#BBBBBB", linewidth=4.0, label="reference", zorder=1)
+    styles = zip(COLOURS[len(runs) - 1 :: -1], DASHES[len(runs) - 1 :: -1], strict=True)
+    for (colour, dashes), (name, run) in zip(styles, runs.items(), strict=True):
+        tip.plot(reference.time, 1e3 * np.array(run.tip)[:, 0], color=colour, ls=dashes, label=name)
+        error.plot(reference.time, run.errors(reference), color=colour, ls=dashes, label=name)
         if run.unknown_torque:
             more[0].plot(reference.time[:-1], run.unknown_torque, color=colour)
             more[0].set_ylabel("unknown torque,\nestimated [N m]")
-        torque.step(reference.time[:-1], run.torque, where="post", color=colour, linewidth=1.0, label=name)
+        torque.step(reference.time[:-1], run.torque, where="post", color=colour, ls=dashes, linewidth=1.0, label=name)
     tip.set_ylabel("tip x [mm]")
     error.set_ylabel("tip error [mm]")
     error.set_ylim(bottom=0)

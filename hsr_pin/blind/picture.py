@@ -11,6 +11,8 @@ from hsr_pin.replay.plots import save
 
 #: Of verdicts: Okabe and Ito's green and vermilion, which colour-blind readers can tell apart, and grey.
 COLOURS = {"right": "#009E73", "nameless": "#888888", "wrong": "#D55E00"}
+#: What tells them in grey.
+HATCHES = {"right": "", "nameless": "....", "wrong": "xxxx"}
 
 
 def draw(score: Score, path: str | Path) -> None:
@@ -29,8 +31,10 @@ def draw(score: Score, path: str | Path) -> None:
         for x, (column, count) in enumerate(zip(score.columns, counts, strict=True)):
             if count:
                 depth = 0.25 + 0.75 * count / sum(counts)
-                colour = COLOURS[meanings[row, column].most_common(1)[0][0]]
-                axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, alpha=depth, linewidth=0))
+                means = meanings[row, column].most_common(1)[0][0]
+                cell = Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=COLOURS[means], edgecolor="#666666", alpha=depth)
+                cell.set(linewidth=0, hatch=HATCHES[means])
+                axes.add_patch(cell)
                 axes.text(x, y, str(count), ha="center", va="center", fontsize=9, color="white" if depth > 0.6 else "black")
     axes.set_xlim(-0.5, len(score.columns) - 0.5)
     axes.set_ylim(len(shown) - 0.5, -0.5)
@@ -44,7 +48,7 @@ def draw(score: Score, path: str | Path) -> None:
     axes.tick_params(which="minor", length=0)
     axes.set_ylabel("truth (cases)")
     labels = {"right": "right", "nameless": "too little said", "wrong": "wrong"}
-    handles = [Patch(color=COLOURS[key], label=text) for key, text in labels.items()]
+    handles = [Patch(facecolor=COLOURS[key], hatch=HATCHES[key], edgecolor="#666666", label=text) for key, text in labels.items()]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncols=3, frameon=False, fontsize=8)
     save(figure, path)
 

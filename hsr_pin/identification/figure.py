@@ -54,8 +54,8 @@ def _draw(axes: Axes, run: Run, marker: int, before: Array, after: Array) -> Non
     measured = run.in_plane[:, marker]
     axis = int(np.argmax(np.nanmax(measured, axis=0) - np.nanmin(measured, axis=0)))
     axes.plot(run.time, 1e3 * measured[:, axis], ".", color=_MEASURED, ms=2.5, label="measured")
-    for missed, colour, label in ((before, _DECLARED, "as declared"), (after, _FITTED, "as fitted")):
-        axes.plot(run.time, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, lw=1.3, label=label)
+    for missed, colour, dashes, label in ((before, _DECLARED, "--", "as declared"), (after, _FITTED, "-", "as fitted")):
+        axes.plot(run.time, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, ls=dashes, lw=1.3, label=label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"{'xz'[axis]} [mm]")
     axes.grid(color="#DDDDDD", lw=0.6)

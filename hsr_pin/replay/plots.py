@@ -1,7 +1,7 @@
 """Pictures for paper and screen: tip paths, markers against time, error against time.
 
 Matplotlib's objects only, no pyplot: nothing global is touched and no display is needed. Colours are Okabe and Ito's, which
-colour-blind readers can tell apart; what is measured is told from what is simulated by line and dots, not by colour alone.
+colour-blind readers can tell apart; dashes and shapes tell in grey what colours tell, and dots what is measured.
 """
 
 from __future__ import annotations
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 #: Of markers, from the tip: the rest, where the first two mean simulated and measured.
 MARKER_COLOURS = COLOURS[2:]
+
+#: Dashes of curves, in the order of their colours, and shapes of their ends.
+DASHES: tuple[Any, ...] = ("-", (0, (7, 2)), (0, (2, 1.5)), (0, (7, 2, 2, 2)), (0, (4, 1)), (0, (1, 1)), (0, (9, 2, 2, 2, 2, 2)))
+SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -168,13 +172,15 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int]) -> Non
     colours = _cycle(len(runs))
     handles: dict[int, Any] = {}
     for layer, index in enumerate(order):
-        run, colour = runs[index], colours[index]
+        run, colour, dashes, end = runs[index], colours[index], DASHES[index % len(DASHES)], SHAPES[index % len(SHAPES)]
         alone = len(runs) == 1 and run.measured is not None
         shape = 1e3 * _backbone(run)[:, shown_from]
         axes.plot(*shape.T, color=colour, lw=5.0, alpha=0.22, solid_capstyle="round", zorder=1.5)
         path = 1e3 * run.tip_path[:, shown_from]
-        (handles[index],) = axes.plot(*path.T, color=colour, zorder=3 + layer, label="simulated" if alone else run.label)
-        axes.plot(*path[-1], "o", color=colour, mec="white", ms=6, zorder=4 + len(runs))
+        (handles[index],) = axes.plot(
+            *path.T, color=colour, ls=dashes, marker=end, markevery=[-1], mec="white", ms=6, zorder=3 + layer,
+            label="simulated" if alone else run.label,
+        )  # fmt: skip
         if run.measured is not None and run.tip in run.common:
             seen = 1e3 * run.measured.marker(run.tip.name)[:, shown_from]
             dots = COLOURS[1] if alone else colour
@@ -191,7 +197,7 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int]) -> Non
     rank = {handle: index for index, handle in handles.items()}
     legend = sorted(zip(shown, labels, strict=True), key=lambda entry: rank.get(entry[0], len(runs) + 1))
     if view == _views(runs)[0]:
-        axes.legend(*zip(*legend, strict=True), loc="best", markerscale=1.6)
+        axes.legend(*zip(*legend, strict=True), loc="best", handlelength=3.2)
 
 
 def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
@@ -221,7 +227,9 @@ def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:
         name, colour = marker.name, _marker_colour(run, marker)
         if run.measured is not None and marker in run.common:
             axes.plot(run.measured.time, 1e3 * run.measured.marker(name)[:, axis], ".", color=colour, ms=2.5, alpha=0.5)
-        lines += axes.plot(run.simulated.time, 1e3 * run.simulated.marker(name)[:, axis], color=colour, lw=1.2)
+        lines += axes.plot(
+            run.simulated.time, 1e3 * run.simulated.marker(name)[:, axis], color=colour, ls=_marker_dashes(run, marker), lw=1.2
+        )
     axes.set_ylabel(f"{'xyz'[axis]} [mm]")
     if axis == 0:
         axes.set_title("Markers: simulated (lines), measured (dots)")
@@ -231,15 +239,23 @@ def _draw_motion(axes: Axes, run: Drawn, axis: int) -> None:
 def _draw_error(axes: Axes, run: Drawn) -> None:
     for marker in run.moving:
         assert run.measured is not None
-        axes.plot(run.measured.time, 1e3 * run.gap(marker.name), color=_marker_colour(run, marker), lw=1.0)
+        gap = 1e3 * run.gap(marker.name)
+        axes.plot(run.measured.time, gap, color=_marker_colour(run, marker), ls=_marker_dashes(run, marker), lw=1.0)
     axes.set_ylabel("distance [mm]")
     axes.set_ylim(bottom=0)
     axes.set_title("Error: distance from simulated to measured")
 
 
 def _marker_colour(run: Drawn, marker: Marker) -> str:
-    along = sorted(run.simulated.markers, key=lambda other: -other.arc_length)
-    return MARKER_COLOURS[along.index(marker) % len(MARKER_COLOURS)]
+    return MARKER_COLOURS[_from_the_tip(run, marker) % len(MARKER_COLOURS)]
+
+
+def _marker_dashes(run: Drawn, marker: Marker) -> Any:
+    return DASHES[_from_the_tip(run, marker) % len(DASHES)]
+
+
+def _from_the_tip(run: Drawn, marker: Marker) -> int:
+    return sorted(run.simulated.markers, key=lambda other: -other.arc_length).index(marker)
 
 
 def _cycle(count: int) -> list[str]:

@@ -38,7 +38,6 @@ class TipMeasures:
 
     Attributes:
         x, y, z: of the tip at the end of the run [m].
-        settled: whether it had come to rest there.
         settling_time: from the last change of the command until it stays within 2 % of its way [s]; None if it did not settle.
         overshoot: how far it went beyond its end, over its whole way [1]; None if it did not settle.
         circle: nearest to the path of the whole run, in space in the plane nearest to it; None if the tip did not move.

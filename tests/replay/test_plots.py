@@ -50,6 +50,15 @@ def test_every_run_has_a_colour_and_a_name_of_its_own_in_the_order_given(runs):
     assert names == [*(run.label for run in runs), "tip of a constant-curvature arm"]
 
 
+def test_in_grey_every_run_and_every_marker_has_dashes_of_its_own(runs, run_of):
+    (axes,) = tip_figure(runs).axes
+    looks = {(curve._unscaled_dash_pattern, curve.get_marker()) for curve in (line(axes, run.label) for run in runs)}
+    assert len({repr(dashes) for dashes, _ in looks}) == len({end for _, end in looks}) == 3
+    across = comparison_figure(run_of(measured=(0.003, 0.0, 0.004))).axes[1]
+    lines = [curve for curve in across.get_lines() if curve.get_marker() != "."]
+    assert len({repr(curve._unscaled_dash_pattern) for curve in lines}) == len(lines) == 2
+
+
 def test_the_arm_at_its_end_reaches_from_base_to_tip(runs):
     (axes,) = tip_figure(runs[:1]).axes
     shapes = [shape.get_xydata() for shape in axes.get_lines() if len(shape.get_xydata()) == 6]

@@ -1,0 +1,39 @@
+"""The moving picture is an SVG without a script that ends where the motion does."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture
+def script(monkeypatch):
+    path = Path(__file__).resolve().parents[2] / "scripts" / "moving_picture.py"
+    specification = importlib.util.spec_from_file_location("moving_picture", path)
+    module = importlib.util.module_from_spec(specification)
+    monkeypatch.setitem(sys.modules, "moving_picture", module)  # dataclasses look there
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_arms_and_markers_move_and_stand_at_their_ends(script):
+    arm = np.zeros((3, 5, 2))
+    arm[..., 1] = -np.linspace(0, 240, 5)
+    arm[1:, -1, 0] = 50, 80
+    markers = arm[:, -1:, :] + 5.0
+    markers[1] = np.nan  # hidden for a moment
+    root = ElementTree.fromstring(script.picture([script.Motion("before", "a", arm, markers, np.array([1.0, 2.0, 3.0]))] * 2))
+    moving = {parent: parent.findall(f"{SVG}animate") for parent in root.iter() if parent.find(f"{SVG}animate") is not None}
+    assert sorted(parent.tag.removeprefix(SVG) for parent in moving) == ["circle"] * 2 + ["line"] * 2 + ["polyline"] * 2
+    for parent, animations in moving.items():
+        for each in animations:
+            values, times = each.get("values").split(";"), each.get("keyTimes").split(";")
+            assert len(values) == len(times) == 4
+            assert "nan" not in each.get("values")
+            assert parent.get(each.get("attributeName")) == values[-1]
+    assert not list(root.iter(f"{SVG}script"))
