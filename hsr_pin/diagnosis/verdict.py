@@ -8,15 +8,30 @@ from math import sqrt
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
-from hsr_pin.diagnosis.search import Search, Thresholds, clearly_worse, doubtful, explains, left, matches, mean_square, tolerated
+from hsr_pin.diagnosis.search import (
+    FACTOR,
+    Search,
+    Thresholds,
+    clearly_worse,
+    doubtful,
+    explains,
+    left,
+    matches,
+    mean_square,
+    tolerated,
+)
 from hsr_pin.diagnosis.support import Support, against
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
 
 #: A name or a kind is certain from this probability on.
 CERTAIN = 0.8
+#: Where more of the squared gap than this is left, beyond what does not repeat, an effect may stand in for that: none is certain.
+HALF = 0.5
 #: Alternatives are worth a word if one of their names or kinds has this probability.
 POSSIBLE = 0.5
+#: No more sets than this are told where none is clearly the best.
+FEW = 3
 #: Models that leave most of the gap are not worth a word: the least share of the squared gap that one must take away.
 WORTH_A_WORD = 0.2
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
@@ -136,7 +151,8 @@ def _graded(
     kinds = {each.name: probability(each, KIND) for each in evidence.kinds}
     common = set.intersection(*map(set, sets))
     flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
-    sure = tuple(sorted(name for name in common - flexible if names[name] >= CERTAIN))
+    enough = left(best) - thresholds.unrepeatable**2 <= HALF * left(found.path[0])
+    sure = tuple(sorted(name for name in common - flexible if enough and names[name] >= CERTAIN))
     of_kind = tuple(sorted(kind for kind, value in kinds.items() if value >= CERTAIN and _in_all(kind, sets, found.tried)))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
@@ -163,18 +179,28 @@ def _graded(
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         others = sets if len(sets) > 1 else ()
         return said("partly_identified", f"{what} {verb} certain, though something else is left{tail}.", others, effects)
-    if (
-        len(sets) > 1
-        and 1 - remains.share >= WORTH_A_WORD
-        and all(sets)
-        and _one_of(sets, found, thresholds, evidence) >= POSSIBLE
-    ):
+    worthy = 1 - remains.share >= WORTH_A_WORD
+    sets = _wider(sets, found, thresholds, evidence)
+    if worthy and len(sets) > 1 and all(sets) and _one_of(sets, found, thresholds, evidence) >= POSSIBLE:
         listed = ", or ".join(" with ".join(each) for each in sets)
         return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)
     hint = "no effect of the catalogue takes away a fifth of it"
-    if 1 - remains.share >= WORTH_A_WORD:
+    if worthy:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
     return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
+
+
+def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds, evidence: Evidence) -> list[tuple[str, ...]]:
+    """The sets, and those next to them until one of them is likely right: what is not clearly worse by much is not out."""
+    base, best, wider = found.path[0], found.best, list(sets)
+    for rival in sorted(found.tried, key=mean_square):
+        if len(wider) >= FEW or (len(wider) > 1 and _one_of(wider, found, thresholds, evidence) >= POSSIBLE):
+            break
+        enough = left(base) - left(rival) >= FACTOR * (left(base) - left(best))
+        known = rival.names in wider or not rival.nameable or rival.contains(best) or len(rival.names) > len(best.names)
+        if enough and not known and not _idle(rival, base, found.tried, thresholds):
+            wider.append(rival.names)
+    return wider
 
 
 def _one_of(sets: Sequence[tuple[str, ...]], found: Search, thresholds: Thresholds, evidence: Evidence) -> float:

@@ -1,5 +1,7 @@
 """Every verdict is reached by what should lead to it, and by nothing less."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -20,13 +22,13 @@ def support(name, kind, weak=()):
     return Support(name, kind, 0.9, 0.9, 100.0, 1.0, 0.01, 100.0) if strong else Support(name, kind, 0.1, 0.1, 0.2, 0.7, 0.3, 5.0)
 
 
-def verdict(*tried, base=BASE, nominal=6e-3, by_level=None, weak=(), not_repeatable=None):
+def verdict(*tried, base=BASE, nominal=6e-3, by_level=None, weak=(), not_repeatable=None, thresholds=THRESHOLDS):
     """With the last of the fitted models as the best."""
     path = (base, tried[-1]) if tried else (base,)
     parts = tuple(support(part.name, part.kind, weak) for part in path[-1].fit.hypothesis.parts)
     kinds = tuple(support(kind, kind, weak) for kind in path[-1].kinds)
     evidence = Evidence(nominal**2, parts, kinds, LENGTH, not_repeatable, by_level, 0)
-    return judge(Search(path, (base, *tried)), THRESHOLDS, evidence)
+    return judge(Search(path, (base, *tried)), thresholds, evidence)
 
 
 def test_a_declared_model_within_the_noise_has_no_gap():
@@ -59,6 +61,21 @@ def test_of_a_rest_that_stays_the_certain_part_is_named_and_how_much_is_left_is_
     assert "stiffening is certain, though something else is left" in found.sentence and "2.00 mm" in found.sentence
     assert found.left.rms == pytest.approx(2e-3, rel=1e-3) and found.left.share == pytest.approx(0.25, rel=1e-3)
     assert found.confidence["stiffening"] > 0.9 > 0.2 > found.confidence["tip_mass"]
+
+
+def test_no_cause_is_certain_where_most_of_the_gap_is_left_unless_that_does_not_repeat():
+    best = candidate("stiffening", gap=3.2e-3)  # 64 % of the squared gap
+    assert (verdict(best).effects, verdict(best).kinds) == ((), ("elastic",))
+    assert verdict(best, thresholds=replace(THRESHOLDS, unrepeatable=2.5e-3)).effects == ("stiffening",)
+
+
+def test_models_that_are_a_little_worse_than_the_best_are_told_beside_it_where_all_others_are_far():
+    left, weak = 1.2e-3, ("stiffness_gradient", "elastic")
+    near = (candidate("torque_decay", gap=1.5e-3), candidate("stiffness_gradient", gap=left))
+    found = verdict(candidate("tip_mass", gap=3.9e-3), *near, weak=weak)
+    assert (found.status, found.alternatives) == ("ambiguous", (("stiffness_gradient",), ("torque_decay",)))
+    many = [candidate(name, gap=1.55e-3) for name in ("tip_mass", "backlash", "viscoelastic")]
+    assert verdict(*many, *near, weak=weak).status == "unexplained"
 
 
 def test_a_kind_is_named_where_no_cause_is_certain():
