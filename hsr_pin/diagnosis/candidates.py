@@ -97,9 +97,9 @@ class Guess:
 def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[Guess]:
     """First guesses for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
 
-    Each effect is probed with a small amplitude at several values of its shape parameters, all in one batch. The change it makes
-    is taken as linear in the amplitude; the amplitude that fits best, with the open parameters adjusted along their known
-    derivatives, and the misfit that it should leave, follow from linear least squares.
+    Each effect is probed with a small amplitude (each of them, where it has several) at several values of its shape
+    parameters, all in one batch. The change it makes is taken as linear in the amplitudes; those that fit best, with the open
+    parameters adjusted along their known derivatives, and the misfit that it should leave, follow from linear least squares.
     """
     experiment, base = _thinned(experiment, base)
     return [guess for effect in effects for guess in _guess(experiment, base, effect)]
@@ -108,26 +108,34 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
 def _guess(experiment: Experiment, base: Fit, effect: Part) -> list[Guess]:
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
-    probes = _probes(new)
     neutral = np.array([fact.neutral for fact in new])
-    points = np.array([np.append(base.values, probe) for probe in (neutral, *probes)])
+    amplitudes = [k for k, fact in enumerate(new) if fact.amplitude] or [0]
+    probes = _probes(new)
+    alone = [np.where(np.arange(len(new)) == k, probe, _at_rest(new, probe)) for probe in probes for k in amplitudes]
+    points = np.array([np.append(base.values, values) for values in (neutral, *alone)])
     seen = _side_by_side(experiment, whole, points)
     residual, slopes = stacked(base)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
-    for k, (start, probe) in enumerate(zip(points[1:], probes, strict=True), 1):
-        change = np.concatenate(
+    for n, probe in enumerate(probes):
+        own = range(1 + n * len(amplitudes), 1 + (n + 1) * len(amplitudes))
+        changes = np.concatenate(
             [
-                whitened(((each[:, k] - each[:, 0]) * w)[w > 0], base.basis(run))
+                whitened(np.moveaxis(each[:, own] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None], base.basis(run))
                 for run, (each, w) in enumerate(zip(seen, base.weights, strict=True))
             ]
         )
-        if not np.isfinite(change).all():
+        if not np.isfinite(changes).all():
             continue
-        answer = _linear_guess(base, whole, start, residual, slopes, change)
+        answer = _linear_guess(base, whole, np.append(base.values, probe), residual, slopes, changes)
         shape = tuple(value for value, fact in zip(probe, new, strict=True) if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = _distinct(answers)[:_STARTS]
     return [Guess(whole, tuple(start for _, start in best), best[0][0])] if best else []
+
+
+def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
+    """Values with the amplitudes neutral."""
+    return np.array([fact.neutral if fact.amplitude else value for fact, value in zip(facts, values, strict=True)])
 
 
 def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:
@@ -235,25 +243,28 @@ def _grid(fact: Parameter) -> list[float]:
 
 
 def _linear_guess(
-    base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, change: Array
+    base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, changes: Array
 ) -> tuple[float, Array]:
-    """The predicted gain, and the values (P,) that should bring it."""
+    """The predicted gain, and the values (P,) that should bring it.
+
+    ``changes`` (n, A): what each amplitude alone makes of the residuals (n,), as large as it is in ``start`` (P,).
+    """
     facts, old = hypothesis.parameters, len(base.values)
     scale = np.array([fact.scale for fact in facts])
-    directions = np.column_stack([slopes * scale[:old], change])
+    directions = np.column_stack([slopes * scale[:old], changes])
     size = np.maximum(np.linalg.norm(directions, axis=0), 1e-12)
     step = np.linalg.lstsq(directions / size, -residual, rcond=1e-6)[0] / size
-    factor, values = float(step[-1]), start.copy()
-    for index in range(old, len(facts)):
-        if facts[index].amplitude:
-            probe = start[index] - facts[index].neutral
-            factor = _allowed(facts[index], factor * probe / facts[index].scale) * facts[index].scale / probe
-            values[index] = facts[index].neutral + factor * probe
-    rest = residual + directions[:, -1] * factor
-    if factor != step[-1]:  # not as much as it would take: what the others then do
-        step[:-1] = np.linalg.lstsq(directions[:, :-1] / size[:-1], -rest, rcond=1e-6)[0] / size[:-1]
-    values[:old] += scale[:old] * np.clip(step[:-1], -3.0, 3.0)
-    left = rest + directions[:, :-1] @ step[:-1]
+    values, wanted = start.copy(), step[old:].copy()
+    open_ = [k for k in range(old, len(facts)) if facts[k].amplitude]
+    for place, index in enumerate(open_):
+        probe = start[index] - facts[index].neutral
+        step[old + place] = _allowed(facts[index], wanted[place] * probe / facts[index].scale) * facts[index].scale / probe
+        values[index] = facts[index].neutral + step[old + place] * probe
+    rest = residual + changes @ step[old:]
+    if not np.array_equal(step[old:], wanted):  # not as much as it would take: what the others then do
+        step[:old] = np.linalg.lstsq(directions[:, :old] / size[:old], -rest, rcond=1e-6)[0] / size[:old]
+    values[:old] += scale[:old] * np.clip(step[:old], -3.0, 3.0)
+    left = rest + directions[:, :old] @ step[:old]
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
     gain = 1 - float(left @ left) / float(residual @ residual)
     return max(0.0, gain), np.asarray(np.clip(values, lower, upper))
