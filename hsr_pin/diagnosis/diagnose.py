@@ -115,7 +115,7 @@ def diagnose(
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
     ready(kinds)
     prints, own = fingerprint(experiment), repeats(experiment)
-    thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.moving if own else None)
+    thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.floor if own else None)
     hypothesis = Hypothesis(links=links)
     paper = replace(hypothesis, links=declared_links, placement="base")
     nominal = _simulated(experiment, paper)
@@ -150,7 +150,7 @@ def diagnose(
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
             limit = tolerated(found.best, thresholds)
             parts, kinds = supports(experiment, found.best, found.path[0], found.tried, limit, seed)
-            itself = own.moving if own else None
+            itself = own.floor if own else None
             evidence = Evidence(structure(mended), parts, kinds, dataset.length, itself, by_level, seed)
             return judge(found, thresholds, evidence)
 
@@ -167,7 +167,7 @@ def diagnose(
     return Diagnosis(
         experiment,
         verdict,
-        ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, own.moving if own else None),
+        ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, own.floor if own else None),
         found,
         thresholds,
         tuple(nominal),

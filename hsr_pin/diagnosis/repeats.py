@@ -41,6 +41,8 @@ _ASTRAY = 0.3
 _ALIGNMENTS = 6
 #: Fewer instants than this that all repeats show tell nothing.
 _FEWEST = 5
+#: Starts that differ by less than this share of what the motions differ by do not make that difference.
+_NEAR = 0.5
 #: Share of a run, at its end, over which a released arm is taken to rest; and samples at most of the rest before a command.
 _END = 0.1
 #: Probability that an interval covers.
@@ -80,6 +82,11 @@ class Group:
     allowed_for: int
     freedom: int
 
+    @property
+    def from_one_start(self) -> bool:
+        """Whether its trials start alike, or what the starts differ by was allowed for: models know the starts."""
+        return self.allowed_for > 0 or self.start <= _NEAR * self.moving
+
 
 @dataclass(frozen=True)
 class Repeats:
@@ -87,10 +94,11 @@ class Repeats:
 
     Attributes:
         groups: of trials that repeat each other.
-        in_plane: RMS distance [m] in the plane, of all groups by their degrees of freedom: no model can be asked for less.
+        in_plane: RMS distance [m] in the plane, of all groups by their degrees of freedom.
         interval: of ``in_plane`` [m], 95 %; what one trial has of its own is taken to last through the trial, so that every
             degree of freedom is one draw.
         moving, out_of_plane, rest: as in a group [m].
+        floor: as ``moving``, of the groups that start alike: no model can be asked for less; None where none do [m].
         sentence: the result in words, with what was done.
     """
 
@@ -100,6 +108,7 @@ class Repeats:
     moving: float
     out_of_plane: float
     rest: float
+    floor: float | None
     sentence: str
 
     def to_json(self) -> dict[str, Any]:
@@ -108,6 +117,7 @@ class Repeats:
             "in_plane_mm": _mm(self.in_plane),
             "ci95_mm": [_mm(bound) for bound in self.interval],
             "moving_mm": _mm(self.moving),
+            "floor_mm": None if self.floor is None else _mm(self.floor),
             "out_of_plane_mm": _mm(self.out_of_plane),
             "rest_mm": _mm(self.rest),
             "sentence": self.sentence,
@@ -142,7 +152,10 @@ def repeats(experiment: Experiment) -> Repeats | None:
     in_plane = _pooled([group.in_plane for group in groups], groups)
     low, high = (in_plane * np.sqrt(freedom / chi2.ppf(p, freedom)) for p in ((1 + _LEVEL) / 2, (1 - _LEVEL) / 2))
     moving, out, rest = (_pooled([getattr(g, name) for g in groups], groups) for name in ("moving", "out_of_plane", "rest"))
-    return Repeats(groups, in_plane, (float(low), float(high)), moving, out, rest, _sentence(groups, in_plane, out, rest))
+    fair = [group for group in groups if group.from_one_start]
+    floor = _pooled([group.moving for group in fair], fair) if fair else None
+    sentence = _sentence(groups, in_plane, out, rest, floor)
+    return Repeats(groups, in_plane, (float(low), float(high)), moving, out, rest, floor, sentence)
 
 
 def alike(runs: Sequence[Run]) -> list[list[Run]]:
@@ -350,14 +363,16 @@ def _pooled(values: Sequence[float], groups: Sequence[Group]) -> float:
     return float(np.sqrt(np.average([value**2 for value, _ in known], weights=[freedom for _, freedom in known])))
 
 
-def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float) -> str:
+def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float, floor: float | None) -> str:
     trials = sum(len(group.trials) for group in groups)
     of = " and ".join(sorted({f"a {group.kind}" for group in groups}))
     at_rest = f" (their poses at rest {1e3 * rest:.2g} mm)" if np.isfinite(rest) else ""
     text = (
         f"{trials} trials in {len(groups)} group{'s' * (len(groups) > 1)} repeat {of}: one is {1e3 * in_plane:.2g} mm from what "
-        f"its group shares, in the plane and beyond noise{at_rest}; no model can be asked for less"
+        f"its group shares, in the plane and beyond noise{at_rest}"
     )
+    if floor is not None:
+        text += "; no model can be asked for less"
     if any(group.allowed_for for group in groups):
         text += "; differences of the start are allowed for by regression"
     elif any(group.start > 0 for group in groups):

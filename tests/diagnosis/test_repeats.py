@@ -96,6 +96,7 @@ def test_few_releases_are_compared_only_where_they_start_alike():
     assert repeats(arcs(swing(0.6, 1.5, 0.1), swing(0.8, 1.5, 0.1))) is None
     found = repeats(arcs(swing(0.6, 1.5, 0.1), swing(0.62, 1.5, 0.1)))
     assert found.groups[0].allowed_for == 0 and "not allowed for" in found.sentence
+    assert found.floor is None and "asked for less" not in found.sentence  # they differ as far as their starts make them
 
 
 def test_gaps_cost_only_what_they_hide():
