@@ -263,7 +263,8 @@ def _pruned(
 ) -> Candidate:
     """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
 
-    Nor is one of doubtful size, nor one that takes a little of what the others leave: it mends what is wrong with another's law.
+    Nor is one of doubtful size without which most is explained, nor one that takes a little of what the others leave: it mends
+    what is wrong with another's law.
     """
     while len(best.names) > 1:
         smaller = [_without(best.fit, name) for name in best.names]
@@ -273,7 +274,7 @@ def _pruned(
         spare = [
             fewer
             for fewer in (tried[_key(each.hypothesis)] for each in smaller)
-            if not set(unsure) <= set(fewer.names)
+            if (not set(unsure) <= set(fewer.names) and _keeps(fewer, best, start))
             or not worth_having(fewer, best, thresholds, seed)
             or _patches(best, fewer, start, thresholds)
         ]
@@ -281,6 +282,11 @@ def _pruned(
             break
         best = min(spare, key=mean_square)
     return best
+
+
+def _keeps(fewer: Candidate, best: Candidate, start: Candidate) -> bool:
+    """Whether most of what the best takes away is taken away with one part less."""
+    return left(start) - left(fewer) >= FACTOR * (left(start) - left(best))
 
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:
