@@ -103,12 +103,19 @@ class Frame:
     def scatter(self) -> float:
         """[m] RMS distance that NEW would be off by if nothing had changed: the leftover, the trials' own, noise."""
         variance = np.concatenate([(root**2).sum(axis=1) for root in self.roots])
-        own = np.column_stack([self._metres(column) for column in self.rooted[self.old :, 1:].T])
+        columns = self.rooted[:, 1:]
+        mine = columns[self.old :, ~columns[: self.old].any(axis=0)]  # the trials' own; what is shared OLD tells
+        own = np.column_stack([np.zeros(len(mine)), *(self._metres(column) for column in mine.T)])
         return float(np.sqrt(2 * (variance + (own**2).sum(axis=1)).mean()))
+
+    @property
+    def foretold(self) -> Array:
+        """(n,) [m] of NEW, coordinate by coordinate: what OLD foretells, less what was measured."""
+        return self._metres(self.rooted[self.old :, 0])
 
     def off(self, moved: Sequence[Array] = ()) -> float:
         """[m] RMS distance between NEW and what OLD foretells, with a change (B, M, 2) [m] for each of its runs."""
-        seen = self._metres(self.rooted[self.old :, 0])
+        seen = self.foretold
         if moved:
             seen = seen + np.concatenate([rows.of(moved) for rows in self.rows])
         return float(np.sqrt(2 * np.mean(seen**2)))

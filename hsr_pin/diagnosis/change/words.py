@@ -4,9 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.diagnosis.words import EXPERIMENTS, number
 from hsr_pin.identification.hypothesis import ARM
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+
+#: Verdict -> what it comes down to.
+HEADLINES = {
+    "identified": "What has changed is known",
+    "partly_identified": "Part of what has changed is known",
+    "ambiguous": "More than one change would explain it",
+    "unexplained": "Something unknown has changed",
+    "unchanged": "Nothing has changed",
+    "insufficient": "Too little to go on",
+}
 
 #: Numbers of the arm, as a person would call them.
 PLAINLY = {"keq_scale": "stiffness", "damping_scale": "damping", "mass_scale": "mass", "torque_gain": "torque gain"}
@@ -56,3 +71,19 @@ def listed(names: Sequence[str]) -> str:
 def millimetres(metres: float) -> str:
     """With two decimals."""
     return f"{1e3 * metres:.2f} mm"
+
+
+def advice(diagnosis: ChangeDiagnosis) -> list[str]:
+    """What to do next, a sentence each."""
+    status, proposals = diagnosis.verdict.status, diagnosis.next_experiment
+    if status == "ambiguous" and proposals:
+        best = proposals[0]
+        by = f"it tells them apart best (by {number(best.separation)} times the noise)"
+        return [f"Record the arm as it is now once more: {EXPERIMENTS[best.name]}; {by}."]
+    if status == "ambiguous":
+        return ["Record the arm as it is now once more, with other commands."]
+    if status == "unexplained":
+        return ["Look at the arm, the marker plates and the cameras: it is nothing that the catalogue knows."]
+    if status == "unchanged":
+        return ["Repeat the commands of the first recording, in more trials, to see smaller changes."]
+    return []
