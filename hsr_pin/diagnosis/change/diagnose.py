@@ -84,7 +84,8 @@ def diagnose_change(
         new: at least one trial in which the arm moves.
         old: at least two.
         reference: the best model of OLD, where it is known from another comparison with it.
-        effects: names of the effects that may have changed; default: the whole catalogue, and how the arm is seen.
+        effects: names of the effects that may have changed, beside stiffness and damping; default: the whole catalogue, the arm's
+            other numbers, and how the arm is seen.
         max_effects: with which OLD is described, at most.
         max_changes: at most this many together.
         links: of the chain that is fitted.
@@ -152,7 +153,7 @@ def _parts(experiment: Experiment, names: Sequence[str] | None) -> list[Part]:
     if names is None:
         return [*catalogue([*EFFECTS.values()], experiment), *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
     chosen = [known[name] if name in known else effect_named(name) for name in dict.fromkeys(names)]
-    return catalogue(chosen, experiment)
+    return catalogue(chosen, experiment, plain=())
 
 
 def _distinct(fits: Sequence[Fitted]) -> list[Fitted]:

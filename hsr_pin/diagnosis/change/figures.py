@@ -36,6 +36,7 @@ def gains_figure(found: Found) -> Figure:
         axes.barh(at, gains, height=0.62, color=ROLES["bar"])
         axes.plot(needed, at, "|", color=ROLES["declared"], ms=12, mew=2)
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
         axes.set_yticks(at, [readable(fitted.suspect.names) for fitted in fits])
         axes.invert_yaxis()
         axes.tick_params(axis="y", length=0)

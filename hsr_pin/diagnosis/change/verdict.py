@@ -149,8 +149,8 @@ def judge(found: Found) -> ChangeVerdict:
     if not sure:
         return _nothing(found)
     best, seen = min(sure, key=lambda each: found.cost(each[0]))
-    ties = tied(found, best, [each for each, _ in sure])
-    frames = {id(fitted): frame for fitted, frame in sure}
+    ties = tied(found, best, [each for each, _ in found.fits if found.gain(each) > HALF * found.gain(best)])
+    frames = {id(fitted): frame for fitted, frame in found.fits}
     left = found.left(best.residual)
     total = found.gain(best) + left
     difference = _difference(found, best, seen)
@@ -223,6 +223,5 @@ def _limit(found: Found, fitted: Fitted, frame: Frame) -> float:
 def _difference(found: Found, best: Fitted, frame: Frame) -> Difference:
     _, residual = left_out(frame, best)
     was, is_ = (float((each[found.new] ** 2).sum()) for each in (found.frame.seen, residual))
-    usual = max(1.0, found.spread[0]) * float(found.new.sum())
-    share = (was - is_) / max(was - usual, was - is_, 1e-300)
+    share = (was - is_) / max(found.gain(best) + found.left(best.residual), was - is_, 1e-300)
     return Difference(found.frame.off(), frame.off(best.moved), frame.scatter, float(np.clip(share, 0.0, 1.0)))
