@@ -15,7 +15,7 @@ from hsr_pin.diagnosis.change.frame import Before, Frame, framed
 from hsr_pin.diagnosis.change.pair import Pair, pair
 from hsr_pin.diagnosis.change.reference import described
 from hsr_pin.diagnosis.change.suspects import Suspect, suspects
-from hsr_pin.diagnosis.change.verdict import HALF, REST, SURE, ChangeVerdict, Found, judge
+from hsr_pin.diagnosis.change.verdict import HALF, SECOND, SURE, ChangeVerdict, Found, judge
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.diagnose import catalogue
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
@@ -34,6 +34,8 @@ from hsr_pin.trajectory import Dataset
 _FITTED, _LOOKED = 14, 10
 #: Changes that are fitted once more, with the model as it is after them.
 _SETTLED = 5
+#: Of these it is told how small a change would have shown.
+_ALWAYS = (("keq_scale",), ("damping_scale",))
 #: Second changes that get a fit.
 _SECOND = 6
 #: Changes that are tried with others; and factors on the damping that are, where none explains half.
@@ -119,13 +121,16 @@ def diagnose_change(
         tell("what may have changed")
         asked = suspects(frame.hypothesis, frame.values, _parts(both.experiment, effects))
         bench = Bench(frame, executor)
-        single = bench.refined(bench.guessed(asked)[:_FITTED])
+        guesses = bench.guessed(asked)
+        plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]
+        single = bench.refined([*guesses[:_FITTED], *plain])
         several = _several(bench, frame, _distinct(single), asked) if max_changes > 1 else []
     best = _distinct([*single, *several])
-    looked = best[:_LOOKED]
+    shown = [*best[:_SETTLED], *(each for each in best[_SETTLED:] if each.suspect.names in _ALWAYS)]
+    looked = list(dict.fromkeys([*best[:_LOOKED], *shown]))
     found = Found(
         frame,
-        tuple(_settled(frame, each) for each in best[:_SETTLED]),
+        tuple(_settled(frame, each) for each in shown),
         chance(frame, before, looked, seed),
         tuple(each.suspect.names for each in looked),
         _was(reference, frame),
@@ -165,12 +170,13 @@ def _distinct(fits: Sequence[Fitted]) -> list[Fitted]:
 
 
 def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequence[Suspect]) -> list[Fitted]:
-    """Two changes together, if what the best of one leaves asks for it, and if they take away most of that."""
+    """Two changes together, if what the best of one leaves asks for it, they take away most of that, and it shows."""
     best = single[0]
     gain = float(frame.seen @ frame.seen) - best.square
     new = frame.run >= len(frame.pair.old.runs)
     left = float((best.residual[new] ** 2).sum()) - float(new.sum())
-    if left < max(SURE, REST * gain):
+    least = max(2 * SURE, SECOND * gain, HALF * left)
+    if left < least:
         return []
     firsts = list(single[:_FIRST])
     if left > gain:  # a swing that dies out sooner hides every change of its time
@@ -182,7 +188,7 @@ def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequen
         others = [replace(first.suspect.together(other), probes=other.probes) for other in apart]
         guesses += bench.guessed(others, first)[:_SECOND]
     found = bench.refined(sorted(guesses, key=lambda guess: guess.square)[: 2 * _SECOND])
-    return [each for each in found if best.square - each.square > max(SURE, REST * gain, HALF * left)]
+    return [each for each in found if best.square - each.square > least and each.apart(best) >= frame.pair.worth]
 
 
 def _settled(frame: Frame, fitted: Fitted) -> tuple[Fitted, Frame]:

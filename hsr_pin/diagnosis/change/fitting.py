@@ -67,7 +67,15 @@ class Fitted:
     @property
     def rms(self) -> float:
         """[m] RMS distance by which the change moves the markers of NEW."""
-        return float(np.sqrt(2 * np.mean(np.concatenate([each.ravel() for each in self.moved]) ** 2)))
+        return _rms(self.moved)
+
+    def apart(self, other: Fitted) -> float:
+        """[m] RMS distance between what two changes make of NEW."""
+        return _rms([one - two for one, two in zip(self.moved, other.moved, strict=True)])
+
+
+def _rms(moved: Sequence[Array]) -> float:
+    return float(np.sqrt(2 * np.mean(np.concatenate([each.ravel() for each in moved]) ** 2)))
 
 
 def moved(frame: Frame, suspect: Suspect, changed: Array, runs: Sequence[int], *, fine: bool = False) -> list[Array]:

@@ -15,6 +15,8 @@ from hsr_pin.trajectory import Array
 
 #: Rows of one marker's coordinate over both recordings, about; and the narrowest bin [s].
 _ROWS, _NARROWEST = 1200, 0.02
+#: A change shows if it moves the markers by this share of the noise floor, and of the length of the arm.
+_NOISE, _LENGTH = 0.5, 2e-3
 #: A run moves at least this much, over what those of OLD do, and at most.
 _MOTION = (0.3, 10.0)
 #: Declared numbers that may differ by this share and still be of the same arm.
@@ -58,6 +60,11 @@ class Pair:
     def new_runs(self) -> range:
         """Indices of NEW's."""
         return range(len(self.old.runs), len(self.experiment.runs))
+
+    @property
+    def worth(self) -> float:
+        """[m] RMS distance by which a change must move the markers to be worth a word."""
+        return max(_NOISE * self.experiment.noise_rms, _LENGTH * self.experiment.dataset.length)
 
     @cached_property
     def motion(self) -> tuple[float, ...]:

@@ -19,8 +19,9 @@ from hsr_pin.trajectory import Array
 #: A change is there if it explains at least so much (a difference of log-likelihoods, doubled), this many times what the same
 #: change would explain between OLD's own trials, and as much as any would ...
 SURE, TIMES = 40.0, 2.0
-#: ... and if it moves the markers by this share of the noise floor, or of the length of the arm.
-WORTH, OF_LENGTH = 0.5, 2e-3
+#: ... (and if it moves the markers by what is worth a word: `Pair.worth`).
+#: A second change must take away this share of what the first does.
+SECOND = 0.02
 #: Another change explains as much if it lacks no more than this: neither model is exact. A share of what the best explains,
 #: a share of what it leaves, and a number of log-likelihoods besides; each further parameter costs so many.
 TIED, OF_LEFT, NEARLY, PARAMETER = 0.002, 1.0, 15.0, 8.0
@@ -99,12 +100,6 @@ class Found:
         """Sum of the squared residuals where nothing has changed."""
         return float(self.frame.seen @ self.frame.seen)
 
-    @property
-    def worth(self) -> float:
-        """[m] that a change must move the markers by."""
-        experiment = self.frame.pair.experiment
-        return max(WORTH * experiment.noise_rms, OF_LENGTH * experiment.dataset.length)
-
     def gain(self, fitted: Fitted) -> float:
         """Of the squared residuals, what a change takes away."""
         return self.nothing - fitted.square
@@ -145,7 +140,7 @@ class Found:
 
 def judge(found: Found) -> ChangeVerdict:
     """The verdict."""
-    sure = [(f, frame) for f, frame in found.fits if found.gain(f) > found.needed(f) and f.rms >= found.worth]
+    sure = [(f, frame) for f, frame in found.fits if found.gain(f) > found.needed(f) and f.rms >= found.frame.pair.worth]
     if not sure:
         return _nothing(found)
     best, seen = min(sure, key=lambda each: found.cost(each[0]))
@@ -197,7 +192,7 @@ def _nothing(found: Found) -> ChangeVerdict:
     before, scatter = found.frame.off(), found.frame.scatter
     beyond = sqrt(max(0.0, before**2 - scatter**2))
     difference = Difference(before, before, scatter, 0.0)
-    if found.left(found.frame.seen) and beyond >= found.worth:
+    if found.left(found.frame.seen) and beyond >= found.frame.pair.worth:
         said = f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate explains it."
         return ChangeVerdict("unexplained", (), (), said, difference=difference)
     limits = {fitted.suspect.names[0]: _limit(found, fitted, seen) for fitted, seen in found.fits if len(fitted.after) == 1}
@@ -216,7 +211,7 @@ def _limit(found: Found, fitted: Fitted, frame: Frame) -> float:
     slope, start = fitted.slopes[:, 0], float(fitted.suspect.start[0])
     by_gain = sqrt(found.needed(fitted) / max(float(slope @ slope), 1e-300))
     moved, step = fitted.rms, abs(float(fitted.after[0]) - start)
-    by_size = found.worth * step / moved if moved > 0 else 0.0
+    by_size = found.frame.pair.worth * step / moved if moved > 0 else 0.0
     return max(by_gain, by_size) / (start if start else 1.0)
 
 
