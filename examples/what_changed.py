@@ -27,13 +27,13 @@ SESSIONS = {
 }
 
 
-def recorded(name: str, stiffness: float, lag: float, trials: int) -> Dataset:
+def recorded(name: str, stiffness: float, lag: float) -> Dataset:
     """One session: steps to a few torques, each of them rested a little elsewhere."""
     rng = np.random.default_rng(list(SESSIONS).index(name))
     arm = ArmSpecification(links=16, placement="mid")
     effects = tuple(map(parse_effect, ("stiffening:cubic=0.3", f"actuator_lag:time_constant={lag}")))
     found = []
-    for number, torque in enumerate(TORQUES[:trials], 1):
+    for number, torque in enumerate(TORQUES, 1):
         scenario = step_scenario(replace(arm, keq=stiffness * arm.keq), torque, duration=1.5, step=0.02)
         resting = parse_effect(f"torque_bias:bias={rng.normal(0, 0.004)}")
         motion = simulate(replace(scenario, effects=(*effects, resting)), dynamics="compiled").trajectory
@@ -46,11 +46,11 @@ def recorded(name: str, stiffness: float, lag: float, trials: int) -> Dataset:
 def main(arguments: Sequence[str] | None = None) -> History:
     """Record, compare, and print what changed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="fewer trials and candidates")
+    parser.add_argument("--quick", action="store_true", help="fewer candidates")
     parser.add_argument("--html", metavar="FILE", help="write the report")
     chosen = parser.parse_args(arguments)
-    sessions = [recorded(name, *state, trials=3 if chosen.quick else len(TORQUES)) for name, state in SESSIONS.items()]
-    quick = {"effects": ["actuator_lag", "tip_mass"], "max_effects": 1, "links": 8}
+    sessions = [recorded(name, *state) for name, state in SESSIONS.items()]
+    quick = {"effects": ["actuator_lag", "tip_mass"], "max_effects": 2, "links": 8}
     found = history(sessions, jobs=1, **(quick if chosen.quick else {}))
     for name, diagnosis in zip(found.names[1:], found.diagnoses, strict=True):
         print(f"{name}: {diagnosis.verdict.sentence}\n")
