@@ -21,7 +21,6 @@ from hsr_pin.diagnosis.diagnose import catalogue
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.effects.effect import neutral
-from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
@@ -67,7 +66,7 @@ def diagnose_change(
     *,
     reference: Candidate | None = None,
     effects: Sequence[str] | None = None,
-    max_effects: int = 3,
+    max_effects: int = 2,
     max_changes: int = 2,
     links: int = LINKS,
     delay: float = 0.0,
@@ -109,11 +108,11 @@ def diagnose_change(
     lacking = _insufficient(both)
     if lacking:
         return ChangeDiagnosis(both, None, ChangeVerdict("insufficient", (), (), lacking))
-    ready([*EFFECTS.values(), *FLEXIBLE.values()])
+    ready([*EFFECTS.values()])
     with workers(jobs, cluster) as executor:
         if reference is None:
             crew = Crew(both.old, executor, advance)
-            parts = catalogue([*EFFECTS.values(), *FLEXIBLE.values()], both.old)
+            parts = catalogue([*EFFECTS.values()], both.old)
             model = Hypothesis(links=links)
             reference = described(both.old, model, parts, crew, max_effects=max_effects, seed=seed, tell=tell)
         tell("what it does not describe")
