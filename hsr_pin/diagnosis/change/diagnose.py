@@ -66,7 +66,7 @@ def diagnose_change(
     *,
     reference: Candidate | None = None,
     effects: Sequence[str] | None = None,
-    max_effects: int = 2,
+    max_effects: int = 3,
     max_changes: int = 2,
     links: int = LINKS,
     delay: float = 0.0,
