@@ -1,5 +1,7 @@
 """How an arm is seen may be another: a frame that is turned, a scale that is not one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from hsr_pin.diagnosis.change.cameras import CAMERAS
 from hsr_pin.effects.effect import View, neutral
 
 POINTS = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 1, 2, 3))
-VIEW = View(POINTS, np.zeros_like(POINTS), np.array([0.1, 0.2]), np.array([0.0, 1.0, 0.0]))
+VIEW = View(POINTS, np.zeros_like(POINTS), np.zeros(POINTS.shape[:3]), np.array([0.1, 0.2]), np.array([0.0, 1.0, 0.0]))
 
 
 @pytest.mark.parametrize("kind", CAMERAS.values(), ids=CAMERAS)
@@ -18,7 +20,7 @@ def test_neutral_is_as_it_was(kind):
 def test_a_turned_frame_keeps_distances_and_turns_up_to_the_side_of_positive_bending():
     seen = CAMERAS["frame_turn"](angle=0.3).observe(VIEW)
     assert np.linalg.norm(seen, axis=-1) == pytest.approx(np.linalg.norm(POINTS, axis=-1))
-    up = View(np.array([[[[0.0, 0.0, 1.0]]]]), VIEW.normals, VIEW.arc_lengths, VIEW.axis)
+    up = replace(VIEW, positions=np.array([[[[0.0, 0.0, 1.0]]]]))
     assert CAMERAS["frame_turn"](angle=0.3).observe(up)[0, 0, 0] == pytest.approx([np.sin(0.3), 0.0, np.cos(0.3)])
 
 
