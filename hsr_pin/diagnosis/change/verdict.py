@@ -16,9 +16,9 @@ from hsr_pin.diagnosis.change.size import Size, left_out, sizes
 from hsr_pin.diagnosis.change.words import listed, millimetres, told
 from hsr_pin.trajectory import Array
 
-#: A change is there if it explains at least so much (a difference of log-likelihoods, doubled), this many times what the same
-#: change would explain between OLD's own trials, and as much as any would ...
-SURE, TIMES = 40.0, 2.0
+#: A change is there if it explains at least so much (a difference of log-likelihoods, doubled), and this many times what the same
+#: change would explain between OLD's own trials ...
+SURE, TIMES = 60.0, 2.0
 #: ... (and if it moves the markers by what is worth a word: `Pair.worth`).
 #: A second change must take away this share of what the first does.
 SECOND = 0.02
@@ -107,7 +107,7 @@ class Found:
     def needed(self, fitted: Fitted) -> float:
         """Gain from which on a change is there."""
         own = [self.chance.gains[:, k].max() for k, names in enumerate(self.looked) if set(names) <= set(fitted.suspect.names)]
-        return self.noisier(fitted) * max(SURE, TIMES * float(max(own, default=0.0)), self.chance.largest)
+        return self.noisier(fitted) * max(SURE, TIMES * float(max(own, default=self.chance.largest)))
 
     def noisier(self, fitted: Fitted) -> float:
         """Mean square of what is left in NEW, at least 1: its noise may be more than OLD's."""
