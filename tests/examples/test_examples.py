@@ -39,7 +39,14 @@ def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
 
 
 def test_every_example_is_tested():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "train_in_mujoco", "trunk_in_space", "what_changed", "loop", "picture"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {
+        *FACTORS,
+        "train_in_mujoco",
+        "trunk_in_space",
+        "what_changed",
+        "loop",
+        "picture",
+    }
 
 
 def test_what_changed_is_told_from_the_session_in_which_it_did(monkeypatch, tmp_path, capsys):
