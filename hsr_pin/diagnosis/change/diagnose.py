@@ -37,7 +37,7 @@ _SETTLED = 5
 _ALWAYS = (("keq_scale",), ("damping_scale",))
 #: Second changes that get a fit.
 _SECOND = 6
-#: Changes that are tried with others; and factors on the damping that are, where none explains half.
+#: Changes that are tried with others; and factors on the damping that are.
 _FIRST, _DAMPED = 2, (0.5, 2.0)
 
 
@@ -177,10 +177,9 @@ def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequen
     least = max(2 * SURE, SECOND * gain, HALF * left)
     if left < least:
         return []
-    firsts = list(single[:_FIRST])
-    if left > gain:  # a swing that dies out sooner hides every change of its time
-        damping = next(each for each in asked if each.names == ("damping_scale",))
-        firsts += [replace(best, suspect=damping, after=factor * damping.start) for factor in _DAMPED]
+    damping = next(each for each in asked if each.names == ("damping_scale",))
+    swings = [replace(best, suspect=damping, after=factor * damping.start) for factor in _DAMPED]
+    firsts = [*single[:_FIRST], *swings]  # a swing that dies out sooner hides every change of its time
     guesses = []
     for first in firsts:
         apart = [other for other in asked if other.names != first.suspect.names]
