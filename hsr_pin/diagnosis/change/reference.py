@@ -20,6 +20,8 @@ from hsr_pin.identification.hypothesis import Hypothesis, Part
 _GLANCES, _FINISHED = 6, 3
 #: Share of the mean square beyond noise on held-out trials that a further effect must take away.
 _HELPS = 0.5
+#: Share of the mean square that each number of a law must take away to be preferred to a law with fewer.
+_NUMBER = 0.1
 
 
 def described(
@@ -43,9 +45,14 @@ def described(
         tell(f"what describes the first recording: effect {len(best.names) + 1}")
         ranked = sorted(crew.guess(best, [part for part in parts if part.name not in best.names]), key=lambda guess: -guess.gain)
         quick = sorted(crew.glance([(best.fit, guess) for guess in ranked[:_GLANCES]]), key=lambda fitted: fitted.rms)
-        better = min(crew.finish(quick[:_FINISHED]), key=mean_square, default=best)
+        better = min(crew.finish(quick[:_FINISHED]), key=_cost, default=best)
         helps = mean_square(best) - mean_square(better) > _HELPS * (mean_square(best) - noise)
         if not helps or not certainly_better(better.heldout, best.heldout, seed):
             break
         best = better
     return best
+
+
+def _cost(candidate: Candidate) -> float:
+    """[m^2] mean square on held-out trials, more for each number that bends to it."""
+    return mean_square(candidate) * (1 + _NUMBER) ** len(candidate.fit.values)
