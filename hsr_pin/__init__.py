@@ -10,6 +10,7 @@ from importlib import import_module
 TYPE_CHECKING = False  # as type checkers know it: `typing` itself takes time to load, in which Ctrl-C would leave a traceback
 if TYPE_CHECKING:
     from hsr_pin.control.stepping import ArmSimulator
+    from hsr_pin.diagnosis.change.diagnose import diagnose_change
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.identification.comparison import compare
     from hsr_pin.recordings.read import read_dataset
@@ -31,6 +32,7 @@ _MODULES = {
     "Trajectory": "trajectory",
     "compare": "identification.comparison",
     "diagnose": "diagnosis.diagnose",
+    "diagnose_change": "diagnosis.change.diagnose",
     "read_dataset": "recordings.read",
     "simulate": "simulation.simulate",
     "simulate_batch": "simulation.batch",
@@ -47,6 +49,7 @@ __all__ = [
     "Trajectory",
     "compare",
     "diagnose",
+    "diagnose_change",
     "read_dataset",
     "simulate",
     "simulate_batch",

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from hsr_pin.blind.pairs import NEW, OLD
 from hsr_pin.blind.state import read_state, stands
 from hsr_pin.errors import InputError
 from hsr_pin.output import check_folder_writable, write_text
@@ -16,12 +17,13 @@ from hsr_pin.parallel import for_each
 
 
 def recordings(folder: Path) -> list[Path]:
-    """The folders of a check's cases, sorted.
+    """The folders of a check's cases, sorted; of a pair, the one that holds both recordings.
 
     Raises:
         InputError: there are none.
     """
-    found = sorted(path.parent for path in folder.glob("case_*/dataset.toml"))
+    single = {path.parent for path in folder.glob("case_*/dataset.toml")}
+    found = sorted(single | {path.parents[1] for path in folder.glob(f"case_*/{NEW}/dataset.toml")})
     if not found:
         raise InputError("folder", expected="recordings that hsr-blind make wrote", received="none", file=folder)
     return found
@@ -48,17 +50,29 @@ def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
     file = verdicts / f"{recording.name}.json"
     if _is_done(file):
         return
-    from hsr_pin.diagnosis.diagnose import diagnose
-    from hsr_pin.diagnosis.document import to_json
-    from hsr_pin.recordings.read import read_dataset
-
     document: dict[str, Any]
     try:
-        document = to_json(diagnose(read_dataset(recording), jobs=1, seed=seed))
+        document = _of_pair(recording, seed) if (recording / NEW).exists() else _of_one(recording, seed)
     except Exception as error:  # whatever it is: one case must not end a check of hundreds
         trace = traceback.format_exc()
         document = {"dataset": recording.name, "error": f"{type(error).__name__}: {error}", "traceback": trace}
     write_text(file, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _of_one(recording: Path, seed: int) -> dict[str, Any]:
+    from hsr_pin.diagnosis.diagnose import diagnose
+    from hsr_pin.diagnosis.document import to_json
+    from hsr_pin.recordings.read import read_dataset
+
+    return to_json(diagnose(read_dataset(recording), jobs=1, seed=seed))
+
+
+def _of_pair(recording: Path, seed: int) -> dict[str, Any]:
+    from hsr_pin.diagnosis.change.diagnose import diagnose_change
+    from hsr_pin.diagnosis.change.document import to_json
+    from hsr_pin.recordings.read import read_dataset
+
+    return to_json(diagnose_change(read_dataset(recording / NEW), read_dataset(recording / OLD), jobs=1, seed=seed))
 
 
 def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:

@@ -30,6 +30,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "damping_gradient": ("damping",),
     "dead_time": ("actuation_time",),
     "dry_friction": ("friction",),
+    "frame_turn": ("measurement",),
     "follower_thrust": ("actuation_map", "contact"),  # a force that goes with the command
     "gravity_tilt": ("mass_gravity", "measurement"),  # the base is turned; the cameras see it turned
     "hysteresis": ("friction",),

@@ -27,6 +27,9 @@ _EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
 
 @click.command(name="hsr-diagnose", epilog=_EPILOG, context_settings={"max_content_width": 100})
 @click.argument("dataset", metavar="DATASET")
+@click.option(
+    "--since", metavar="OLD", multiple=True, help="What has changed since this recording of the same arm? Several: in order."
+)
 @click.option("--effects", metavar="A,B,...", help="Candidates.  [default: the whole catalogue]")
 @click.option("--max-effects", type=click.IntRange(0, 19), default=3, show_default=True, help="At most this many together.")
 @click.option("--links", type=click.IntRange(1, 100), default=16, show_default=True, help="Links of the chain that is fitted.")
@@ -43,10 +46,18 @@ def command(dataset: str, **options: Any) -> None:
     Reads the recordings in the folder DATASET, fits the model to them with and without effects that it may lack, judges each on
     trials that were not fitted, and says what the recordings support: which effects are missing, which cannot be told apart,
     that stiffness and damping explain it, or that nothing known does.
+
+    With --since OLD it says instead what has changed in the arm since that recording: DATASET is judged relative to the best
+    model of OLD and to what that model lacks.
     """
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
-    check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
+    check_outputs(files, read=[dataset_folder(each) for each in (dataset, *options["since"])], force=options["force"])
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: processes, not threads, share the cores
+    if options["since"]:
+        from hsr_pin.cli.since import tell_since
+
+        tell_since(dataset, options)
+        return
     _tell(_diagnosis(dataset, options), [name for name in files.values() if name not in (None, "-")], options)
 
 
@@ -89,12 +100,12 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
             effect_named(name)
     recordings = read_dataset(dataset)
     given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed")} | trials_from(options)
-    with _progress(options["max_effects"]) as (tell, advance):
+    with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
         return diagnose(recordings, effects=effects, **given, tell=tell, advance=advance)
 
 
 @contextmanager
-def _progress(max_effects: int) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
+def progress(stages: int) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
     """What to call at each stage and after each fit: a bar on a terminal, nothing anywhere else.
 
     How many fits a stage takes is not known before: each fills a fixed share of what its stage still lacks.
@@ -107,7 +118,7 @@ def _progress(max_effects: int) -> Iterator[tuple[Callable[[str], None], Callabl
     stage = TextColumn("{task.description}", markup=False)
     columns = (stage, BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
     with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-        task = bar.add_task("starting", total=max_effects + _OTHER_STAGES)
+        task = bar.add_task("starting", total=stages)
         begun, fits = 0, 0
 
         def tell(line: str) -> None:

@@ -1,6 +1,7 @@
 """Where the gap lies, which effect causes it, how far it shrinks.
 
 - ``candidates``: where the fit of each effect starts, and what it is worth
+- ``change``: what has changed between two recordings
 - ``commands``: plateaus and steps of a command
 - ``confidence``: how likely a name is right
 - ``crew``: many candidates side by side

@@ -20,6 +20,8 @@ _SMOOTH = 3.0
 _STEPS, _FARTHEST = 4, 1.0
 #: The last steps go on until one is shorter than this [rad], or for so many.
 _DONE, _MOST = 1e-8, 30
+#: A search that begins near a pose and comes to be so much worse than it was is led astray: it begins anew.
+_WORSE = 10.0
 #: Difference for derivatives [rad].
 _WIDTH = 1e-6
 
@@ -60,13 +62,17 @@ def pose_from_markers(
     plan = [active for active in range(1, count) for _ in range(_STEPS)] + [count] * _MOST
     if near is not None and len(near) == count:
         kappa[:], plan = near, [count] * _MOST
-    jacobian = np.empty(0)
+    jacobian, begun = np.empty(0), np.full(len(columns), np.inf)
     for active in plan:
         steps = np.vstack([np.zeros(count), _WIDTH * np.eye(count)[:active]])
         poses = np.einsum("cnk,tck->tcn", modes, kappa + steps[:, None])
         shown = cameras.positions(poses)[:, :, seen][..., [0, 2]].reshape(active + 1, len(columns), -1) / sure
         jacobian = np.moveaxis(shown[1:] - shown[0], 0, -1) / _WIDTH  # (C, 2M, active)
         miss = shown[0] - positions[seen][:, [0, 2]].ravel() / sure
+        cost = (miss**2).sum(axis=1) + ((penalty * kappa) ** 2).sum(axis=1)
+        if active == count and near is not None and np.any(cost > _WORSE * begun):
+            return pose_from_markers(columns, cameras, positions, velocities, noise)
+        begun = np.minimum(begun, cost)
         normal = np.swapaxes(jacobian, 1, 2) @ jacobian + np.diag(penalty[:active] ** 2)
         slope = np.einsum("cmk,cm->ck", jacobian, miss) + penalty[:active] ** 2 * kappa[:, :active]
         change = np.clip(np.linalg.solve(normal, slope[..., None])[..., 0], -_FARTHEST, _FARTHEST)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.cli.command import run
-from hsr_pin.cli.diagnose import _progress, command
+from hsr_pin.cli.diagnose import _OTHER_STAGES, command, progress
 from hsr_pin.cli.diagnose_report import LINES, screen
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
@@ -189,7 +189,7 @@ def test_a_terminal_gets_a_bar_that_only_moves_on_and_is_gone_at_the_end(monkeyp
     monkeypatch.setenv("TERM", "xterm")
     seen = []
     monkeypatch.setattr("rich.progress.Progress.update", lambda *_, completed, **__: seen.append(completed))
-    with _progress(2) as (tell, advance):
+    with progress(2 + _OTHER_STAGES) as (tell, advance):
         for stage in ("reading the recordings", "stiffness and damping", "effect 1", "effect 2", "where"):
             tell(stage)
             for _ in range(30 if "effect" in stage else 0):

@@ -55,12 +55,13 @@ def made(
     noise=3e-4,
     markers=(0.0, 0.5, 1.0),
     name="made",
+    draw="",
 ):
     """A dataset simulated on a fine chain with effects (texts or laws), the true Keq and C off the declared ones by factors.
 
-    Each trial rests for 0.1 s, then goes to its first torque, and half-way to its second.
+    Each trial rests for 0.1 s, then goes to its first torque, and half-way to its second. Another ``draw`` has other noise.
     """
-    generator = np.random.default_rng(zlib.crc32(repr(effects).encode()))
+    generator = np.random.default_rng(zlib.crc32((repr(effects) + draw).encode()))
     laws = tuple(parse_effect(effect) if isinstance(effect, str) else effect for effect in effects)
     time = np.arange(round(duration / step) + 1) * step
     answers = []

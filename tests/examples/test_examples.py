@@ -39,4 +39,22 @@ def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
 
 
 def test_every_example_is_tested():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*FACTORS, "train_in_mujoco", "trunk_in_space", "loop", "picture"}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {
+        *FACTORS,
+        "train_in_mujoco",
+        "trunk_in_space",
+        "what_changed",
+        "loop",
+        "picture",
+    }
+
+
+def test_what_changed_is_told_from_the_session_in_which_it_did(monkeypatch, tmp_path, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    page = tmp_path / "sessions.html"
+    found = importlib.import_module("what_changed").main(["--quick", "--html", str(page)])
+    first = {each.name: each.first and found.names[each.first] for each in found.quantities}
+    assert (first["keq_scale"], first["actuator_lag.time_constant"]) == ("may", "july")
+    assert found.diagnoses[0].verdict.status == "unchanged"
+    assert "certainly another from may on" in capsys.readouterr().out
+    assert "Over the sessions" in page.read_text(encoding="utf-8")

@@ -111,3 +111,15 @@ def test_a_release_of_an_arm_with_a_gradient_is_recovered(record):
     dataset = record([(1.11, None), (2.33, None)], keq=1.1, damping=0.8, effects=[EFFECTS["stiffness_gradient"](0.6)])
     answer = fit(prepare(dataset), Hypothesis().with_effects(EFFECTS["stiffness_gradient"](0.1)))
     assert answer.named["stiffness_gradient.slope"] == pytest.approx(0.6, abs=0.05)
+
+
+def test_a_search_led_astray_from_a_pose_nearby_begins_anew():
+    """From the pose of an even arm, held by hand, the search curls one up that is far softer at its base than at its tip."""
+    held, found = np.array([[-0.024, 0.0, -0.117], [-0.060, 0.0, -0.232]]), []
+    near = None  # where the search begins: the first time from no pose
+    for effects in ((), (EFFECTS["stiffness_gradient"](slope=1.6),)):
+        columns = Columns(Arms.of([ArmSpecification(links=16, placement="mid", bending_limit=6.0)]), effects)
+        cameras = Cameras(columns, (0.12, 0.24))
+        q, _, near = pose_from_markers(columns, cameras, held, STILL[:2], 1e-4, near)
+        found.append(np.abs(shown(cameras, q[0]) - held).max())
+    assert max(found) < 1e-3

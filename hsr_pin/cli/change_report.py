@@ -1,0 +1,85 @@
+"""What ``hsr-diagnose NEW --since OLD`` prints."""
+
+from __future__ import annotations
+
+import textwrap
+
+from rich.text import Text
+
+from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+from hsr_pin.diagnosis.change.history import History, Quantity
+from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.diagnosis.change.words import HEADLINES, advice, rounded
+from hsr_pin.diagnosis.words import number
+
+_COLOURS = {
+    "identified": "bold blue",
+    "partly_identified": "bold blue",
+    "ambiguous": "bold yellow",
+    "unexplained": "bold red",
+    "unchanged": "bold green",
+    "insufficient": "bold yellow",
+}
+
+
+def screen(found: History, width: int = 80) -> list[Text]:
+    """The lines of the report."""
+    width = max(40, width)
+    lines = _comparison(found.diagnoses[-1], width)
+    return [*lines, Text(), *_sessions(found, width)] if len(found.names) > 2 else lines
+
+
+def _comparison(diagnosis: ChangeDiagnosis, width: int) -> list[Text]:
+    verdict, pair = diagnosis.verdict, diagnosis.pair
+    title = f"{pair.new.dataset.name} since {pair.old.dataset.name}: "
+    lines = [Text.assemble((title, "bold"), (HEADLINES[verdict.status], _COLOURS[verdict.status]))]
+    lines += _wrapped(verdict.sentence, width)
+    if verdict.difference is not None:
+        off = verdict.difference
+        lines += [Text(), Text(f"{'RMS distance between the second recording and':<56}[mm]", style="bold cyan")]
+        lines.append(Text(f"{'what the first foretells':<54}{number(1e3 * off.before):>6}"))
+        if verdict.changes:
+            lines.append(Text(f"{'the same with the change':<54}{number(1e3 * off.after):>6}"))
+        lines.append(Text(f"{'scatter that would be no surprise':<54}{number(1e3 * off.scatter):>6}"))
+    if verdict.changes:
+        lines += [Text(), Text(f"{'what changed':<32}{'from':>10}{'to':>10}   {'95 % interval':<20}", style="bold cyan")]
+        lines += [_row(each) for each in verdict.changes]
+    if diagnosis.found is not None and len(diagnosis.found.fits) > 1:
+        best = diagnosis.found.fits[:4]
+        told = "; ".join(f"{' + '.join(fitted.suspect.names)} {number(diagnosis.found.gain(fitted))}" for fitted, _ in best)
+        lines += [Text(), *_wrapped(f"explain (drop of -2 log likelihood): {told}", width)]
+    if diagnosis.reference is not None:
+        names = " + ".join(diagnosis.reference.names) or "stiffness and damping"
+        lines += _wrapped(f"the first recording is described by: {names}, and a smooth leftover", width)
+    lines += [line for each in advice(diagnosis) for line in _wrapped(f"next:  {each}", width)]
+    return lines
+
+
+def _row(size: Size) -> Text:
+    span = size.becomes
+    before = "" if size.before is None else rounded(size.before, span)
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    between = f"{rounded(span[0], span)} to {rounded(span[1], span)}{unit}"
+    return Text(f"  {size.parameter:<30}{before:>10}{rounded(size.after, span):>10}   {between}")
+
+
+def _sessions(found: History, width: int) -> list[Text]:
+    """Every quantity over the sessions; a star where it has certainly changed, a question mark where it may have."""
+    room = max(10, min(18, (width - 30) // len(found.names)))
+    heads = "".join(f"{name[: room - 2]:>{room}}" for name in found.names)
+    lines = [Text(f"{'over the sessions':<30}{heads}", style="bold cyan")]
+    lines += [Text(f"  {each.name:<28}{_points(each, room)}") for each in found.quantities]
+    for each in found.quantities:
+        if each.first is not None:
+            lines.append(Text(f"{each.name} has certainly changed (*) from {found.names[each.first]} on"))
+    return lines
+
+
+def _points(quantity: Quantity, room: int) -> str:
+    marks = {"certain": "*", "perhaps": "?", "": " "}
+    return "".join(f"{number(point.value) + marks[point.changed]:>{room}}" for point in quantity.points)
+
+
+def _wrapped(text: str, width: int) -> list[Text]:
+    indent = " " * 7 if text.startswith("next:  ") else ""
+    return [Text(line) for line in textwrap.wrap(text, width, subsequent_indent=indent)]

@@ -1,0 +1,93 @@
+"""``hsr-diagnose NEW --since OLD``: what has changed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from hsr_pin.errors import InputError
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.change.history import History
+
+#: Stages of one comparison beside those that describe the first recording: reading, what is left, what may have changed.
+_STAGES = 3
+
+
+def tell_since(dataset: str, options: dict[str, Any]) -> None:
+    """Compare, print, then write the files.
+
+    Raises:
+        InputError: an option that a comparison does not have, or one recording named twice.
+    """
+    for name in ("train", "test"):
+        if options[name]:
+            raise InputError(f"--{name}", expected="no such option with --since", received=options[name])
+    folders = [*options["since"], dataset]
+    places = [Path(folder).resolve() for folder in folders]
+    if len(set(places)) < len(places):
+        raise InputError("--since", expected="recordings that differ", received="one of them twice")
+    found = _history(folders, options)
+    from hsr_pin.cli.change_report import screen
+    from hsr_pin.cli.console import console, shown
+    from hsr_pin.cli.diagnose_report import print_written
+
+    with shown():
+        if options["json_file"] == "-":
+            click.echo(_document(found))
+        else:
+            to = console()
+            for line in screen(found, to.width):
+                to.print(line, soft_wrap=True)
+    written: list[str] = []
+    try:
+        for name in _write(found, options):
+            written.append(name)
+    finally:
+        if options["json_file"] != "-":
+            print_written(written)
+
+
+def _history(folders: list[str], options: dict[str, Any]) -> History:
+    from hsr_pin.cli.diagnose import progress
+    from hsr_pin.diagnosis.change.history import history
+    from hsr_pin.effects import effect_named
+    from hsr_pin.recordings.read import read_dataset
+
+    effects = None
+    if options["effects"] is not None:
+        from hsr_pin.diagnosis.change.cameras import CAMERAS
+
+        effects = [name.strip() for name in options["effects"].split(",")]
+        for name in effects:  # before the recordings, which take longer
+            if name not in CAMERAS:
+                effect_named(name)
+    sessions = [read_dataset(folder) for folder in folders]
+    given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed", "delay")}
+    stages = options["max_effects"] + _STAGES * (len(sessions) - 1)
+    with progress(stages) as (tell, advance):
+        return history(sessions, effects=effects, **given, tell=tell, advance=advance)
+
+
+def _document(found: History) -> str:
+    from hsr_pin.diagnosis.change.document import history_to_json
+
+    return json.dumps(history_to_json(found), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def _write(found: History, options: dict[str, Any]) -> Iterator[str]:
+    """Write what was asked for, and name each file when it is there."""
+    if options["json_file"] not in (None, "-"):
+        from hsr_pin.output import write_text
+
+        write_text(options["json_file"], _document(found) + "\n")
+        yield options["json_file"]
+    if options["html_file"] is not None:
+        from hsr_pin.diagnosis.change.report import write_report
+
+        write_report(found, options["html_file"])
+        yield options["html_file"]

@@ -1,0 +1,58 @@
+"""What may be another in how an arm is seen, though the arm is the same: as effects, so that they are tried like any other.
+
+They are no candidates of a single recording: there a frame that is turned is a base that is turned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class FrameTurn(Effect):
+    """p_seen = R(axis, angle) p: the cameras' frame is turned in the plane, and gravity is not."""
+
+    name = "frame_turn"
+    lacks = "the cameras' frame is turned"
+    cause = "a new calibration"
+    citation = "B. W. Mooring, Z. S. Roth, M. R. Driels, Fundamentals of Manipulator Calibration, Wiley (1991)"
+    kind = "measurement"
+    passive = True
+
+    angle: float = parameter(
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="of the arm as seen, to positive bending"
+    )
+
+    def observe(self, view: View) -> Array:
+        p, axis, angle = view.positions, view.axis, np.asarray(self.angle)[..., None, None]
+        along = axis * (p @ axis)[..., None]  # Rodrigues' formula
+        return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
+
+
+@dataclass(frozen=True)
+class CameraScale(Effect):
+    """p_seen = (1 + scale) p."""
+
+    name = "camera_scale"
+    lacks = "the cameras' scale is another"
+    cause = "a new calibration"
+    citation = "L. Chiari et al., Human movement analysis using stereophotogrammetry. Part 2, Gait Posture 21 (2005)"
+    kind = "measurement"
+    passive = True
+
+    scale: float = parameter(
+        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="of lengths, beyond one"
+    )
+
+    def observe(self, view: View) -> Array:
+        return np.asarray(view.positions * (1 + np.asarray(self.scale)[..., None, None]))
+
+
+#: By name.
+CAMERAS: dict[str, type[Effect]] = {effect.name: effect for effect in (FrameTurn, CameraScale)}

@@ -1,0 +1,221 @@
+"""What has changed between two recordings of one arm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.change.cameras import CAMERAS
+from hsr_pin.diagnosis.change.chance import chance
+from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
+from hsr_pin.diagnosis.change.frame import Before, Frame, framed
+from hsr_pin.diagnosis.change.pair import Pair, pair
+from hsr_pin.diagnosis.change.reference import described
+from hsr_pin.diagnosis.change.suspects import Suspect, suspects
+from hsr_pin.diagnosis.change.verdict import HALF, SECOND, SURE, ChangeVerdict, Found, judge
+from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.diagnose import catalogue
+from hsr_pin.diagnosis.next_experiment import Proposal, propose
+from hsr_pin.effects import EFFECTS, effect_named
+from hsr_pin.effects.effect import neutral
+from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.experiment import Experiment, moves, prepare
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
+from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.parallel import workers
+from hsr_pin.simulation.compiled import ready
+from hsr_pin.trajectory import Dataset
+
+#: Changes that get a fit, and those of which it is looked what OLD shows by chance.
+_FITTED, _LOOKED = 14, 10
+#: Changes that are fitted once more, with the model as it is after them.
+_SETTLED = 5
+#: Of these it is told how small a change would have shown.
+_ALWAYS = (("keq_scale",), ("damping_scale",))
+#: Second changes that get a fit.
+_SECOND = 6
+#: Changes that are tried with others; and factors on the damping that are.
+_FIRST, _DAMPED = 2, (0.5, 2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ChangeDiagnosis:
+    """All that was found.
+
+    Attributes:
+        pair: the recordings as they were used.
+        reference: the best model of OLD; None where there was too little to fit one.
+        verdict: what may be said.
+        found: what it rests on; None where there was too little.
+        next_experiment: what to record next where it is ambiguous, the most telling first.
+    """
+
+    pair: Pair
+    reference: Candidate | None
+    verdict: ChangeVerdict
+    found: Found | None = None
+    next_experiment: tuple[Proposal, ...] = ()
+
+
+def diagnose_change(
+    new: Dataset,
+    old: Dataset,
+    *,
+    reference: Candidate | None = None,
+    effects: Sequence[str] | None = None,
+    max_effects: int = 3,
+    max_changes: int = 2,
+    links: int = LINKS,
+    delay: float = 0.0,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda line: None,
+    advance: Callable[[], None] = lambda: None,
+) -> ChangeDiagnosis:
+    """Say what has changed in an arm between two recordings of it.
+
+    NEW is judged relative to the best model of OLD and to what that model lacks: what both recordings have in common, be it
+    explained or not, is no change.
+
+    Args:
+        new: at least one trial in which the arm moves.
+        old: at least two.
+        reference: the best model of OLD, where it is known from another comparison with it.
+        effects: names of the effects that may have changed, beside stiffness and damping; default: the whole catalogue, the arm's
+            other numbers, and how the arm is seen.
+        max_effects: with which OLD is described, at most.
+        max_changes: at most this many together.
+        links: of the chain that is fitted.
+        delay: trials that start from a pose are followed only from so long after their declared start [s].
+        jobs: processes; default: one per core.
+        cluster: address of a Dask scheduler whose workers do it instead.
+        seed: of the resampling.
+        tell: called with a line at each stage.
+        advance: called after each fit.
+
+    Raises:
+        IdentificationError: the datasets are not of one arm, nothing in them can be compared, or an argument is out of range.
+        EffectError: an unknown effect.
+    """
+    if max_changes < 1:
+        raise IdentificationError("max_changes", expected="one or more", received=max_changes)
+    tell("reading the recordings")
+    both = pair(prepare(old, delay=delay), prepare(new, delay=delay))
+    lacking = _insufficient(both)
+    if lacking:
+        return ChangeDiagnosis(both, None, ChangeVerdict("insufficient", (), (), lacking))
+    ready([*EFFECTS.values()])
+    with workers(jobs, cluster) as executor:
+        if reference is None:
+            crew = Crew(both.old, executor, advance)
+            parts = catalogue([*EFFECTS.values()], both.old)
+            model = Hypothesis(links=links)
+            reference = described(both.old, model, parts, crew, max_effects=max_effects, seed=seed, tell=tell)
+        tell("what it does not describe")
+        frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)
+        tell("what may have changed")
+        asked = suspects(frame.hypothesis, frame.values, _parts(both.experiment, effects))
+        bench = Bench(frame, executor)
+        guesses = bench.guessed(asked)
+        plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]
+        single = bench.refined([*guesses[:_FITTED], *plain])
+        several = _several(bench, frame, _distinct(single), asked) if max_changes > 1 else []
+    best = _distinct([*single, *several])
+    shown = [*best[:_SETTLED], *(each for each in best[_SETTLED:] if each.suspect.names in _ALWAYS)]
+    looked = list(dict.fromkeys([*best[:_LOOKED], *shown]))
+    found = Found(
+        frame,
+        tuple(_settled(frame, each) for each in shown),
+        chance(frame, before, looked, seed),
+        tuple(each.suspect.names for each in looked),
+        _was(reference, frame),
+        _spread(frame, before),
+    )
+    verdict = judge(found)
+    return ChangeDiagnosis(both, reference, verdict, found, _proposals(found, verdict))
+
+
+def _insufficient(both: Pair) -> str:
+    """What is lacking, and what to record; empty if nothing is."""
+    for name, each, least in (("first", both.old, 2), ("second", both.new, 1)):
+        moving = sum(moves(run, each.noise) for run in each.runs)
+        if moving < least:
+            return (
+                f"In {moving} of {len(each.runs)} usable trials of the {name} recording ({each.dataset.name}) the arm moves; at "
+                f"least {least} {'are' if least > 1 else 'is'} needed: what one trial has of its own must be known from another."
+            )
+    return ""
+
+
+def _parts(experiment: Experiment, names: Sequence[str] | None) -> list[Part]:
+    """What may appear, in every reading."""
+    known = EFFECTS | CAMERAS
+    if names is None:
+        return [*catalogue([*EFFECTS.values()], experiment), *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
+    chosen = [known[name] if name in known else effect_named(name) for name in dict.fromkeys(names)]
+    return catalogue(chosen, experiment, plain=())
+
+
+def _distinct(fits: Sequence[Fitted]) -> list[Fitted]:
+    """The best reading of each, the best first."""
+    first: dict[tuple[str, ...], Fitted] = {}
+    for fitted in sorted(fits, key=lambda each: each.square):
+        first.setdefault(fitted.suspect.names, fitted)
+    return list(first.values())
+
+
+def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequence[Suspect]) -> list[Fitted]:
+    """Two changes together, if what the best of one leaves asks for it, they take away most of that, and it shows."""
+    best = single[0]
+    gain = float(frame.seen @ frame.seen) - best.square
+    new = frame.run >= len(frame.pair.old.runs)
+    left = float((best.residual[new] ** 2).sum()) - float(new.sum())
+    least = max(2 * SURE, SECOND * gain, HALF * left)
+    if left < least:
+        return []
+    damping = next(each for each in asked if each.names == ("damping_scale",))
+    swings = [replace(best, suspect=damping, after=factor * damping.start) for factor in _DAMPED]
+    firsts = [*single[:_FIRST], *swings]  # a swing that dies out sooner hides every change of its time
+    guesses = []
+    for first in firsts:
+        apart = [other for other in asked if other.names != first.suspect.names]
+        others = [replace(first.suspect.together(other), probes=other.probes) for other in apart]
+        guesses += bench.guessed(others, first)[:_SECOND]
+    found = bench.refined(sorted(guesses, key=lambda guess: guess.square)[: 2 * _SECOND])
+    return [each for each in found if best.square - each.square > least and each.apart(best) >= frame.pair.worth]
+
+
+def _settled(frame: Frame, fitted: Fitted) -> tuple[Fitted, Frame]:
+    """A change fitted once more, on the full chain, with what is shared as it acts after the change; and that frame."""
+    suspect = fitted.suspect
+    there = frame.at(suspect.hypothesis, suspect.values(fitted.after[None])[0])
+    return refined(there, Guess(suspect, (fitted.after,), fitted.square), fine=True), there
+
+
+def _was(reference: Candidate, frame: Frame) -> dict[str, tuple[float, float]]:
+    """95 % intervals of the values of OLD's model; what is declared is known to be that."""
+    names, intervals = reference.fit.hypothesis.free, uncertainty(reference.fit).interval
+    return {name: (1.0, 1.0) for name in frame.hypothesis.free} | {
+        name: (float(low), float(high)) for name, (low, high) in zip(names, intervals, strict=True)
+    }
+
+
+def _spread(frame: Frame, before: Before) -> tuple[float, float]:
+    """Mean square of OLD's own residuals, and of those of the worst of its trials."""
+    run = np.concatenate([rows.run for rows in before.rows])
+    each = [float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs]
+    return float(np.mean(before.seen**2)), max(each)
+
+
+def _proposals(found: Found, verdict: ChangeVerdict) -> tuple[Proposal, ...]:
+    """Where the alternatives differ most."""
+    if verdict.status != "ambiguous":
+        return ()
+    fits = {fitted.suspect.names: fitted for fitted, _ in found.fits}
+    chosen = [fits[names] for names in verdict.alternatives]
+    rivals = [(each.suspect.hypothesis, each.suspect.values(each.after[None])[0]) for each in chosen]
+    return propose(found.frame.pair.new, rivals)

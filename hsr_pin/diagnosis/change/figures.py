@@ -1,0 +1,124 @@
+"""The figures of a report on a change: what each would explain, where it shows, every quantity over the sessions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+from hsr_pin.diagnosis.change.history import History
+from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.diagnosis.inline_svg import ROLES, drawing
+from hsr_pin.diagnosis.words import readable
+from hsr_pin.trajectory import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Width of a page [inch].
+_WIDTH = 7.4
+#: Trials that are shown, at most.
+_SHOWN = 2
+
+
+def gains_figure(found: Found) -> Figure:
+    """What each change explains, beside what it would have to."""
+    from matplotlib.figure import Figure
+
+    fits = [fitted for fitted, _ in found.fits]
+    at = np.arange(len(fits))
+    gains = np.array([max(found.gain(fitted), 0.5) for fitted in fits])
+    needed = np.array([found.needed(fitted) for fitted in fits])
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 0.6 + 0.3 * len(fits)), layout="constrained")
+        axes = figure.add_subplot()
+        axes.barh(at, gains, height=0.62, color=ROLES["bar"])
+        axes.plot(needed, at, "|", color=ROLES["declared"], ms=12, mew=2)
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.set_yticks(at, [readable(fitted.suspect.names) for fitted in fits])
+        axes.invert_yaxis()
+        axes.tick_params(axis="y", length=0)
+        axes.set_xlabel("drop of -2 log likelihood")
+    return figure
+
+
+def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
+    """Which of NEW's trials to look at, with a caption: where the change moves the markers most."""
+    if diagnosis.found is None or not diagnosis.verdict.changes:
+        return []
+    best = diagnosis.found.fits[0][0]
+    moves = [float(np.mean(each**2)) for each in best.moved]
+    chosen = np.argsort(moves)[::-1][:_SHOWN]
+    names = [diagnosis.pair.new.runs[k].trial.name for k in chosen]
+    marker = diagnosis.pair.new.markers[_far(diagnosis)].name
+    return [
+        (int(k), f"{name}, marker {marker}: what the change would move, and what was seen")
+        for k, name in zip(chosen, names, strict=True)
+    ]
+
+
+def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
+    """One of NEW's trials: how far it is from what OLD foretells, and what the change makes of that."""
+    from matplotlib.figure import Figure
+
+    found, pair = diagnosis.found, diagnosis.pair
+    assert found is not None
+    fitted, marker = found.fits[0][0], _far(diagnosis)
+    bins = pair.bins[len(pair.old.runs) + index]
+    seen = _seen(found, marker, index)
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 2.4), layout="constrained")
+        for place, (axis, name) in enumerate(((0, "x"), (1, "z"))):
+            axes = figure.add_subplot(1, 2, place + 1)
+            shown = bins.counts[:, marker] > 0
+            axes.plot(bins.time[shown], 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
+            axes.plot(
+                bins.time[shown], 1e3 * fitted.moved[index][shown, marker, axis], color=ROLES["model"], label="by the change"
+            )
+            axes.axhline(0.0, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
+            axes.set_xlabel("time [s]")
+            axes.set_title(f"{name}: from what the first recording foretells [mm]")
+            if not place:
+                axes.legend(frameon=False, loc="best")
+    return figure
+
+
+def _seen(found: Found, marker: int, index: int) -> list[Array]:
+    """[m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
+    frame, answer = found.frame, []
+    places = np.cumsum([0, *(len(rows.run) for rows in frame.rows)])
+    foretold = frame.foretold
+    for axis in (0, 1):
+        k = next(k for k, rows in enumerate(frame.rows) if (rows.marker, rows.axis) == (marker, axis))
+        own = frame.rows[k].run == index
+        answer.append(-foretold[places[k] : places[k + 1]][own])
+    return answer
+
+
+def _far(diagnosis: ChangeDiagnosis) -> int:
+    return int(np.argmax([marker.arc_length for marker in diagnosis.pair.new.markers]))
+
+
+def sessions_figure(history: History) -> Figure:
+    """Every quantity over the sessions."""
+    from matplotlib.figure import Figure
+
+    at = np.arange(len(history.names))
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 1.5 * len(history.quantities) + 0.4), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(len(history.quantities), 1, sharex=True))
+        for axes, quantity in zip(panels, history.quantities, strict=True):
+            for k, point in zip(at, quantity.points, strict=True):
+                colour = ROLES["declared"] if point.changed == "certain" else ROLES["model"]
+                filled = colour if point.changed != "perhaps" else "none"
+                if point.interval is not None:
+                    axes.plot([k, k], point.interval, color=colour, lw=1.5)
+                axes.plot([k], [point.value], "o", color=colour, mfc=filled, ms=5)
+            axes.plot(at, [point.value for point in quantity.points], color=ROLES["grid"], lw=1, zorder=0)
+            unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
+            axes.set_title(f"{quantity.name}{unit}")
+        panels[-1].set_xticks(at, history.names)
+        panels[-1].set_xlim(-0.4, len(at) - 0.6)
+    return figure

@@ -1,0 +1,235 @@
+"""Residuals of both recordings, free of what is expected of them: whitened, and without what a change is not needed for.
+
+Generalised least squares for a linear mixed model (C. R. Henderson, Biometrics 31, 1975): r = J b + N c + g + e with b the
+parameters that both recordings share, c the numbers of the trials' own, g the leftover and e noise. Rows of NEW come last, so
+that whitened by a Cholesky factor they are what OLD does not foretell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from hsr_pin.diagnosis.change.leftover import Covariance, Rows, features, learnt, rows_of, thinned
+from hsr_pin.diagnosis.change.pair import Pair
+from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.trajectory import Array
+
+#: How far the shared parameters may be from where the fit to OLD ended, over their scales.
+_WIDE = 0.3
+#: Numbers that are declared and seldom exact, and how exact: what is wrong with them is wrong in both recordings.
+DECLARED = {"mass_scale": 0.1, "torque_gain": 0.05}
+
+
+@dataclass(frozen=True, eq=False)
+class Eliminated:
+    """What whitened rows are without numbers with unit priors: (I + basis basis^T)^(-1/2), as in `nuisance.whitened`.
+
+    Attributes:
+        directions: (n, K) orthonormal.
+        shrink: (K,) share of each that is taken away.
+    """
+
+    directions: Array
+    shrink: Array
+
+    @classmethod
+    def of(cls, basis: Array) -> Eliminated:
+        """For what one standard deviation of each number makes, (n, K)."""
+        u, s, _ = np.linalg.svd(basis, full_matrices=False)
+        return cls(u, 1 - 1 / np.sqrt(1 + s**2))
+
+    def __call__(self, rows: Array) -> Array:
+        """(n, C) without them."""
+        return np.asarray(rows - self.directions @ (self.shrink[:, None] * (self.directions.T @ rows)))
+
+    def after(self, zeros: int, rows: Array) -> Array:
+        """(n, C) of rows (n - zeros, C) that follow on so many zeros."""
+        out = -self.directions @ (self.shrink[:, None] * (self.directions[zeros:].T @ rows))
+        out[zeros:] += rows
+        return np.asarray(out)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What residuals are seen through.
+
+    Attributes:
+        pair: the recordings.
+        hypothesis, values: the model of OLD, (P,); what is declared and seldom exact is open in it too.
+        rows: of NEW, one for each coordinate of each marker.
+        roots: for each the factor (n, n) [m] of the covariance of NEW where OLD is known.
+        rooted: (n, 1 + K) whitened residuals of both, OLD's first; and what is shared and the trials' own.
+        run: (n,) to which each row belongs.
+        sizes: (channels, 7) of the covariances.
+        eliminated: the same numbers as they are taken out.
+    """
+
+    pair: Pair
+    hypothesis: Hypothesis
+    values: Array
+    rows: tuple[Rows, ...]
+    roots: tuple[Array, ...]
+    rooted: Array
+    run: NDArray[np.intp]
+    sizes: Array
+    eliminated: Eliminated
+
+    @property
+    def seen(self) -> Array:
+        """(n,) residuals of both recordings."""
+        return self.eliminated(self.rooted[:, :1])[:, 0]
+
+    @property
+    def old(self) -> int:
+        """Rows of OLD."""
+        return len(self.run) - sum(len(rows.run) for rows in self.rows)
+
+    def change(self, binned: Sequence[Array]) -> Array:
+        """(n, C) what a change of NEW, (B, M, 2, C) [m] for each of its runs, makes of the residuals."""
+        return self.eliminated.after(self.old, _rooted(self.rows, self.roots, binned))
+
+    def _metres(self, rooted: Array) -> Array:
+        """(n,) [m] of NEW, from whitened ones."""
+        parts = np.split(rooted, np.cumsum([len(rows.run) for rows in self.rows])[:-1])
+        return np.concatenate([root @ part for root, part in zip(self.roots, parts, strict=True)])
+
+    @property
+    def scatter(self) -> float:
+        """[m] RMS distance that NEW would be off by if nothing had changed: the leftover, the trials' own, noise."""
+        variance = np.concatenate([(root**2).sum(axis=1) for root in self.roots])
+        columns = self.rooted[:, 1:]
+        mine = columns[self.old :, ~columns[: self.old].any(axis=0)]  # the trials' own; what is shared OLD tells
+        own = np.column_stack([np.zeros(len(mine)), *(self._metres(column) for column in mine.T)])
+        return float(np.sqrt(2 * (variance + (own**2).sum(axis=1)).mean()))
+
+    @property
+    def foretold(self) -> Array:
+        """(n,) [m] of NEW, coordinate by coordinate: what OLD foretells, less what was measured."""
+        return self._metres(self.rooted[self.old :, 0])
+
+    def off(self, moved: Sequence[Array] = ()) -> float:
+        """[m] RMS distance between NEW and what OLD foretells, with a change (B, M, 2) [m] for each of its runs."""
+        seen = self.foretold
+        if moved:
+            seen = seen + np.concatenate([rows.of(moved) for rows in self.rows])
+        return float(np.sqrt(2 * np.mean(seen**2)))
+
+    def at(self, model: Hypothesis, values: Array) -> Frame:
+        """The same where the model of NEW is another: with ``values`` (P,) of one that has the shared parameters too."""
+        runs = tuple(self.pair.experiment.runs[k] for k in self.pair.new_runs)
+        part = replace(self.pair.experiment, runs=runs)
+        chosen = [model.free.index(name) for name in self.hypothesis.free]
+        answers = []
+        for hypothesis, point, columns in (
+            (self.hypothesis, self.values, list(range(len(chosen)))),
+            (model, values, chosen),
+        ):
+            predictions = predict_with_slopes(part, hypothesis, point)
+            answers.append(_binned(self.pair, predictions, self.pair.new_runs, columns, _wide(self.hypothesis)))
+        total = self.rooted.shape[1] - 1
+        own = [_columns(*answer, total)[0] for answer in answers]
+        rooted = self.rooted.copy()
+        rooted[self.old :, 1:] += _rooted(self.rows, self.roots, [b - a for a, b in zip(*own, strict=True)])
+        return replace(self, rooted=rooted, eliminated=Eliminated.of(rooted[:, 1:]))
+
+
+@dataclass(frozen=True, eq=False)
+class Before:
+    """OLD alone, seen likewise: some of its trials may be taken as if they were another recording.
+
+    Attributes:
+        rows, roots: of OLD, as in :class:`Frame`.
+        eliminated: what is shared, and what is the trials' own.
+        seen: (n,) the residuals.
+    """
+
+    rows: tuple[Rows, ...]
+    roots: tuple[Array, ...]
+    eliminated: Eliminated
+    seen: Array
+
+    def change(self, binned: Sequence[Array]) -> Array:
+        """(n, C) what a change (B, M, 2, C) [m] for each of its runs makes of the residuals."""
+        return self.eliminated(_rooted(self.rows, self.roots, binned))
+
+
+def framed(pair: Pair, hypothesis: Hypothesis, values: Array) -> tuple[Frame, Before]:
+    """For a model fitted to OLD, with its open parameters at ``values`` (P,)."""
+    more = tuple(name for name in DECLARED if name not in hypothesis.free)
+    hypothesis = replace(hypothesis, free=(*hypothesis.free, *more))
+    values = np.append(values, np.ones(len(more)))
+    experiment, count = pair.experiment, len(pair.old.runs)
+    predictions = predict_with_slopes(experiment, hypothesis, values)
+    missed = [b(np.nan_to_num(r)) for b, r in zip(pair.bins, residuals(experiment, predictions), strict=True)]
+    everything = range(len(experiment.runs))
+    slopes, own = _binned(pair, predictions, everything, list(range(len(values))), _wide(hypothesis))
+    columns, _ = _columns(slopes, own)
+    found = features(pair, hypothesis, values)
+    old_rows, new_rows, old_roots, new_roots, sizes, sides = [], [], [], [], [], []
+    for each in rows_of(pair):
+        some, first = thinned(each, ~pair.is_new), int(np.sum(~pair.is_new[each.run]))
+        residual, known = each.of(missed), each.of(columns)
+        size = learnt(Covariance.of(pair, each, found, residual, some), residual[some], known[some])
+        whole = Covariance.of(pair, each, found, residual, np.arange(len(residual))).matrix(size)
+        root = np.asarray(np.linalg.cholesky(whole), dtype=float)
+        both = solve_triangular(root, np.column_stack([residual, known]), lower=True)
+        sides.append((both[:first], both[first:]))
+        old_rows.append(each.part(slice(0, first), 0))
+        new_rows.append(each.part(slice(first, None), count))
+        old_roots.append(root[:first, :first].copy())
+        new_roots.append(root[first:, first:].copy())
+        sizes.append(size)
+    olds, news = (np.concatenate(side) for side in zip(*sides, strict=True))
+    rooted = np.vstack([olds, news])
+    run = np.concatenate([*(rows.run for rows in old_rows), *(rows.run + count for rows in new_rows)])
+    frame = Frame(
+        pair,
+        hypothesis,
+        values,
+        tuple(new_rows),
+        tuple(new_roots),
+        rooted,
+        run,
+        np.array(sizes),
+        Eliminated.of(rooted[:, 1:]),
+    )
+    alone = Eliminated.of(olds[:, 1:])
+    return frame, Before(tuple(old_rows), tuple(old_roots), alone, alone(olds[:, :1])[:, 0])
+
+
+def _wide(hypothesis: Hypothesis) -> Array:
+    """(P,) one standard deviation of what is known of each parameter before."""
+    return np.array([DECLARED.get(name, _WIDE * scale) for name, scale in zip(hypothesis.free, hypothesis.scale, strict=True)])
+
+
+def _binned(
+    pair: Pair, predictions: Sequence[Prediction], runs: Sequence[int], chosen: list[int], wide: Array
+) -> tuple[list[Array], list[Array]]:
+    """For each run (B, M, 2, P) and (B, M, 2, K) [m]: what the shared parameters and the trial's own make."""
+    slopes = [pair.bins[k](p.slopes[..., chosen] * wide) for k, p in zip(runs, predictions, strict=True) if p.slopes is not None]
+    own = [pair.bins[k](p.nuisance) for k, p in zip(runs, predictions, strict=True) if p.nuisance is not None]
+    return slopes, own
+
+
+def _rooted(rows: Sequence[Rows], roots: Sequence[Array], binned: Sequence[Array]) -> Array:
+    return np.concatenate([solve_triangular(root, each.of(binned), lower=True) for each, root in zip(rows, roots, strict=True)])
+
+
+def _columns(slopes: Sequence[Array], own: Sequence[Array], width: int | None = None) -> tuple[list[Array], int]:
+    """For each run (B, M, 2, K): shared parameters, then the numbers of each trial; those of the last runs come last."""
+    shared, numbers = slopes[0].shape[-1], sum(each.shape[-1] for each in own)
+    total = shared + numbers if width is None else width
+    placed, out = total - numbers, []
+    for slope, each in zip(slopes, own, strict=True):
+        block = np.zeros((*each.shape[:-1], total))
+        block[..., :shared] = slope
+        block[..., placed : placed + each.shape[-1]] = each
+        placed += each.shape[-1]
+        out.append(block)
+    return out, total

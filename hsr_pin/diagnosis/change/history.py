@@ -1,0 +1,131 @@
+"""An arm over several recordings, in order: each judged relative to the first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis, diagnose_change
+from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.errors import IdentificationError
+from hsr_pin.trajectory import Dataset
+
+#: Told in every session, changed or not.
+_ALWAYS = ("keq_scale", "damping_scale")
+
+
+@dataclass(frozen=True)
+class Point:
+    """One quantity in one session.
+
+    Attributes:
+        value: of it.
+        interval: 95 %, or where no change was seen what could not have been seen; None where that is not known.
+        changed: "certain", "perhaps" (among the alternatives) or "".
+    """
+
+    value: float
+    interval: tuple[float, float] | None
+    changed: str
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number over the sessions.
+
+    Attributes:
+        name: "keq_scale", "effect.parameter".
+        unit: "1" for a ratio.
+        points: one for each session, the first with what the arm was like to begin with.
+        first: index of the first session in which it has certainly changed; None: in none.
+    """
+
+    name: str
+    unit: str
+    points: tuple[Point, ...]
+    first: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """All sessions.
+
+    Attributes:
+        names: of the datasets, in order.
+        diagnoses: of each but the first, relative to the first.
+        quantities: stiffness, damping, and all that changed in any of them.
+    """
+
+    names: tuple[str, ...]
+    diagnoses: tuple[ChangeDiagnosis, ...]
+    quantities: tuple[Quantity, ...]
+
+
+def history(sessions: Sequence[Dataset], **options: Any) -> History:
+    """Judge each of several recordings of an arm relative to the first.
+
+    Args:
+        sessions: two or more, in order.
+        options: as :func:`hsr_pin.diagnosis.change.diagnose.diagnose_change` takes them.
+
+    Raises:
+        IdentificationError: fewer than two, or as that function says.
+    """
+    if len(sessions) < 2:
+        raise IdentificationError("sessions", expected="two or more", received=len(sessions))
+    tell: Callable[[str], None] = options.pop("tell", lambda line: None)
+    found: list[ChangeDiagnosis] = []
+    for session in sessions[1:]:
+        known = found[0].reference if found else None
+        found.append(
+            diagnose_change(
+                session,
+                sessions[0],
+                reference=known,
+                tell=lambda line, name=session.name: tell(f"{name}: {line}"),  # type: ignore[misc]
+                **options,
+            )
+        )
+    return History(tuple(each.name for each in sessions), tuple(found), _quantities(found))
+
+
+def _quantities(diagnoses: Sequence[ChangeDiagnosis]) -> tuple[Quantity, ...]:
+    units: dict[str, str] = dict.fromkeys(_ALWAYS, "1")
+    for each in diagnoses:
+        if each.verdict.status != "unexplained":
+            units |= {size.parameter: size.unit for size in each.verdict.changes if size.before is not None}
+    found = []
+    for name, unit in units.items():
+        start = next((size for each in diagnoses for size in each.verdict.changes if size.parameter == name), None)
+        base = _base(diagnoses, name, start)
+        if base is None:
+            continue
+        points = [base, *(_point(each, name, base) for each in diagnoses)]
+        certain = [k for k, point in enumerate(points) if point.changed == "certain"]
+        found.append(Quantity(name, unit, tuple(points), certain[0] if certain else None))
+    return tuple(found)
+
+
+def _base(diagnoses: Sequence[ChangeDiagnosis], name: str, start: Size | None) -> Point | None:
+    """What it was in the first session."""
+    if start is not None and start.before is not None:
+        return Point(start.before, start.was, "")
+    known = next((each.found for each in diagnoses if each.found is not None), None)
+    if known is None or name not in known.frame.hypothesis.free:
+        return None
+    value = float(known.frame.values[known.frame.hypothesis.free.index(name)])
+    return Point(value, known.was.get(name), "")
+
+
+def _point(diagnosis: ChangeDiagnosis, name: str, base: Point) -> Point:
+    verdict = diagnosis.verdict
+    size = next((each for each in verdict.changes if each.parameter == name), None)
+    owner = name.partition(".")[0]
+    if size is not None and verdict.status != "unexplained":
+        return Point(size.after, size.becomes, "certain" if owner in verdict.effects else "perhaps")
+    limit = verdict.limits.get(owner)
+    if limit is None:
+        return Point(base.value, None, "")
+    reach = limit * base.value if name in _ALWAYS else limit
+    return Point(base.value, (base.value - reach, base.value + reach), "")

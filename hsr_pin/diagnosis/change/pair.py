@@ -1,0 +1,150 @@
+"""Two recordings of one arm as one experiment, and their residuals in bins of time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.trajectory import Array
+
+#: Rows of one marker's coordinate over both recordings, about; and the narrowest bin [s].
+_ROWS, _NARROWEST = 1200, 0.02
+#: A change shows if it moves the markers by this share of the noise floor, and of the length of the arm.
+_NOISE, _LENGTH = 0.5, 2e-3
+#: A run moves at least this much, over what those of OLD do, and at most.
+_MOTION = (0.3, 10.0)
+#: Declared numbers that may differ by this share and still be of the same arm.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """OLD and NEW.
+
+    Attributes:
+        old, new: each as it was prepared.
+    """
+
+    old: Experiment
+    new: Experiment
+
+    @cached_property
+    def experiment(self) -> Experiment:
+        """Both: the runs of OLD first."""
+        old, new = self.old, self.new
+        return replace(
+            old,
+            dataset=replace(old.dataset, trials=(*old.dataset.trials, *new.dataset.trials)),
+            runs=(*old.runs, *new.runs),
+            noise=np.maximum(old.noise, new.noise),
+            rest_scatter=max(old.rest_scatter, new.rest_scatter),
+        )
+
+    @cached_property
+    def is_new(self) -> NDArray[np.bool_]:
+        """(R,) for each run."""
+        return np.arange(len(self.experiment.runs)) >= len(self.old.runs)
+
+    @property
+    def old_runs(self) -> range:
+        """Indices of OLD's runs among all."""
+        return range(len(self.old.runs))
+
+    @property
+    def new_runs(self) -> range:
+        """Indices of NEW's."""
+        return range(len(self.old.runs), len(self.experiment.runs))
+
+    @property
+    def worth(self) -> float:
+        """[m] RMS distance by which a change must move the markers to be worth a word."""
+        return max(_NOISE * self.experiment.noise_rms, _LENGTH * self.experiment.dataset.length)
+
+    @cached_property
+    def motion(self) -> tuple[float, ...]:
+        """For each run how much the arm moves in it, over what it does in OLD's: RMS distance from its mean place."""
+        sizes = [float(np.sqrt(np.nanmean(np.nanvar(run.in_plane, axis=0)))) for run in self.experiment.runs]
+        usual = float(np.sqrt(np.mean(np.square([sizes[k] for k in self.old_runs]))))
+        return tuple(float(np.clip(size / usual, *_MOTION)) for size in sizes)
+
+    @cached_property
+    def width(self) -> float:
+        """Of a bin [s]."""
+        runs = self.experiment.runs
+        total = sum(float(run.time[-1] - run.time[0]) for run in runs)
+        return max(_NARROWEST, total / _ROWS)
+
+    @cached_property
+    def bins(self) -> tuple[Bins, ...]:
+        """Of each run."""
+        return tuple(Bins.of(run, self.width) for run in self.experiment.runs)
+
+
+@dataclass(frozen=True, eq=False)
+class Bins:
+    """How the samples of a run are averaged.
+
+    Attributes:
+        starts: (B,) first sample of each bin.
+        seen: (T, M) whether a marker was seen.
+        counts: (B, M) samples in which it was.
+        time: (B,) [s] since the run began.
+    """
+
+    starts: NDArray[np.intp]
+    seen: NDArray[np.bool_]
+    counts: Array
+    time: Array
+
+    @classmethod
+    def of(cls, run: Run, width: float) -> Bins:
+        """Bins of this width [s], or of one sample."""
+        since = run.time - run.time[0]
+        place = np.floor(since / max(width, run.step) + 1e-6).astype(int)
+        starts = np.flatnonzero(np.diff(place, prepend=-1))
+        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.in_plane).all(axis=2))
+        sizes = np.diff(starts, append=len(since))
+        return cls(starts, seen, np.add.reduceat(seen.astype(float), starts), np.add.reduceat(since, starts) / sizes)
+
+    def __call__(self, values: Array) -> Array:
+        """(B, M, ...) means of values (T, M, ...) over the samples at which a marker was seen; 0 where it never was."""
+        mask = self.seen.reshape(*self.seen.shape, *[1] * (values.ndim - 2))
+        sums = np.add.reduceat(np.where(mask, values, 0.0), self.starts, axis=0)
+        counts = self.counts.reshape(*self.counts.shape, *[1] * (values.ndim - 2))
+        return np.asarray(sums / np.maximum(counts, 1.0))
+
+    def of_all(self, values: Array) -> Array:
+        """(B, ...) means of values (T, ...) over all samples."""
+        sizes = np.diff(self.starts, append=len(values)).reshape(-1, *[1] * (values.ndim - 1))
+        return np.asarray(np.add.reduceat(values, self.starts, axis=0) / sizes)
+
+
+def pair(old: Experiment, new: Experiment) -> Pair:
+    """Two recordings of one arm.
+
+    Raises:
+        IdentificationError: they are of different arms, or show different markers.
+    """
+    hint = "both recordings must be of one arm, declared alike but for what differs from trial to trial"
+    for name in ("length", "mass", "diameter", "mount"):
+        was, is_ = getattr(old.dataset, name), getattr(new.dataset, name)
+        same = was == is_ if isinstance(was, str) else abs(was - is_) <= _SAME * abs(was)
+        if not same:
+            expected = f"{was}, as in {old.dataset.name}"
+            raise IdentificationError(f"{name} of {new.dataset.name}", expected=expected, received=is_, hint=hint)
+    told = [[f"{m.name} at {m.arc_length:g} m" for m in each.markers] for each in (old, new)]
+    if told[0] != told[1]:
+        raise IdentificationError(
+            f"markers of {new.dataset.name}", expected=_listed(told[0]), received=_listed(told[1]), hint=hint
+        )
+    return Pair(old, new)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names)

@@ -1,0 +1,58 @@
+"""The best model of OLD: stiffness and damping, and the effects that describe most of what these leave.
+
+Few, and no flexible laws: a model that bends to OLD does not foretell NEW. What it leaves has a place of its own (`leftover`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.evidence import certainly_better
+from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.fit import fit
+from hsr_pin.identification.heldout import leave_one_out
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+
+#: Quick fits, and full ones, for each further effect.
+_GLANCES, _FINISHED = 6, 3
+#: Share of the mean square beyond noise on held-out trials that a further effect must take away.
+_HELPS = 0.5
+#: Share of the mean square that each number of a law must take away to be preferred to a law with fewer.
+_NUMBER = 0.1
+
+
+def described(
+    experiment: Experiment,
+    hypothesis: Hypothesis,
+    parts: Sequence[Part],
+    crew: Crew,
+    *,
+    max_effects: int = 3,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda line: None,
+) -> Candidate:
+    """The best model of a recording, each effect added where held-out trials say that it helps.
+
+    A diagnosis asks which of the models can be told apart, and tries many; a description needs but one that is near.
+    """
+    base = fit(experiment, hypothesis)
+    best = Candidate(base, tuple(leave_one_out(experiment, base)))
+    noise = experiment.noise_rms**2
+    while len(best.names) < max_effects:
+        tell(f"what describes the first recording: effect {len(best.names) + 1}")
+        ranked = sorted(crew.guess(best, [part for part in parts if part.name not in best.names]), key=lambda guess: -guess.gain)
+        quick = sorted(crew.glance([(best.fit, guess) for guess in ranked[:_GLANCES]]), key=lambda fitted: fitted.rms)
+        better = min(crew.finish(quick[:_FINISHED]), key=_cost, default=best)
+        helps = mean_square(best) - mean_square(better) > _HELPS * (mean_square(best) - noise)
+        if not helps or not certainly_better(better.heldout, best.heldout, seed):
+            break
+        best = better
+    return best
+
+
+def _cost(candidate: Candidate) -> float:
+    """[m^2] mean square on held-out trials, more for each number that bends to it."""
+    return mean_square(candidate) * (1 + _NUMBER) ** len(candidate.fit.values)

@@ -1,0 +1,155 @@
+"""What may have changed: a number of the arm, or an effect that appears, grows or vanishes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from hsr_pin.identification.hypothesis import ARM, PLAIN, Hypothesis, Part
+from hsr_pin.parameters import Parameter
+from hsr_pin.trajectory import Array
+
+#: Sizes at which an effect is tried, over its parameter's scale: without and with shape parameters.
+_SIZES, _SHAPED = tuple(0.25 * 2 ** (k / 2) for k in range(12)), (0.3, 1.0, 3.0)
+#: Values of each shape parameter that are tried.
+_GRID = 3
+#: Factors at which stiffness and other numbers of the arm are tried, and damping; and on an effect that is there.
+_FACTORS, _WIDER = (0.6, 0.8, 0.9, 0.95, 1.05, 1.1, 1.25, 1.6, 2.5), (0.3, 0.6, 0.8, 1.25, 1.6, 2.5)
+_GROWTH = (0.0, 0.5, 0.75, 1.25, 1.5, 2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Suspect:
+    """One thing that may have changed, or several together.
+
+    Attributes:
+        names: of the effects, or of the arm's numbers; sorted.
+        hypothesis: the model of OLD with them in it.
+        before: (P,) its values in OLD.
+        open: which of them may be others in NEW, by name.
+        probes: (C, K) values of these at which it is looked at first.
+        parts: what was added to the model of OLD.
+    """
+
+    names: tuple[str, ...]
+    hypothesis: Hypothesis
+    before: Array
+    open: tuple[str, ...]
+    probes: Array = field(default_factory=lambda: np.empty((0, 0)))
+    parts: tuple[Part, ...] = ()
+
+    @cached_property
+    def places(self) -> list[int]:
+        """Of the open values among all."""
+        return [self.hypothesis.free.index(name) for name in self.open]
+
+    @cached_property
+    def facts(self) -> tuple[Parameter, ...]:
+        """Unit, bounds and scale of each open value."""
+        return tuple(self.hypothesis.parameters[k] for k in self.places)
+
+    @cached_property
+    def sizes(self) -> list[bool]:
+        """For each open value whether it is a size, and not a shape."""
+        return [fact.amplitude or fact.name in ARM for fact in self.facts]
+
+    @property
+    def start(self) -> Array:
+        """(K,) the open values in OLD."""
+        return np.asarray(self.before[self.places])
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Of physics."""
+        own = {part.name: part.kind for part in self.hypothesis.parts} | {"keq_scale": "elastic", "damping_scale": "damping"}
+        return tuple(sorted({own[name] for name in self.names}))
+
+    def values(self, changed: Array) -> Array:
+        """(C, P) of the model, for open values (C, K)."""
+        points = np.tile(self.before, (len(changed), 1))
+        points[:, self.places] = changed
+        return points
+
+    def contains(self, other: Suspect) -> bool:
+        """Whether the other is a special case of this one."""
+        mine = {part.name: part for part in self.hypothesis.parts if part.name in self.names}
+        theirs = [part for part in other.hypothesis.parts if part.name in other.names]
+        return self.names != other.names and any(mine[a].contains(b) for a in mine for b in theirs)
+
+    def together(self, other: Suspect) -> Suspect:
+        """Both have changed."""
+        model, before, added = self.hypothesis, self.before, self.parts
+        for part in other.parts:
+            if part.name not in {each.name for each in added}:
+                model = model.with_part(part)
+                before = np.append(before, [fact.neutral for fact in model.parameters[len(before) :]])
+                added = (*added, part)
+        names = tuple(sorted({*self.names, *other.names}))
+        return Suspect(names, model, before, (*self.open, *other.open), parts=added)
+
+
+def suspects(model: Hypothesis, values: Array, parts: Sequence[Part]) -> list[Suspect]:
+    """Every change that a model of OLD, its open parameters at ``values`` (P,), can be asked for.
+
+    Args:
+        model: of OLD.
+        values: (P,).
+        parts: what may appear, in every reading.
+    """
+    found = [
+        _there(model, values, ("keq_scale",), _FACTORS),
+        _there(model, values, ("damping_scale",), _WIDER),
+    ]
+    there = {part.name: part for part in model.parts}
+    for part in parts:
+        if part.flexible or (part.resized and part.name not in there):
+            continue
+        if part.name == ("mass_scale" if "added_mass" in there else "added_mass"):
+            continue  # the same law under two names
+        if part.name in there:
+            if there[part.name].reading == part.reading:
+                sizes = [f.name for f in model.parameters if _owner(f.name) == part.name and (f.amplitude or f.name in PLAIN)]
+                found.append(_there(model, values, tuple(sizes), _GROWTH if part.effect else _FACTORS))
+        else:
+            more = model.with_part(part)
+            new = more.parameters[len(values) :]
+            before = np.append(values, [fact.neutral for fact in new])
+            probes = _probes(new) if part.effect else np.array(_FACTORS)[:, None]
+            found.append(Suspect((part.name,), more, before, tuple(fact.name for fact in new), probes, (part,)))
+    return found
+
+
+def _owner(name: str) -> str:
+    return name.partition(".")[0]
+
+
+def _there(model: Hypothesis, values: Array, names: tuple[str, ...], factors: Sequence[float]) -> Suspect:
+    at = [model.free.index(name) for name in names]
+    low, high = (bound[at] for bound in model.bounds)
+    neutral = np.array([0.0 if name in ARM else model.parameters[k].neutral for name, k in zip(names, at, strict=True)])
+    probes = np.clip(neutral + np.outer(factors, values[at] - neutral), low, high)
+    return Suspect((_owner(names[0]),), model, values, names, probes)
+
+
+def _probes(facts: Sequence[Parameter]) -> Array:
+    """A few sizes, either way where that makes sense, at a few values of each shape parameter."""
+    shaped = not all(fact.amplitude for fact in facts)
+    ways = (1.0, -1.0) if all(fact.lower < fact.neutral for fact in facts if fact.amplitude) else (1.0,)
+    found: list[tuple[float, ...]] = []
+    for size, way in itertools.product(_SHAPED if shaped else _SIZES, ways):
+        at = [[float(fact.neutral + way * size * fact.scale)] if fact.amplitude else _grid(fact) for fact in facts]
+        if all(fact.lower <= values[0] <= fact.upper for fact, values in zip(facts, at, strict=True)):
+            found += itertools.product(*at)
+    return np.array(found)
+
+
+def _grid(fact: Parameter) -> list[float]:
+    """Values across the bounds, evenly by ratio where they span more than a factor of five."""
+    at = (np.arange(_GRID) + 0.5) / _GRID
+    if fact.lower > 0 and fact.upper / fact.lower > 5:
+        return [float(value) for value in fact.lower * (fact.upper / fact.lower) ** at]
+    return [float(value) for value in fact.lower + (fact.upper - fact.lower) * at]

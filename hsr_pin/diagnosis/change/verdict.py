@@ -1,0 +1,222 @@
+"""From what was fitted to what may be said of a change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hsr_pin.diagnosis.change.chance import Chance
+from hsr_pin.diagnosis.change.fitting import Fitted
+from hsr_pin.diagnosis.change.frame import Frame
+from hsr_pin.diagnosis.change.size import Size, left_out, sizes
+from hsr_pin.diagnosis.change.words import listed, millimetres, told
+from hsr_pin.trajectory import Array
+
+#: A change is there if it explains at least so much (a difference of log-likelihoods, doubled), and this many times what the same
+#: change would explain between OLD's own trials ...
+SURE, TIMES = 60.0, 2.0
+#: ... (and if it moves the markers by what is worth a word: `Pair.worth`).
+#: A second change must take away this share of what the first does.
+SECOND = 0.02
+#: Another change explains as much if it lacks no more than this: neither model is exact. A share of what the best explains,
+#: a share of what it leaves, and a number of log-likelihoods besides; each further parameter costs so many.
+TIED, OF_LEFT, NEARLY, PARAMETER = 0.002, 1.0, 15.0, 8.0
+#: Nothing else has changed if no larger share than this of what OLD does not foretell is left ...
+REST = 0.1
+#: ... and a change that explains less than this is not named.
+HALF = 0.5
+#: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's.
+FARTHER = 2.0
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far NEW is from what OLD foretells, RMS distances [m].
+
+    Attributes:
+        before: where nothing is taken to have changed.
+        after: with the change.
+        scatter: that would be no surprise if nothing had changed.
+        share: of the difference, in units of its scatter, that the change explains on trials that it was not fitted to.
+    """
+
+    before: float
+    after: float
+    scatter: float
+    share: float
+
+
+@dataclass(frozen=True)
+class ChangeVerdict:
+    """What the recordings say of a change.
+
+    Attributes:
+        status: "identified", "partly_identified", "ambiguous", "unexplained", "unchanged" or "insufficient".
+        effects: names of what has certainly changed, sorted; plain numbers of the arm under their own names.
+        alternatives: sets of names that these recordings cannot tell apart, the best first.
+        sentence: the verdict as a person would say it.
+        kinds: of physics that have certainly changed, sorted.
+        changes: from what to what, of the best model of the change, then of the alternatives.
+        difference: how far NEW is from OLD; None where that could not be told.
+        limits: name -> the smallest change that would have been seen; plain numbers: relative.
+    """
+
+    status: str
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+    sentence: str
+    kinds: tuple[str, ...] = ()
+    changes: tuple[Size, ...] = ()
+    difference: Difference | None = None
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a verdict rests on.
+
+    Attributes:
+        frame: what residuals are seen through.
+        fits: (change, the frame it was fitted in), the best first; one for each set of names.
+        chance: what OLD shows of ``looked`` by chance.
+        looked: of which changes.
+        was: 95 % intervals of the values of OLD's model, by name.
+        spread: mean square of OLD's own residuals, and of the worst of its trials.
+    """
+
+    frame: Frame
+    fits: tuple[tuple[Fitted, Frame], ...]
+    chance: Chance
+    looked: tuple[tuple[str, ...], ...]
+    was: Mapping[str, tuple[float, float]]
+    spread: tuple[float, float]
+
+    @property
+    def nothing(self) -> float:
+        """Sum of the squared residuals where nothing has changed."""
+        return float(self.frame.seen @ self.frame.seen)
+
+    def gain(self, fitted: Fitted) -> float:
+        """Of the squared residuals, what a change takes away."""
+        return self.nothing - fitted.square
+
+    def needed(self, fitted: Fitted) -> float:
+        """Gain from which on a change is there."""
+        own = [self.chance.gains[:, k].max() for k, names in enumerate(self.looked) if set(names) <= set(fitted.suspect.names)]
+        return self.noisier(fitted) * max(SURE, TIMES * float(max(own, default=self.chance.largest)))
+
+    def noisier(self, fitted: Fitted) -> float:
+        """Mean square of what is left in NEW, at least 1: its noise may be more than OLD's."""
+        return max(1.0, float(np.mean(fitted.residual[self.new] ** 2)))
+
+    def inflation(self, fitted: Fitted) -> float:
+        """Of the variance of its size, by what OLD shows."""
+        own = [self.chance.inflation(k) for k, names in enumerate(self.looked) if set(names) <= set(fitted.suspect.names)]
+        return max(own, default=1.0)
+
+    @property
+    def new(self) -> NDArray[np.bool_]:
+        """(n,) which rows are of NEW."""
+        return np.asarray(self.frame.run >= len(self.frame.pair.old.runs))
+
+    def inexact(self, fitted: Fitted) -> float:
+        """Squares left in NEW beyond what OLD's trials have on average."""
+        left = fitted.residual[self.new] ** 2
+        return max(0.0, float(left.sum()) - max(1.0, self.spread[0]) * len(left))
+
+    def left(self, residual: Array) -> float:
+        """Squares left in NEW beyond what could be a bad trial of OLD; 0 where it could."""
+        left = residual[self.new] ** 2
+        return float(left.sum()) - len(left) * max(self.spread) if left.mean() > FARTHER * max(1.0, *self.spread) else 0.0
+
+    def cost(self, fitted: Fitted) -> float:
+        """Squares left, more for every further parameter (G. Schwarz, Ann. Stat. 6, 1978)."""
+        return fitted.square + PARAMETER * len(fitted.after)
+
+
+def judge(found: Found) -> ChangeVerdict:
+    """The verdict."""
+    sure = [(f, frame) for f, frame in found.fits if found.gain(f) > found.needed(f) and f.rms >= found.frame.pair.worth]
+    if not sure:
+        return _nothing(found)
+    best, seen = min(sure, key=lambda each: found.cost(each[0]))
+    ties = tied(found, best, [each for each, _ in found.fits if found.gain(each) > HALF * found.gain(best)])
+    frames = {id(fitted): frame for fitted, frame in found.fits}
+    left = found.left(best.residual)
+    total = found.gain(best) + left
+    difference = _difference(found, best, seen)
+    names = [each.suspect.names for each in ties]
+    common = tuple(sorted(set.intersection(*map(set, names))))
+    kinds = tuple(sorted(set.intersection(*(set(each.suspect.kinds) for each in ties))))
+    changes = tuple(size for each in ties for size in sizes(frames[id(each)], each, found.was, found.inflation(each)))
+    own = changes[: len(best.after)]
+    rest = "nothing else" if left <= REST * total else "something else as well, that no candidate explains"
+    share = f"{100 * difference.share:.0f} % of the difference on held-out trials"
+
+    def said(status: str, sentence: str, effects: tuple[str, ...], sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
+        known = () if status == "unexplained" else kinds
+        return ChangeVerdict(status, effects, tuple(sets), sentence, known, changes, difference)
+
+    if left > (1 - HALF) * total or difference.share < HALF:
+        what = f"the best that the catalogue offers ({listed(best.suspect.names)}) explains {share}"
+        return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
+    if len(ties) > 1:
+        each = ", or ".join(" with ".join(one) for one in names)
+        certain = f"{listed(common)} certainly; " if common else ""
+        return said("ambiguous", f"These recordings cannot tell what has changed: {certain}{each} ({share}).", common, names)
+    status = "identified" if left <= REST * total else "partly_identified"
+    return said(status, f"{told(own)}; {rest} ({share}).", best.suspect.names)
+
+
+def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:
+    """The best, and the other changes that explain as much; none that only has more numbers to bend."""
+    allowed = NEARLY * found.noisier(best) + max(TIED * found.gain(best), OF_LEFT * found.inexact(best))
+    near = [each for each in rivals if found.cost(each) - found.cost(best) <= allowed]
+    kept = [best]
+    for each in sorted(near, key=found.cost):
+        wider = any(
+            len(each.after) > len(other.after) and (each.square >= other.square or each.suspect.contains(other.suspect))
+            for other in near
+        )
+        extended = any(set(other.suspect.names) < set(each.suspect.names) for other in near)
+        if each is not best and not wider and not extended and each.suspect.names not in [k.suspect.names for k in kept]:
+            kept.append(each)
+    return kept
+
+
+def _nothing(found: Found) -> ChangeVerdict:
+    before, scatter = found.frame.off(), found.frame.scatter
+    beyond = sqrt(max(0.0, before**2 - scatter**2))
+    difference = Difference(before, before, scatter, 0.0)
+    if found.left(found.frame.seen) and beyond >= found.frame.pair.worth:
+        said = f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate explains it."
+        return ChangeVerdict("unexplained", (), (), said, difference=difference)
+    limits = {fitted.suspect.names[0]: _limit(found, fitted, seen) for fitted, seen in found.fits if len(fitted.after) == 1}
+    words = {"keq_scale": "stiffness", "damping_scale": "damping"}
+    seen_from = [f"of {words[name]} by {100 * limits[name]:.2g} %" for name in words if name in limits]
+    would = f" A change {' or '.join(seen_from)} would have shown." if seen_from else ""
+    said = (
+        f"Nothing has changed that shows: what the first recording foretells of the second is {millimetres(before)} off, and "
+        f"{millimetres(scatter)} would be no surprise.{would}"
+    )
+    return ChangeVerdict("unchanged", (), (), said, difference=difference, limits=limits)
+
+
+def _limit(found: Found, fitted: Fitted, frame: Frame) -> float:
+    """Size that a change would need to be taken for one, relative where it has one in OLD."""
+    slope, start = fitted.slopes[:, 0], float(fitted.suspect.start[0])
+    by_gain = sqrt(found.needed(fitted) / max(float(slope @ slope), 1e-300))
+    moved, step = fitted.rms, abs(float(fitted.after[0]) - start)
+    by_size = found.frame.pair.worth * step / moved if moved > 0 else 0.0
+    return max(by_gain, by_size) / (start if start else 1.0)
+
+
+def _difference(found: Found, best: Fitted, frame: Frame) -> Difference:
+    _, residual = left_out(frame, best)
+    was, is_ = (float((each[found.new] ** 2).sum()) for each in (found.frame.seen, residual))
+    share = (was - is_) / max(found.gain(best) + found.left(best.residual), was - is_, 1e-300)
+    return Difference(found.frame.off(), frame.off(best.moved), frame.scatter, float(np.clip(share, 0.0, 1.0)))

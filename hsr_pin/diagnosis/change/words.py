@@ -1,0 +1,89 @@
+"""A change as a person would say it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.diagnosis.words import EXPERIMENTS, number
+from hsr_pin.identification.hypothesis import ARM
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+
+#: Verdict -> what it comes down to.
+HEADLINES = {
+    "identified": "What has changed is known",
+    "partly_identified": "Part of what has changed is known",
+    "ambiguous": "More than one change would explain it",
+    "unexplained": "Something unknown has changed",
+    "unchanged": "Nothing has changed",
+    "insufficient": "Too little to go on",
+}
+
+#: Numbers of the arm, as a person would call them.
+PLAINLY = {"keq_scale": "stiffness", "damping_scale": "damping", "mass_scale": "mass", "torque_gain": "torque gain"}
+#: A size this much smaller than it was, or nearer to none than its interval, is gone.
+_GONE = 0.1
+
+
+def told(changes: Sequence[Size]) -> str:
+    """Every change in one phrase: ``actuator_lag.time_constant 0.090 to 0.140 s (by 0.045 to 0.055); stiffness down 6 %``."""
+    return "; ".join(_told(each) for each in changes if each.before is not None)
+
+
+def _told(size: Size) -> str:
+    assert size.before is not None and size.step is not None
+    if size.parameter in ARM:
+        low, high = sorted(100 * (end - 1) for end in size.step)
+        ratio = 100 * (size.after / size.before - 1)
+        way, sign = ("up", 1) if ratio >= 0 else ("down", -1)
+        ends = sorted((sign * low, sign * high))
+        between = f"{rounded(ends[0], ends)} to {rounded(ends[1], ends)} %"
+        return f"{PLAINLY[size.parameter]} {way} {rounded(abs(ratio), ends)} % ({between})"
+    unit = "" if size.unit == "1" else f" {size.unit}"
+    span = size.becomes
+    before, after = rounded(size.before, span), rounded(size.after, span)
+    if abs(size.before) < 1e-12:
+        return f"{size.parameter} {after}{unit} has come ({rounded(span[0], span)} to {rounded(span[1], span)})"
+    if abs(size.after) < _GONE * abs(size.before):
+        return f"{size.parameter} {before}{unit} has gone"
+    low, high = size.step
+    return f"{size.parameter} {before} to {after}{unit} (by {rounded(low, size.step)} to {rounded(high, size.step)})"
+
+
+def rounded(value: float, interval: Sequence[float]) -> str:
+    """To two digits of half the width of an interval."""
+    half = (max(interval) - min(interval)) / 2
+    if not 1e-9 < half < 1e9:
+        return f"{value:.3g}"
+    places = min(9, max(0, 1 - math.floor(math.log10(half))))
+    return f"{value:.{places}f}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def millimetres(metres: float) -> str:
+    """With two decimals."""
+    return f"{1e3 * metres:.2f} mm"
+
+
+def advice(diagnosis: ChangeDiagnosis) -> list[str]:
+    """What to do next, a sentence each."""
+    status, proposals = diagnosis.verdict.status, diagnosis.next_experiment
+    if status == "ambiguous" and proposals:
+        best = proposals[0]
+        by = f"it tells them apart best (by {number(best.separation)} times the noise)"
+        return [f"Record the arm as it is now once more: {EXPERIMENTS[best.name]}; {by}."]
+    if status == "ambiguous":
+        return ["Record the arm as it is now once more, with other commands."]
+    if status == "unexplained":
+        return ["Look at the arm, the marker plates and the cameras: it is nothing that the catalogue knows."]
+    if status == "unchanged":
+        return ["Repeat the commands of the first recording, in more trials, to see smaller changes."]
+    return []

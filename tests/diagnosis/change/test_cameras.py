@@ -1,0 +1,28 @@
+"""How an arm is seen may be another: a frame that is turned, a scale that is not one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.change.cameras import CAMERAS
+from hsr_pin.effects.effect import View, neutral
+
+POINTS = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 1, 2, 3))
+VIEW = View(POINTS, np.zeros_like(POINTS), np.zeros(POINTS.shape[:3]), np.array([0.1, 0.2]), np.array([0.0, 1.0, 0.0]))
+
+
+@pytest.mark.parametrize("kind", CAMERAS.values(), ids=CAMERAS)
+def test_neutral_is_as_it_was(kind):
+    assert neutral(kind).observe(VIEW) == pytest.approx(POINTS)
+
+
+def test_a_turned_frame_keeps_distances_and_turns_up_to_the_side_of_positive_bending():
+    seen = CAMERAS["frame_turn"](angle=0.3).observe(VIEW)
+    assert np.linalg.norm(seen, axis=-1) == pytest.approx(np.linalg.norm(POINTS, axis=-1))
+    up = replace(VIEW, positions=np.array([[[[0.0, 0.0, 1.0]]]]))
+    assert CAMERAS["frame_turn"](angle=0.3).observe(up)[0, 0, 0] == pytest.approx([np.sin(0.3), 0.0, np.cos(0.3)])
+
+
+def test_a_scale_stretches():
+    assert CAMERAS["camera_scale"](scale=0.02).observe(VIEW) == pytest.approx(1.02 * POINTS)
