@@ -30,6 +30,7 @@ def test_a_plan_pays_that_knows_the_effects(monkeypatch, tmp_path, capsys):
     assert "corrected model, closed loop tip error" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
     monkeypatch.syspath_prepend(EXAMPLES)
     folder = str(shared / "recordings" / "real-trunk-space")
@@ -49,6 +50,7 @@ def test_every_example_is_tested():
     }
 
 
+@pytest.mark.long
 def test_what_changed_is_told_from_the_session_in_which_it_did(monkeypatch, tmp_path, capsys):
     monkeypatch.syspath_prepend(EXAMPLES)
     page = tmp_path / "sessions.html"

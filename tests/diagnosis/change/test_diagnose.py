@@ -37,6 +37,7 @@ def test_nothing_has_changed_where_nothing_has(old):
     assert verdict.difference.before < 2 * verdict.difference.scatter
 
 
+@pytest.mark.long
 def test_a_softer_arm_is_told_from_unlike_commands(old):
     verdict = diagnose_change(recorded(name="new", trials=OTHER, keq=0.99), old, **QUICK).verdict
     assert verdict.effects == ("keq_scale",)
@@ -44,6 +45,7 @@ def test_a_softer_arm_is_told_from_unlike_commands(old):
     assert size.step[0] <= 0.9 <= size.step[1]
 
 
+@pytest.mark.long
 def test_an_effect_that_is_there_grows_from_what_it_was():
     old, new = (recorded(f"actuator_lag:time_constant={lag}", name=name) for lag, name in ((0.06, "old"), (0.1, "new")))
     found = diagnose_change(new, old, **{**QUICK, "max_effects": 1})
@@ -54,6 +56,7 @@ def test_an_effect_that_is_there_grows_from_what_it_was():
     assert size.step[0] <= 0.04 <= size.step[1]
 
 
+@pytest.mark.long
 def test_a_frame_that_is_turned_is_no_arm_that_is(old):
     turned = recorded("gravity_tilt:angle=0.06", name="new")
     assert "gravity_tilt" in _named(diagnose_change(turned, old, **{**QUICK, "effects": ["gravity_tilt", "frame_turn"]}).verdict)
