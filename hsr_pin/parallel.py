@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import socket
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -215,9 +216,22 @@ def _dask(address: str) -> Iterator[Executor]:
     except ImportError as error:
         raise MissingDependencyError("distributed", "cluster") from error
     try:
+        _knock(address)  # a client that found nobody is closed when it is collected, and may wait for itself then
         client: Any = Client(address, timeout=_PATIENCE)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError("cluster", expected="the address of a Dask scheduler that answers", received=address) from error
     with client:
         executor: Executor = client.get_executor(pure=False)
         yield executor
+
+
+def _knock(address: str) -> None:
+    """See that somebody listens at ``[tcp://]host:port``.
+
+    Raises:
+        OSError, ValueError: nobody does, or that is no address.
+    """
+    protocol, _, place = address.rpartition("://")
+    host, _, port = place.rpartition(":")
+    if protocol in ("", "tcp", "tls"):
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE).close()
