@@ -94,10 +94,10 @@ def parse_effect(text: str) -> Effect:
         if key in values:
             raise EffectError(f"{effect.name}.{key}", expected="one value", received="two")
         values[key] = value if key in choices else _number(f"{effect.name}.{key}", value)
-    for fact in facts.values():
-        if fact.amplitude and fact.name not in values:
-            example = f"{effect.name}:{fact.name}={fact.scale:g}"
-            raise EffectError(f"{effect.name}.{fact.name}", expected="a value, as in " + example, received="none")
+    amplitudes = [fact for fact in facts.values() if fact.amplitude]
+    if amplitudes and not any(fact.name in values for fact in amplitudes):
+        example = f"{effect.name}:" + ",".join(f"{fact.name}={fact.scale:g}" for fact in amplitudes)
+        raise EffectError(f"{effect.name}.{amplitudes[0].name}", expected="a value, as in " + example, received="none")
     return effect(**values)
 
 

@@ -91,7 +91,7 @@ def test_a_failed_run_has_no_derivatives():
 
 
 def test_an_unknown_parameter_is_refused_with_those_there_are():
-    with pytest.raises(InputError, match="expected keq, damping, mass, tip_mass, tilt, got 'stifness'"):
+    with pytest.raises(InputError, match="expected keq, damping, mass, tip_mass, tilt, cross_tilt, torsion, got 'stifness'"):
         sensitivities([step_scenario(ARM, 0.5)], ["stifness"])
 
 
