@@ -189,10 +189,10 @@ def search(
 
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
-    """In place of the best the best of its special cases with as many parts that does about the same."""
+    """In place of the best the best of its special cases with as many parts that does about the same, or leaves next to nothing."""
     inside = [other for other in tried if len(other.names) == len(best.names) and best.contains(other)]
     for other in sorted(inside, key=mean_square):
-        if matches(other, best, start, thresholds, seed):
+        if left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed):
             return _simplest(other, start, tried, thresholds, seed)
     return best
 
