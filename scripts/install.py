@@ -28,7 +28,7 @@ def main() -> None:
     pins = ["--constraints", "constraints.txt", "--build-constraints", "constraints.txt"]
     for command in (
         ["venv", "--allow-existing", ".venv"],
-        ["pip", "install", "--python", ".venv", *pins, "--editable", f".[{groups}]" if groups else "."],
+        ["pip", "install", "--python", ".venv", "--compile-bytecode", *pins, "--editable", f".[{groups}]" if groups else "."],
     ):
         subprocess.run([uv, *command[:1], "--quiet", *command[1:]], check=True, cwd=ROOT)
 

@@ -23,8 +23,8 @@ import itertools
 from abc import ABC
 from collections import namedtuple
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, ClassVar, NamedTuple
+from functools import cache, cached_property
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -70,23 +70,45 @@ class Bending(NamedTuple):
     memory: tuple[Any, ...]
 
 
+class Places(Protocol):
+    """Markers on an arm, as :class:`~hsr_pin.robot.kinematics.MarkerMap` knows them."""
+
+    @property
+    def axis(self) -> Array: ...  # noqa: D102 - the two maps say what these are
+    def normals(self, joint_angles: Array, /) -> Array: ...  # noqa: D102
+    def turned(self, joint_angles: Array, /) -> Array: ...  # noqa: D102
+
+
 @dataclass(frozen=True, eq=False)
 class View:
     """What the cameras see.
 
     Attributes:
         positions: (T, B, M, 3) [m] of the markers, in the world frame.
-        normals: (T, B, M, 3) across the backbone there, towards positive bending.
-        turned: (T, B, M) [rad] angle from the base to the backbone there.
         arc_lengths: (M,) or (B, M) [m].
-        axis: (3,) the joint axis, in the world frame.
+        places: where the markers are on the arm.
+        angles: (T, B, N) [rad] of the joints, in space (T, B, 3 N).
     """
 
     positions: Array
-    normals: Array
-    turned: Array
     arc_lengths: Array
-    axis: Array
+    places: Places
+    angles: Array
+
+    @cached_property
+    def normals(self) -> Array:
+        """(T, B, M, 3) unit vectors across the backbone at the markers, towards positive bending."""
+        return self.places.normals(self.angles)
+
+    @cached_property
+    def turned(self) -> Array:
+        """(T, B, M) [rad] angle from the base to the backbone at the markers."""
+        return self.places.turned(self.angles)
+
+    @property
+    def axis(self) -> Array:
+        """(3,) the joint axis, in the world frame."""
+        return self.places.axis
 
 
 def option(*choices: str, description: str) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -98,6 +98,8 @@ def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Co
     """(C, N) each: the pose and its rate in which the markers are seen at the start; for a run at rest, about there."""
     noise = float(experiment.noise.max())
     steering = tuple(effect for effect in hypothesis.effects if any(map(effect.acts_through, ("stiffness", "observe", "arm"))))
+    if run.start_pose is None:  # about where the arm rests is enough: it is settled from there
+        steering, hypothesis = (), replace(hypothesis, effects=(), free=(), resized=())
     known = (hypothesis.links, hypothesis.placement, steering, hypothesis.free if steering else ())
     pose, velocity = (run.rest, np.zeros_like(run.rest)) if run.start_pose is None else (run.start_pose, run.start_velocity)
     assert velocity is not None
@@ -162,8 +164,8 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
     columns = []
     if experiment.rest_scatter > 0:
         first = Cameras(answer.columns.members(slice(0, 1)), experiment.reach)
-        turned = answer.angles[:, :1] + _WIDTH / answer.columns.links
-        change = (first.positions(turned)[:, 0] - first.positions(answer.angles[:, :1])[:, 0])[..., PLANE] / _WIDTH
+        bent = np.full((1, 1, answer.columns.links), 1.0 / answer.columns.links)
+        change = first.velocities(answer.angles[:, :1], bent)[:, 0][..., PLANE]
         columns.append(change * 2 * experiment.rest_scatter / length)
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))

@@ -7,6 +7,7 @@ theta_i = q_1 + ... + q_i about that axis and every point is linear in cos(theta
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,7 +34,7 @@ class MarkerMap:
     direction: Array
     normal: Array
 
-    @property
+    @cached_property
     def axis(self) -> Array:
         """(3,) of all joints, in the world frame."""
         return np.cross(self.direction[0], self.normal[0])

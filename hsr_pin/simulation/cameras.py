@@ -34,8 +34,12 @@ class Cameras:
         """(T, B, M, 3) [m] in the world frame, for joint angles q (T, B, N) [rad], in space (T, B, 3 N)."""
         seen = self._places.positions(q)
         for effect in self._effects:
-            seen = effect.observe(View(seen, self._places.normals(q), self._places.turned(q), self._reach, self._places.axis))
+            seen = effect.observe(View(seen, self._reach, self._places, q))
         return seen
+
+    def velocities(self, q: Array, v: Array) -> Array:
+        """(T, B, M, 3) [m/s] how fast the points of the backbone move, for angles and rates (T, B, N); without the effects."""
+        return self._places.velocities(q, v)
 
 
 def _places(columns: Columns, reach: Array, beside: ArrayLike) -> MarkerMap | SpaceMarkerMap:

@@ -102,7 +102,7 @@ class Session:
         shown = places.positions(angles)
         for effect in effects:
             if effect.acts_through("observe") and effect.name != "marker_offset":  # that moves the markers, not the arm
-                shown = effect.observe(View(shown, places.normals(angles), places.turned(angles), reach, places.axis))
+                shown = effect.observe(View(shown, reach, places, angles))
         return np.asarray(shown[:, 0])
 
 

@@ -7,9 +7,11 @@ import pytest
 
 from hsr_pin.diagnosis.change.cameras import CAMERAS
 from hsr_pin.effects.effect import View, neutral
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.specification import ArmSpecification
 
 POINTS = np.random.default_rng(0).uniform(-0.2, 0.2, (3, 1, 2, 3))
-VIEW = View(POINTS, np.zeros_like(POINTS), np.zeros(POINTS.shape[:3]), np.array([0.1, 0.2]), np.array([0.0, 1.0, 0.0]))
+VIEW = View(POINTS, np.array([0.1, 0.2]), marker_map(ArmSpecification(mount="upright"), [0.1, 0.2]), np.zeros((3, 1, 4)))
 
 
 @pytest.mark.parametrize("kind", CAMERAS.values(), ids=CAMERAS)
