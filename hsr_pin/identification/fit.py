@@ -13,7 +13,7 @@ from hsr_pin.identification.evaluation import predict_with_slopes, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.misfit import Misfit
-from hsr_pin.identification.nuisance import doubt, whitened
+from hsr_pin.identification.nuisance import prices, whitened
 from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
@@ -34,7 +34,7 @@ class Fit:
         slopes: for each run (T, M, 2, P) derivatives of the prediction there.
         weights: for each run (T, M, 2) [1/m] with which the residuals counted; zero in gaps.
         nuisance: for each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes.
-        doubt: of the residuals: see :func:`hsr_pin.identification.nuisance.doubt`.
+        price: (K,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
         failed: names of the trials whose simulation ends early there.
@@ -47,7 +47,7 @@ class Fit:
     slopes: tuple[Array, ...]
     weights: tuple[Array, ...]
     nuisance: tuple[Array, ...]
-    doubt: float
+    price: Array
     converged: bool
     evaluations: int
     failed: tuple[str, ...] = ()
@@ -63,9 +63,10 @@ class Fit:
         return dict(zip(self.hypothesis.free, map(float, self.values), strict=True))
 
     def basis(self, run: int, part: Any = 1.0) -> Array:
-        """(n, K) what one standard deviation of each number of a run's own makes of its weighted residuals, in doubt."""
+        """(n, K) what one standard deviation of each number of a run's own makes of its weighted residuals, priced."""
         weights = self.weights[run] * part
-        return np.asarray((self.nuisance[run] * weights[..., None])[weights > 0] / self.doubt)
+        priced = self.nuisance[run] / self.price[: self.nuisance[run].shape[-1]]
+        return np.asarray((priced * weights[..., None])[weights > 0])
 
     def on_bound(self) -> tuple[str, ...]:
         """Names of parameters that ended on a bound which is not their neutral value."""
@@ -117,7 +118,7 @@ def fit(
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
         nuisance=tuple(nuisance),
-        doubt=doubt(missed, weights),
+        price=prices(missed, weights, int(experiment.rest_scatter > 0)),
         converged=converged,
         evaluations=misfit.evaluations,
         failed=tuple(run.trial.name for run, p in zip(experiment.runs, predictions, strict=True) if p.failed),

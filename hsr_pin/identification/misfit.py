@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import doubt, taken_out, whitened
+from hsr_pin.identification.nuisance import prices, taken_out, whitened
 from hsr_pin.trajectory import Array
 
 #: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
@@ -34,7 +34,7 @@ class Misfit:
         known = [np.where(np.isfinite(run.in_plane), 1 / floor, 0.0) for run in experiment.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
-        self.doubt = 1.0
+        self._lasting = int(experiment.rest_scatter > 0)
         self._seen = [weight > 0 for weight in self.weights]
         self._at: Array | None = None
         self._bases: list[Array] | None = None
@@ -63,7 +63,7 @@ class Misfit:
         return np.asarray(np.concatenate(rows) * self.scale)
 
     def bases(self, x: Array) -> list[Array]:
-        """For each run (n, K) what one standard deviation of each of its own numbers makes of the weighted residuals, in doubt.
+        """For each run (n, K) what one standard deviation of each of its own numbers makes of the weighted residuals, priced.
 
         As it was where :meth:`hold` was called last: were it to change from point to point, the derivatives would lack that.
         """
@@ -73,15 +73,15 @@ class Misfit:
         return self._bases
 
     def hold(self, x: Array) -> bool:
-        """Take what the numbers of the trials make of the residuals, and the doubt, from here; whether there are any numbers."""
-        self.doubt = doubt(self.left(x), self.weights)
+        """Take what the numbers of the trials make of the residuals, and their prices, from here; whether there are any numbers."""
+        price = prices(self.left(x), self.weights, self._lasting)
         parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
-        self._bases = [(nuisance * w[..., None])[seen] / self.doubt for nuisance, w, seen in parts]
+        self._bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]
         return any(basis.shape[1] for basis in self._bases)
 
     def left(self, x: Array) -> list[Array]:
         """For each run (T, M, 2) [m] predicted minus measured, without what belongs to the trial."""
-        return taken_out(self.missed(x), self.weights, self.nuisance(x), int(self.experiment.rest_scatter > 0))
+        return taken_out(self.missed(x), self.weights, self.nuisance(x), self._lasting)
 
     def nuisance(self, x: Array) -> list[Array]:
         """For each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes."""

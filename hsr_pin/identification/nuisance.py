@@ -6,7 +6,7 @@ Bayesian and likelihood-based methods for fitting multilevel models, Bayesian An
 of a trial is no part of the gap that the laws have to explain.
 
 How dear such a number is beside the residuals depends on what these are. Where a model leaves more than noise, and that lasts,
-its many samples say little (:func:`doubt`); were they taken for noise, numbers far from any that the prior allows were cheap.
+its many samples say little (:func:`prices`); were they taken for noise, numbers far from any that the prior allows were cheap.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from hsr_pin.trajectory import Array
 HELD, INSTANT = 0.002, 0.25
 #: Standard errors by which the mean of a number over the trials may differ from none by chance.
 _CHANCE = 1.5
+#: Numbers that a trial may have of its own: where it rests, how it was held, when it was let go.
+_OWN = 3
 #: Residuals are never taken for more alike than this from sample to sample.
 _LASTING = 0.995
 
@@ -38,18 +40,20 @@ def whitened(rows: Array, basis: Array) -> Array:
     return np.asarray((flat - u @ (shrink[:, None] * (u.T @ flat))).reshape(rows.shape))
 
 
-def doubt(residuals: Sequence[Array], weights: Sequence[Array]) -> float:
-    """Noise floors that a model leaves, times the root of the samples for which they last; at least 1.
+def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -> Array:
+    """(3,) By how much dearer than beside white noise each of a trial's own numbers is.
 
-    For residuals (T, M, 2) [m] and weights (T, M, 2) [1/m]: the standard error of their mean, over that of white noise of unit
-    size (first-order autoregression).
+    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, 2) [m]
+    with weights (T, M, 2) [1/m]: its standard error over that of white noise of one noise floor (first-order autoregression). What
+    a hand did at a release fades by itself, and keeps its price.
     """
     rows = [np.nan_to_num(residual) * weight for residual, weight in zip(residuals, weights, strict=True)]
     count = sum(float((weight > 0).sum()) for weight in weights)
     power = sum(float((row**2).sum()) for row in rows)
     alike = sum(float((row[1:] * row[:-1]).sum()) for row in rows) / max(power, 1e-300)
     rho = float(np.clip(alike, 0.0, _LASTING))
-    return float(np.sqrt(max(1.0, power / max(count, 1.0)) * (1 + rho) / (1 - rho)))
+    doubt = np.sqrt(max(1.0, power / max(count, 1.0)) * (1 + rho) / (1 - rho))
+    return np.where(np.arange(_OWN) < lasting, doubt, 1.0)
 
 
 def taken_out(

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from hsr_pin.robot.space_kinematics import SpaceMarkerMap
 
 
+#: [s] Difference for velocities where effects change what is seen.
+_INSTANT = 1e-3
+
+
 class Cameras:
     """Marker positions with what the effects make of them.
 
@@ -38,8 +42,10 @@ class Cameras:
         return seen
 
     def velocities(self, q: Array, v: Array) -> Array:
-        """(T, B, M, 3) [m/s] how fast the points of the backbone move, for angles and rates (T, B, N); without the effects."""
-        return self._places.velocities(q, v)
+        """(T, B, M, 3) [m/s] how fast they are seen to move, for joint angles q and rates v (T, B, N), in space (T, B, 3 N)."""
+        if not self._effects:
+            return self._places.velocities(q, v)
+        return (self.positions(q + _INSTANT * v) - self.positions(q)) / _INSTANT
 
 
 def _places(columns: Columns, reach: Array, beside: ArrayLike) -> MarkerMap | SpaceMarkerMap:
