@@ -189,7 +189,7 @@ def search(
 
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
-    """In place of the best the best of its special cases with as many parts that does about the same, or leaves next to nothing."""
+    """In place of the best the best of its special cases with as many parts that does as well, or leaves next to nothing."""
     inside = [other for other in tried if len(other.names) == len(best.names) and best.contains(other)]
     for other in sorted(inside, key=mean_square):
         if left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed):

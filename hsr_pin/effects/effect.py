@@ -74,9 +74,9 @@ class Places(Protocol):
     """Markers on an arm, as :class:`~hsr_pin.robot.kinematics.MarkerMap` knows them."""
 
     @property
-    def axis(self) -> Array: ...  # noqa: D102 - the two maps say what these are
-    def normals(self, joint_angles: Array, /) -> Array: ...  # noqa: D102
-    def turned(self, joint_angles: Array, /) -> Array: ...  # noqa: D102
+    def axis(self) -> Array: ...
+    def normals(self, joint_angles: Array, /) -> Array: ...
+    def turned(self, joint_angles: Array, /) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,7 +73,7 @@ class Misfit:
         return self._bases
 
     def hold(self, x: Array) -> bool:
-        """Take what the numbers of the trials make of the residuals, and their prices, from here; whether there are any numbers."""
+        """Take what the numbers of the trials make of the residuals, and their prices, from here; whether there are any."""
         price = prices(self.left(x), self.weights, self._lasting)
         parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
         self._bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]

@@ -43,9 +43,9 @@ def whitened(rows: Array, basis: Array) -> Array:
 def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -> Array:
     """(3,) By how much dearer than beside white noise each of a trial's own numbers is.
 
-    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, 2) [m]
-    with weights (T, M, 2) [1/m]: its standard error over that of white noise of one noise floor (first-order autoregression). What
-    a hand did at a release fades by itself, and keeps its price.
+    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, 2)
+    [m] with weights (T, M, 2) [1/m]: its standard error over that of white noise of one noise floor (first-order
+    autoregression). What a hand did at a release fades by itself, and keeps its price.
     """
     rows = [np.nan_to_num(residual) * weight for residual, weight in zip(residuals, weights, strict=True)]
     count = sum(float((weight > 0).sum()) for weight in weights)

@@ -46,7 +46,7 @@ def fitted(parts, gap=0.0, errors=None):
     residuals = heldout(gap)
     weights = tuple(np.full(part.shape, 1 / NOISE) for part in residuals)
     nuisance = tuple(np.zeros((*part.shape, 0)) for part in residuals)
-    return Fit(hypothesis, values, residuals, residuals, tuple(slopes), weights, nuisance, 1.0, True, 1)
+    return Fit(hypothesis, values, residuals, residuals, tuple(slopes), weights, nuisance, np.ones(3), True, 1)
 
 
 def _part(given):

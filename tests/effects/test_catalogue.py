@@ -63,12 +63,17 @@ def test_a_parameter_that_is_not_given_keeps_its_neutral_value():
     assert parse_effect("soft_spot: depth = 0.2") == effect_named("soft_spot")(depth=0.2)
 
 
+def test_one_amplitude_of_several_switches_an_effect_on():
+    assert parse_effect("unequal_lag:rise=0.1") == effect_named("unequal_lag")(rise=0.1)
+
+
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
         ("dry_frction:level=1", "stiffness_gradient, .* got 'dry_frction'; did you mean dry_friction?"),
         ("friktion", "expected stiffness_gradient"),
         ("dry_friction", "dry_friction.level: expected a value, as in dry_friction:level=0.05"),
+        ("unequal_lag", "unequal_lag.rise: expected a value, as in unequal_lag:rise=[^ ]+,fall=[^ ]+,delay="),
         ("soft_spot:depht=1", "expected depth, centre, width, got 'depht'; did you mean depth?"),
         ("tip_mass:mass=heavy", "tip_mass.mass: expected a number, got 'heavy'"),
         ("tip_mass:mass", "tip_mass.mass: expected a number"),

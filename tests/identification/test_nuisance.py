@@ -11,7 +11,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
-from hsr_pin.identification.nuisance import rest_scatter, taken_out, whitened
+from hsr_pin.identification.nuisance import prices, rest_scatter, taken_out, whitened
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
@@ -67,6 +67,16 @@ def test_what_all_trials_share_is_none_of_their_own(linear):
         left = taken_out([basis @ own for own in numbers], [weights] * 16, [basis] * 16)
         share = np.mean([np.sum(part**2) for part in left]) / np.sum((basis @ np.full(2, 4.0)) ** 2)
         assert share < 0.01 if mean == 0 else 0.7 < share < 1.1
+
+
+def test_where_a_trial_rests_is_as_dear_as_what_lasts_in_it_and_what_a_hand_did_keeps_its_price():
+    noise = np.random.default_rng(2).normal(size=(8, 400, 1, 2))
+    weights = [np.ones((400, 1, 2))] * 8
+    assert prices(noise, weights, 1) == pytest.approx([1, 1, 1], abs=0.1)
+    lasting = prices(noise + 3 * np.sin(np.arange(400) / 60)[:, None, None], weights, 1)
+    assert lasting[0] > 5
+    assert list(lasting[1:]) == [1, 1]
+    assert list(prices(5 * noise, weights, 0)) == [1, 1, 1]
 
 
 def test_without_numbers_of_their_own_trials_stay_as_they_are():

@@ -90,7 +90,8 @@ def sizes(frame: Frame, fitted: Fitted, was: Mapping[str, tuple[float, float]], 
         step = None
         if before is not None:
             low, high = after - reach[k], after + reach[k]
-            step = (max(low, 1e-9) / before, high / before) if fact.name in ARM else (low - before, high - before)
+            ends = (max(low, 1e-9) / before, high / before) if fact.name in ARM else (low - before, high - before)
+            step = float(ends[0]), float(ends[1])
         found.append(Size(name, fact.name, fact.unit, before, after, span, becomes, step))
     return tuple(found)
 

@@ -1,0 +1,23 @@
+"""How fast markers are seen to move is the slope of where they are seen, with effects of the cameras too."""
+
+import numpy as np
+import pytest
+
+from hsr_pin.effects import parse_effect
+from hsr_pin.robot.chain import Arms
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+
+
+@pytest.mark.parametrize("effects", [(), ("length_change:depth=0.03", "marker_offset:offset=0.004")])
+@pytest.mark.parametrize("bending", ["plane", "space"])
+def test_velocities_are_the_slope_of_positions(effects, bending):
+    arm = ArmSpecification(links=5, placement="mid", bending=bending)
+    columns = Columns(Arms.of([arm, arm]), tuple(map(parse_effect, effects)))
+    cameras = Cameras(columns, [0.1, 0.24])
+    q, v = 0.3 * np.random.default_rng(0).normal(size=(2, 3, 2, columns.coordinates))
+    step = 1e-5
+    slope = (cameras.positions(q + step * v) - cameras.positions(q - step * v)) / (2 * step)
+    assert np.abs(slope).max() > 0.01
+    assert cameras.velocities(q, v) == pytest.approx(slope, abs=1e-3 * np.abs(slope).max())
