@@ -9,7 +9,6 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
@@ -22,8 +21,6 @@ from hsr_pin.identification.nuisance import whitened
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-T = TypeVar("T")
-
 #: Amplitude with which an effect is probed, over its parameter's scale; one with shape parameters with a small and a large one.
 _PROBE = 0.5
 _PROBES = (0.25, 2.0)
@@ -31,8 +28,8 @@ _PROBES = (0.25, 2.0)
 _STARTS = 2
 #: Values of each shape parameter that are probed.
 _GRID = 3
-#: Probes and quick fits look at this many runs at most, spread over the recordings.
-_ENOUGH = 8
+#: Probes and quick fits look at this many runs at most, spread over the recordings, and at hardly more samples than this of each.
+_ENOUGH, _SAMPLES = 8, 400
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
 #: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
@@ -204,13 +201,12 @@ def glanced(runs: int) -> list[int]:
 
 
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
-    """Some of the runs, and a fit as it stands on them."""
+    """Some of the samples of some of the runs, and a fit as it stands on them."""
     kept = glanced(len(experiment.runs))
-    if len(kept) == len(experiment.runs):
-        return experiment, base
+    runs = [replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in (experiment.runs[k] for k in kept)]
 
-    def some(items: tuple[T, ...]) -> tuple[T, ...]:
-        return tuple(items[k] for k in kept)
+    def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
+        return tuple(items[k][:: run.every] for k, run in zip(kept, runs, strict=True))
 
     fewer = replace(
         base,
@@ -220,7 +216,7 @@ def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
         weights=some(base.weights),
         nuisance=some(base.nuisance),
     )
-    return replace(experiment, runs=some(experiment.runs)), fewer
+    return replace(experiment, runs=tuple(runs)), fewer
 
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:

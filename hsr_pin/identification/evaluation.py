@@ -27,7 +27,7 @@ PLANE = [0, 2]
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Arms that differ in their parameters, all under the input of one run, at its measured times.
+    """Arms that differ in their parameters, all under the input of one run, at its measured times (those that are looked at).
 
     Attributes:
         columns: the C arms.
@@ -88,10 +88,12 @@ def respond(
     elif bent is not None:
         q = q + bent[:, None] / columns.links
     motion = engine.run(engine.loaded(q, v), command, len(torque), Integrator(tolerance=hypothesis.tolerance), found)
-    positions = cameras.positions(motion.angles)
-    for column in np.flatnonzero(np.isfinite(motion.lost)):
-        positions[int(motion.lost[column] / run.step) :, column] = np.nan
-    return Response(columns, *(at_samples(run, part) for part in (positions, motion.angles, motion.rates)))
+    angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
+    positions = cameras.positions(angles)
+    if np.isfinite(motion.lost).any():
+        ends = (np.arange(len(run.time))[:: run.every] + run.lead + 1) * run.step
+        positions[ends[:, None] > motion.lost] = np.nan
+    return Response(columns, positions, angles, rates)
 
 
 def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
@@ -170,7 +172,7 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))
         columns.append((seen[:, -1] - seen[:, 0]) / _WIDTH * 2 * held / length)
-        columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT)
+        columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT / run.every)
     return np.nan_to_num(np.stack(columns, axis=-1)) if columns else np.zeros((*seen[:, 0].shape, 0))
 
 

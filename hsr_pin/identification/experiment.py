@@ -45,6 +45,7 @@ class Run:
         lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
         start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
         interpolated: the torque goes straight from sample to sample instead of being held.
+        every: only one in so many of the measured samples is looked at.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
     """
@@ -57,13 +58,14 @@ class Run:
     lead: float
     start_velocity: Array | None = None
     interpolated: bool = False
+    every: int = 1
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
 
     @cached_property
     def in_plane(self) -> Array:
-        """(T, M, 2) [m] x and z of what was measured: the arm bends in this plane."""
-        return np.asarray(self.measured[..., [0, 2]])
+        """(T, M, 2) [m] x and z of what was measured (of the samples that are looked at): the arm bends in this plane."""
+        return np.asarray(self.measured[:: self.every, :, [0, 2]])
 
     @cached_property
     def rest(self) -> Array:

@@ -80,3 +80,21 @@ def test_the_compiled_loop_predicts_what_the_one_over_pinocchio_does(record):
             respond(experiment, run, model, model.start[None], dynamics=dynamics).positions for dynamics in ("compiled", "aba")
         )
         assert compiled == pytest.approx(reference, abs=1e-9)
+
+
+@pytest.mark.parametrize("command", [0.8, None])
+def test_where_one_in_three_samples_is_looked_at_these_are_as_among_all(record, command):
+    """A release begins between two samples; a torque far too large ends the simulation early."""
+    experiment = prepare(record([(1.11, command)]))
+    (run,) = experiment.runs
+    few = replace(run, every=3)
+    points = np.array([[1.0, 1.0], [1.2, 0.5], [0.05, 1.0]])
+    whole, third = (respond(experiment, each, Hypothesis(), points).positions for each in (run, few))
+    np.testing.assert_array_equal(third, whole[::3])
+    np.testing.assert_array_equal(few.in_plane, run.in_plane[::3])
+    slopes, some = (
+        predict_with_slopes(replace(experiment, runs=(each,), rest_scatter=1e-3), Hypothesis(), TRUE)[0] for each in (run, few)
+    )
+    np.testing.assert_array_equal(some.slopes, slopes.slopes[::3])
+    assert some.nuisance.shape[-1] == (1 if command else 3)
+    np.testing.assert_allclose(some.nuisance, slopes.nuisance[::3], atol=0.15 * np.abs(slopes.nuisance).max())
