@@ -52,5 +52,5 @@ def ladder(
     ]
     if not_repeatable is not None:
         rms = floors[0] ** 0.5
-        rungs.append(Rung("not repeatable (no model is asked for less)", (), rms, drops[-2] / whole, (rms, rms)))
+        rungs.append(Rung("not repeatable; asked of no model", (), rms, drops[-2] / whole, (rms, rms)))
     return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise)))

@@ -178,7 +178,8 @@ def _graded(
         verb = "are" if len(sure) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         others = sets if len(sets) > 1 else ()
-        return said("partly_identified", f"{what} {verb} certain, though something else is left{tail}.", others, effects)
+        but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
+        return said("partly_identified", f"{what} {verb} certain{but}{tail}.", others, effects)
     worthy = 1 - remains.share >= WORTH_A_WORD
     sets = _wider(sets, found, thresholds, evidence)
     if worthy and len(sets) > 1 and all(sets) and _one_of(sets, found, thresholds, evidence) >= POSSIBLE:

@@ -88,6 +88,8 @@ def test_the_flexible_law_of_a_kind_is_never_named():
     found = verdict(candidate("elastic_curve"))
     assert (found.status, found.effects, found.kinds) == ("partly_identified", (), ("elastic",))
     assert "elastic_curve" not in found.confidence
+    assert "certain, in a form that has no name here; with elastic_curve 100 %" in found.sentence
+    assert "something else is left" in verdict(candidate("elastic_curve", gap=2e-3)).sentence
 
 
 def test_a_rest_of_which_nothing_is_certain_is_unexplained_and_the_best_is_not_offered_where_it_hardly_helps():
