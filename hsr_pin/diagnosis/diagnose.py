@@ -15,7 +15,7 @@ from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.repeats import Repeats, repeats
-from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, tolerated, worth_having
+from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
 from hsr_pin.diagnosis.where import Where, locate
@@ -148,8 +148,7 @@ def diagnose(
             return search(start, parts, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
-            limit = tolerated(found.best, thresholds)
-            parts, kinds = supports(experiment, found.best, found.path[0], found.tried, limit, seed)
+            parts, kinds = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
             itself = own.floor if own else None
             evidence = Evidence(structure(mended), parts, kinds, dataset.length, itself, by_level, seed)
             return judge(found, thresholds, evidence)

@@ -9,7 +9,7 @@ every level, amplitude, direction and half of the record (invariance: J. Peters,
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
+from hsr_pin.diagnosis.search import Thresholds, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
@@ -39,6 +40,7 @@ class Support:
         frequency: of resampled trials, in how many the best model is better than that one.
         drift: RMS difference of its size between environments, beyond noise, over its size; NaN where it acts in one alone.
         clear: standard errors of its size from none.
+        rest: share of the squared gap that the best model leaves, beyond what does not repeat.
     """
 
     name: str
@@ -49,10 +51,11 @@ class Support:
     frequency: float
     drift: float
     clear: float
+    rest: float
 
 
 def supports(
-    experiment: Experiment, best: Candidate, base: Candidate, tried: Sequence[Candidate], tolerated: float, seed: int
+    experiment: Experiment, best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
 ) -> tuple[tuple[Support, ...], tuple[Support, ...]]:
     """For each part of the best model, and for each of its kinds.
 
@@ -61,17 +64,30 @@ def supports(
         best: the model.
         base: stiffness and damping fitted, nothing else.
         tried: every fitted model.
-        tolerated: [m^2] difference of mean squares by which a model may be worse and not be told from the best.
+        thresholds: what counts.
         seed: of the resampling.
     """
     drifts, clear = drift(experiment, best.fit), clearness(best.fit)
+    gap, left, limit = structure(base.heldout), structure(best.heldout), tolerated(best, thresholds)
+    rest = max(0.0, left - thresholds.unrepeatable**2) / max(gap, limit)
 
     def of(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
+        without = [base, *(other for other in tried if lacks(other) and len(other.names) <= len(best.names))]
+        rival = min(without, key=lambda other: squares(other.heldout).mean)
+        gain = squares(rival.heldout).mean - squares(best.heldout).mean
         own = [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
         known = [drifts[each] for each in own if np.isfinite(drifts[each])]
-        moved = float(np.mean(known)) if known else float("nan")
-        plain = against(name, kind, best, base, [other for other in tried if lacks(other)], tolerated, seed)
-        return replace(plain, drift=moved, clear=max(clear[each] for each in own))
+        return Support(
+            name=name,
+            kind=kind,
+            share=gain / max(gap, limit),
+            lead=gain / max(gap - left, limit),
+            margin=gain / limit,
+            frequency=frequency_of_gain(best.heldout, rival.heldout, seed),
+            drift=float(np.mean(known)) if known else float("nan"),
+            clear=max(clear[each] for each in own),
+            rest=rest,
+        )
 
     parts = tuple(
         of(part.name, part.kind, lambda other, name=part.name: name not in other.names and not other.contains(best))  # type: ignore[misc]
@@ -79,19 +95,6 @@ def supports(
     )
     kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
     return parts, kinds
-
-
-def against(
-    name: str, kind: str, best: Candidate, base: Candidate, without: Sequence[Candidate], tolerated: float, seed: int
-) -> Support:
-    """What speaks for what the best model has, and models ``without`` (those of no more parts) lack; drift and size unknown."""
-    gap, left = structure(base.heldout), structure(best.heldout)
-    rivals = [base, *(other for other in without if len(other.names) <= len(best.names))]
-    rival = min(rivals, key=lambda other: squares(other.heldout).mean)
-    gain = squares(rival.heldout).mean - squares(best.heldout).mean
-    frequency = frequency_of_gain(best.heldout, rival.heldout, seed)
-    shares = (gain / max(gap, tolerated), gain / max(gap - left, tolerated), gain / tolerated)
-    return Support(name, kind, *shares, frequency, float("nan"), 10.0)
 
 
 def clearness(fit: Fit) -> dict[str, float]:

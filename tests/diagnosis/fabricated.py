@@ -71,8 +71,10 @@ def supported(best, weak=(), clear=1e3):
     """Support for each part of a model, and for each of its kinds: all that there can be, or for the ``weak`` next to none."""
 
     def one(name, kind):
-        strength = {"lead": 0.05, "margin": 0.2, "frequency": 0.6, "drift": 1.0} if name in weak else {}
-        whole = {"share": 0.9, "lead": 1.0, "margin": 50.0, "frequency": 1.0, "drift": 0.05, "clear": clear}
+        strength = (
+            {"lead": 0.05, "margin": 0.2, "frequency": 0.6, "drift": 1.0, "clear": 5.0, "rest": 0.6} if name in weak else {}
+        )
+        whole = {"share": 0.9, "lead": 1.0, "margin": 50.0, "frequency": 1.0, "drift": 0.05, "clear": clear, "rest": 0.02}
         return Support(name, kind, **(whole | strength))
 
     parts = best.fit.hypothesis.parts

@@ -16,17 +16,20 @@ BASE = candidate(gap=GAP)
 LENGTH = 0.24
 
 
-def support(name, kind, weak=()):
-    """What a true law has, or, where the name is weak, a stand-in."""
-    strong = not {name, kind} & set(weak)
-    return Support(name, kind, 0.9, 0.9, 100.0, 1.0, 0.01, 100.0) if strong else Support(name, kind, 0.1, 0.1, 0.2, 0.7, 0.3, 5.0)
+def support(name, kind, weak=(), fair=(), rest=0.2):
+    """What a true law has, or, where the name is weak, a stand-in, or a fair one whose rivals are near."""
+    if {name, kind} & set(fair):
+        return Support(name, kind, 0.1, 0.1, 0.5, 1.0, 0.05, 20.0, rest)
+    if not {name, kind} & set(weak):
+        return Support(name, kind, 0.9, 0.9, 100.0, 1.0, 0.01, 100.0, 0.02)
+    return Support(name, kind, 0.1, 0.1, 0.2, 0.7, 0.3, 5.0, 0.2)
 
 
-def verdict(*tried, base=BASE, nominal=6e-3, by_level=None, weak=(), not_repeatable=None, thresholds=THRESHOLDS):
+def verdict(*tried, base=BASE, nominal=6e-3, by_level=None, not_repeatable=None, thresholds=THRESHOLDS, **how):
     """With the last of the fitted models as the best."""
     path = (base, tried[-1]) if tried else (base,)
-    parts = tuple(support(part.name, part.kind, weak) for part in path[-1].fit.hypothesis.parts)
-    kinds = tuple(support(kind, kind, weak) for kind in path[-1].kinds)
+    parts = tuple(support(part.name, part.kind, **how) for part in path[-1].fit.hypothesis.parts)
+    kinds = tuple(support(kind, kind, **how) for kind in path[-1].kinds)
     evidence = Evidence(nominal**2, parts, kinds, LENGTH, not_repeatable, by_level, 0)
     return judge(Search(path, (base, *tried)), thresholds, evidence)
 
@@ -69,13 +72,15 @@ def test_no_cause_is_certain_where_most_of_the_gap_is_left_unless_that_does_not_
     assert verdict(best, thresholds=replace(THRESHOLDS, unrepeatable=2.5e-3)).effects == ("stiffening",)
 
 
-def test_models_that_are_a_little_worse_than_the_best_are_told_beside_it_where_all_others_are_far():
-    left, weak = 1.2e-3, ("stiffness_gradient", "elastic")
-    near = (candidate("torque_decay", gap=1.5e-3), candidate("stiffness_gradient", gap=left))
-    found = verdict(candidate("tip_mass", gap=3.9e-3), *near, weak=weak)
+def test_the_few_models_next_to_the_best_are_told_beside_it_where_it_is_likely_and_little_is_left():
+    names = ("stiffness_gradient", "elastic")
+    near = (candidate("torque_decay", gap=1.5e-3), candidate("stiffness_gradient", gap=1.2e-3))
+    found = verdict(candidate("tip_mass", gap=3.9e-3), *near, fair=names)
     assert (found.status, found.alternatives) == ("ambiguous", (("stiffness_gradient",), ("torque_decay",)))
     many = [candidate(name, gap=1.55e-3) for name in ("tip_mass", "backlash", "viscoelastic")]
-    assert verdict(*many, *near, weak=weak).status == "unexplained"
+    assert len(verdict(*many, *near, fair=names).alternatives) == 3
+    assert verdict(*near, fair=names, rest=0.3).status == "unexplained"
+    assert verdict(*near, weak=names).status == "unexplained"
 
 
 def test_a_kind_is_named_where_no_cause_is_certain():
