@@ -23,8 +23,8 @@ from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
 
-#: A name or a kind is certain from this probability on.
-CERTAIN = 0.8
+#: A name or a kind is certain from this probability on: 9 of 10 such names were right (third sealed run, in cross-validation).
+CERTAIN = 0.75
 #: Where more of the squared gap than this is left, beyond what does not repeat, an effect may stand in for that: none is certain.
 HALF = 0.5
 #: Where something else is left, alternatives are told if a name of the best has this probability, or a kind this, and no more
@@ -174,8 +174,10 @@ def _graded(
         listed = ", or ".join(" with ".join(each) or "another stiffness and damping at each level" for each in sets)
         return said("ambiguous", f"{known}these recordings cannot tell apart: {listed}.", sets, effects)
     if sure or of_kind:
-        what = _listed(sure) if sure else f"something of the kind {_listed(of_kind)} ({'; '.join(KINDS[k] for k in of_kind)})"
-        verb = "are" if len(sure) > 1 else "is"
+        beside = [k for k in of_kind if k not in {part.kind for part in best.fit.hypothesis.parts if part.name in sure}]
+        kind = f"something of the kind {_listed(beside)} ({'; '.join(KINDS[k] for k in beside)})" if beside else ""
+        what = ", and ".join(filter(None, (_listed(sure) if sure else "", kind)))
+        verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         others = sets if len(sets) > 1 else ()
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""

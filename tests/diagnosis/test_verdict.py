@@ -89,6 +89,13 @@ def test_a_kind_is_named_where_no_cause_is_certain():
     assert "something of the kind elastic" in found.sentence
 
 
+def test_a_kind_is_told_beside_a_certain_cause_of_another_kind():
+    found = verdict(candidate("stiffening", "tip_mass", gap=1e-3), weak=("tip_mass",))
+    assert (found.effects, found.kinds) == (("stiffening",), ("elastic", "mass_gravity"))
+    assert "stiffening, and something of the kind mass_gravity (mass and gravity) are certain" in found.sentence
+    assert "kind" not in verdict(candidate("stiffening", gap=2e-3)).sentence
+
+
 def test_the_flexible_law_of_a_kind_is_never_named():
     found = verdict(candidate("elastic_curve"))
     assert (found.status, found.effects, found.kinds) == ("partly_identified", (), ("elastic",))
