@@ -1,6 +1,7 @@
 """How far an arm is from itself comes out as it was put in: beyond noise, beyond clocks, beyond what the starts explain."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,6 +98,15 @@ def test_few_releases_are_compared_only_where_they_start_alike():
     found = repeats(arcs(swing(0.6, 1.5, 0.1), swing(0.62, 1.5, 0.1)))
     assert found.groups[0].allowed_for == 0 and "not allowed for" in found.sentence
     assert found.floor is None and "asked for less" not in found.sentence  # they differ as far as their starts make them
+
+
+@pytest.mark.filterwarnings("error")
+def test_releases_of_which_one_does_not_show_its_start_are_not_taken_for_alike():
+    experiment = arcs(swing(0.6, 1.5, 0.1), swing(0.62, 1.5, 0.1))
+    one, other = experiment.runs
+    unseen = replace(other, start_pose=np.full_like(other.start_pose, np.nan))
+    assert repeats(experiment) is not None
+    assert repeats(replace(experiment, runs=(one, unseen))) is None
 
 
 def test_gaps_cost_only_what_they_hide():
