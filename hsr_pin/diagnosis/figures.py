@@ -41,7 +41,7 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.5 + 0.3 * len(rungs)), layout="constrained")
         axes = figure.add_subplot()
-        axes.barh(at, values, height=0.62, color=[ROLES["bar"]] * (len(rungs) - 1) + [ROLES["noise"]])
+        axes.barh(at, values, height=0.62, color=[ROLES["noise" if rung.floor else "bar"] for rung in rungs])
         axes.errorbar(values[:-1], at[:-1], xerr=reach[:, :-1], fmt="none", ecolor=ROLES["ink"], elinewidth=1, capsize=2.5)
         axes.axvline(values[-1], color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
         for y, value, end in zip(at, values, values + reach[1], strict=True):

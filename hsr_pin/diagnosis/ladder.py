@@ -22,6 +22,7 @@ class Rung:
             repeatable" what the last model leaves above it; on the last line, what is left beyond noise by the row above it. A
             rung that takes nothing away has no share. All shares add up to one.
         interval: (2,) [m] 95 % interval of ``rms`` from resampled trials.
+        floor: whether this is no model, but what no model gets below.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Rung:
     rms: float
     share: float
     interval: tuple[float, float]
+    floor: bool = False
 
 
 def ladder(
@@ -52,5 +54,5 @@ def ladder(
     ]
     if not_repeatable is not None:
         rms = floors[0] ** 0.5
-        rungs.append(Rung("not repeatable; asked of no model", (), rms, drops[-2] / whole, (rms, rms)))
-    return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise)))
+        rungs.append(Rung("not repeatable; asked of no model", (), rms, drops[-2] / whole, (rms, rms), floor=True))
+    return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise), floor=True))

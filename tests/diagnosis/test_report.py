@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from hsr_pin.diagnosis.ladder import Rung
 from hsr_pin.diagnosis.report import _notes, report, telling, write_report
 from hsr_pin.diagnosis.verdict import STATUSES
 from hsr_pin.diagnosis.words import HEADLINES
@@ -89,6 +90,16 @@ def test_it_shows_numbers_with_intervals_thresholds_and_what_to_simulate(page, d
     assert "--effect tip_mass:mass=0.0" in page.text
     assert f"worth having if it takes {1e3 * diagnosis.thresholds.worth:#.3g} mm" in page.text
     assert "Nothing was left out." in page.text
+
+
+def test_what_does_not_repeat_is_not_shown_as_what_the_best_model_leaves(diagnosis):
+    best, noise = diagnosis.ladder[-2:]
+    floor = Rung("not repeatable; asked of no model", (), 0.123e-3, 0.0, (0.123e-3, 0.123e-3), floor=True)
+    shown = Page(report(replace(diagnosis, ladder=(*diagnosis.ladder[:-1], floor, noise)))).text
+    assert "0.123 mm" in shown and "0.123 mm best model" not in shown
+    assert re.search(r"mm best model, on trials it was not fitted to", shown)
+    value = re.search(r"([0-9.]+) mm best model", shown).group(1)
+    assert float(value) == pytest.approx(1e3 * best.rms, rel=0.01)
 
 
 def test_text_from_outside_is_text(page):
