@@ -46,7 +46,7 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
         axes.axvline(values[-1], color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
         for y, value, end in zip(at, values, values + reach[1], strict=True):
             axes.annotate(
-                f"{number(value)} mm = {0.1 * value / length:#.2g} % of L",
+                f"{number(value)} mm = {number(0.1 * value / length)} % of L",
                 (end, y),
                 (6, 0),
                 textcoords="offset points",

@@ -374,7 +374,7 @@ def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float,
         f"its group shares, in the plane and beyond noise{at_rest}"
     )
     if floor is not None:
-        text += "; no model can be asked for less"
+        text += f"; while it moves, no model can be asked for less than {1e3 * floor:.2g} mm"
     if any(group.allowed_for for group in groups):
         text += "; differences of the start are allowed for by regression"
     elif any(group.start > 0 for group in groups):

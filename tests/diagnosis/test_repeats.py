@@ -91,6 +91,7 @@ def test_what_the_start_does_not_explain_is_left():
     ]
     found = repeats(arcs(*releases, noise=5e-5, markers=(1.0,)))
     assert found.in_plane == pytest.approx(0.02 * TIP, rel=0.4)
+    assert f"asked for less than {1e3 * found.floor:.2g} mm" in found.sentence
 
 
 def test_few_releases_are_compared_only_where_they_start_alike():
