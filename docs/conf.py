@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import nbclient.client
+import nbformat
 from traitlets import Bool
 
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
@@ -76,7 +77,17 @@ def _without_tuple_fields(app, what, name, obj, skip, options):  # type: ignore[
     return True if type(obj).__name__ == "_tuplegetter" else None
 
 
+def _without_roles(app, error):  # type: ignore[no-untyped-def]
+    """A notebook that was downloaded shows its own name, not the role by which Sphinx links to it."""
+    for file in Path(app.outdir).glob("_downloads/*/*.ipynb"):
+        notebook = nbformat.read(file, as_version=4)
+        for cell in notebook.cells:
+            cell.source = cell.source.replace("{nb-download}", "") if cell.cell_type == "markdown" else cell.source
+        nbformat.write(notebook, file)
+
+
 def setup(app):  # type: ignore[no-untyped-def]
     """Called by Sphinx."""
     app.connect("autodoc-process-docstring", _as_written, priority=900)  # after napoleon
     app.connect("autodoc-skip-member", _without_tuple_fields)
+    app.connect("build-finished", _without_roles)

@@ -127,6 +127,7 @@ def test_a_tutorial_is_a_notebook_with_its_outputs(site, pages, name):
     (link,) = {target for target in pages[f"tutorials/{name}.html"].targets if target.endswith(f"/{name}.ipynb")}
     notebook = nbformat.read(site / "tutorials" / link, as_version=4)
     nbformat.validate(notebook)
+    assert not any("{nb-" in cell.source for cell in notebook.cells)
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert all(cell.execution_count for cell in cells)
     shown = [output.get("data", {}) for cell in cells for output in cell.outputs]
