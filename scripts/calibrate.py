@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
+from hsr_pin.blind.kinds import FLEXIBLE
 from hsr_pin.diagnosis.confidence import features
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.trajectory import Array
@@ -23,27 +24,42 @@ from hsr_pin.trajectory import Array
 PRIOR = 0.05
 
 
-def rows(answers: Path, results: Path) -> tuple[dict[str, list[tuple[str, tuple[float, ...], bool]]], int]:
-    """For names and kinds: case, features, and whether it was right; and how many cases there were."""
-    found: dict[str, list[tuple[str, tuple[float, ...], bool]]] = {"name": [], "kind": []}
+#: Case, features, frequency, and whether it was right.
+Row = tuple[str, tuple[float, ...], float, bool]
+
+
+def rows(answers: Path, results: Path) -> tuple[dict[str, list[Row]], int]:
+    """For names and kinds; and how many cases there were."""
+    found: dict[str, list[Row]] = {"name": [], "kind": []}
     cases = {case["name"]: case for case in json.loads(answers.read_text(encoding="utf-8"))["cases"]}
     files = sorted(results.glob("*.json"))
     for file in files:
         case = cases[file.stem]
         names, kinds = ({each for some in case[key] for each in some} for key in ("names", "kinds"))
-        for support in json.loads(file.read_text(encoding="utf-8"))["verdict"]["support"]:
-            values = features(Support(**{k: float("nan") if v is None else v for k, v in support.items()}))
-            of_kind = support["name"] == support["kind"]
-            right = support["name"] in (kinds if of_kind else names)
-            found["kind" if of_kind else "name"].append((file.stem, values, right))
+        verdict = json.loads(file.read_text(encoding="utf-8"))["verdict"]
+        for told in verdict["support"]:
+            known = {"rest": verdict["left"]["share"], **told}  # the third sealed run was of a version that did not tell it
+            support = Support(**{k: float("nan") if v is None else v for k, v in known.items()})
+            of_kind = support.name == support.kind
+            if support.name not in FLEXIBLE:
+                right = support.name in (kinds if of_kind else names)
+                found["kind" if of_kind else "name"].append((file.stem, features(support), support.frequency, right))
     return found, len(files)
 
 
-def fitted(X: Array, y: Array) -> Array:
-    """Logistic regression by maximum likelihood, all but the constant shrunk a little."""
-    start = np.zeros(X.shape[1])
-    answer = minimize(lambda w: np.logaddexp(0, -(2 * y - 1) * (X @ w)).sum() + PRIOR * len(y) ** 0.5 * (w[1:] @ w[1:]), start)
-    return np.asarray(answer.x)
+def stated(w: Array, X: Array, frequency: Array) -> Array:
+    """As :func:`hsr_pin.diagnosis.confidence.probability`."""
+    return np.asarray((1 + frequency) / 2 / (1 + np.exp(-X @ w)))
+
+
+def fitted(X: Array, frequency: Array, y: Array) -> Array:
+    """By maximum likelihood, all but the constant shrunk a little."""
+
+    def cost(w: Array) -> float:
+        p = np.clip(stated(w, X, frequency), 1e-6, 1 - 1e-6)
+        return float(-np.log(np.where(y > 0, p, 1 - p)).sum() + PRIOR * len(y) ** 0.5 * (w[1:] @ w[1:]))
+
+    return np.asarray(minimize(cost, np.zeros(X.shape[1])).x)
 
 
 def main() -> None:
@@ -51,14 +67,16 @@ def main() -> None:
     found, count = rows(Path(sys.argv[1]), Path(sys.argv[2]))
     print(f"{count} cases")
     for what, entries in found.items():
-        X, y = np.array([values for _, values, _ in entries]), np.array([right for _, _, right in entries], dtype=float)
-        fold = np.array([hash_of(case) % 10 for case, _, _ in entries])
+        cases, values, frequencies, rights = zip(*entries, strict=True)
+        X, often, y = np.array(values), np.array(frequencies), np.array(rights, dtype=float)
+        fold = np.array([hash_of(case) % 10 for case in cases])
         p = np.empty(len(y))
         for k in range(10):
-            if (fold == k).any():
-                p[fold == k] = 1 / (1 + np.exp(-X[fold == k] @ fitted(X[fold != k], y[fold != k])))
-        print(f"{what}: {tuple(fitted(X, y).round(2).tolist())} from {len(y)}, {int(y.sum())} of them right")
-        for low, high in ((0, 0.2), (0.2, 0.5), (0.5, 0.8), (0.8, 0.95), (0.95, 1.01)):
+            own = fold == k
+            if own.any():
+                p[own] = stated(fitted(X[~own], often[~own], y[~own]), X[own], often[own])
+        print(f"{what}: {tuple(fitted(X, often, y).round(2).tolist())} from {len(y)}, {int(y.sum())} of them right")
+        for low, high in ((0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, 0.9), (0.9, 1.01)):
             some = (p >= low) & (p < high)
             if some.any():
                 print(f"  said {p[some].mean():.2f}, was right {y[some].mean():.2f} ({int(some.sum())})")

@@ -11,7 +11,7 @@ from math import exp, isfinite, log
 from hsr_pin.diagnosis.support import Support
 
 #: Of a part: constant, lead, log margin, log clearness, drift, rest. How nearly other models do as well is in the alternatives
-#: already, and said nothing more.
+#: already, and says nothing more (-0.03).
 NAME = (-0.27, 0.88, 0.0, 0.86, -0.31, -1.65)
 #: Of a kind, likewise.
 KIND = (0.46, 0.54, 0.34, 0.37, -0.12, -1.03)
