@@ -14,6 +14,7 @@
 - ``inline_svg``: pictures inside a page
 - ``ladder``: how far, rung by rung
 - ``next_experiment``: what to record next
+- ``page``: in what surroundings pages are written
 - ``repeats``: how far the arm is from itself
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
@@ -17,6 +16,7 @@ from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import Estimate, estimates, ranked
 from hsr_pin.diagnosis.inline_svg import inline
+from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.search import mean_square
 from hsr_pin.diagnosis.words import (
     EXPERIMENTS,
@@ -24,7 +24,6 @@ from hsr_pin.diagnosis.words import (
     advice,
     effect_options,
     model_name,
-    number,
     readable,
     scales,
     sentence,
@@ -50,17 +49,9 @@ def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
 
 def report(diagnosis: Diagnosis) -> str:
     """The text of that file."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"readable": readable, "mm": _mm, "percent": _percent, "number": number, "in_words": where_sentence}
-    template = environment.get_template("report.html.jinja")
-    return template.render(
+    surroundings = environment()
+    surroundings.filters |= {"readable": readable, "percent": _percent, "in_words": where_sentence}
+    return surroundings.get_template("report.html.jinja").render(
         diagnosis=diagnosis,
         verdict=diagnosis.verdict,
         dataset=diagnosis.experiment.dataset,
@@ -206,10 +197,6 @@ def _notes(diagnosis: Diagnosis) -> list[str]:
 
 def _square(missed: Array | Sequence[Array]) -> float:
     return float(np.nanmean((np.asarray(missed) ** 2).sum(axis=-1)))
-
-
-def _mm(metres: float) -> str:
-    return f"{number(1e3 * metres)} mm"
 
 
 def _percent(share: float) -> str:

@@ -101,6 +101,11 @@ def left(candidate: Candidate) -> float:
     return structure(candidate.heldout)
 
 
+def open_share(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> float:
+    """Share of the squared gap that a model leaves, beyond what does not repeat."""
+    return max(0.0, left(candidate) - thresholds.unrepeatable**2) / max(left(base), 1e-300)
+
+
 def explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> bool:
     """Whether a model leaves next to nothing: of noise, or of a large gap."""
     rest, closed = left(candidate), thresholds.closed**2

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
-from hsr_pin.diagnosis.search import Thresholds, tolerated
+from hsr_pin.diagnosis.search import Thresholds, open_share, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
@@ -69,7 +69,7 @@ def supports(
     """
     drifts, clear = drift(experiment, best.fit), clearness(best.fit)
     gap, left, limit = structure(base.heldout), structure(best.heldout), tolerated(best, thresholds)
-    rest = max(0.0, left - thresholds.unrepeatable**2) / max(gap, limit)
+    rest = open_share(best, base, thresholds)
 
     def of(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
         without = [base, *(other for other in tried if lacks(other) and len(other.names) <= len(best.names))]

@@ -18,6 +18,7 @@ from hsr_pin.diagnosis.search import (
     left,
     matches,
     mean_square,
+    open_share,
 )
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
@@ -151,8 +152,8 @@ def _graded(
     kinds = {each.name: probability(each, KIND) for each in evidence.kinds}
     common = set.intersection(*map(set, sets))
     flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
-    enough = left(best) - thresholds.unrepeatable**2 <= HALF * left(found.path[0])
-    sure = tuple(sorted(name for name in common - flexible if enough and names[name] >= CERTAIN))
+    rest = open_share(best, found.path[0], thresholds)
+    sure = tuple(sorted(name for name in common - flexible if rest <= HALF and names[name] >= CERTAIN))
     of_kind = tuple(sorted(kind for kind, value in kinds.items() if value >= CERTAIN and _in_all(kind, sets, found.tried)))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
@@ -183,7 +184,6 @@ def _graded(
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.", others, effects)
     sets = _wider(sets, found, thresholds)
-    rest = min((part.rest for part in evidence.parts), default=1.0)
     likely = max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
         listed = ", or ".join(" with ".join(each) for each in sets)

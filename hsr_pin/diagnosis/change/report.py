@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from hsr_pin.diagnosis.change import figures
@@ -14,10 +13,9 @@ from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.words import HEADLINES, advice, rounded
 from hsr_pin.diagnosis.inline_svg import inline
+from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.words import EXPERIMENTS, number, readable, sentence
 from hsr_pin.output import write_text
-
-_HERE = Path(__file__).parent
 
 
 def write_report(history: History, path: str | Path) -> None:
@@ -31,32 +29,27 @@ def write_report(history: History, path: str | Path) -> None:
 
 def report(history: History) -> str:
     """The text of that file."""
-    environment = Environment(
-        loader=FileSystemLoader([_HERE, _HERE.parent]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"mm": lambda metres: f"{number(1e3 * metres)} mm", "number": number}
     diagnosis = history.diagnoses[-1]
     verdict, pair, reference = diagnosis.verdict, diagnosis.pair, diagnosis.reference
-    return environment.get_template("report.html.jinja").render(
-        history=history,
-        diagnosis=diagnosis,
-        verdict=verdict,
-        old=pair.old.dataset,
-        new=pair.new.dataset,
-        headline=HEADLINES[verdict.status],
-        sentence=sentence(verdict.sentence),
-        advice=advice(diagnosis),
-        experiments=EXPERIMENTS,
-        sizes=[_size(each) for each in verdict.changes],
-        limits=[f"{name} {number(value)}" for name, value in sorted(verdict.limits.items())],
-        reference="nothing" if reference is None else readable(reference.names) or "stiffness and damping",
-        notes=[*pair.old.notes, *pair.new.notes],
-        **_figures(history, diagnosis),
+    return (
+        environment(Path(__file__).parent)
+        .get_template("report.html.jinja")
+        .render(
+            history=history,
+            diagnosis=diagnosis,
+            verdict=verdict,
+            old=pair.old.dataset,
+            new=pair.new.dataset,
+            headline=HEADLINES[verdict.status],
+            sentence=sentence(verdict.sentence),
+            advice=advice(diagnosis),
+            experiments=EXPERIMENTS,
+            sizes=[_size(each) for each in verdict.changes],
+            limits=[f"{name} {number(value)}" for name, value in sorted(verdict.limits.items())],
+            reference="nothing" if reference is None else readable(reference.names) or "stiffness and damping",
+            notes=[*pair.old.notes, *pair.new.notes],
+            **_figures(history, diagnosis),
+        )
     )
 
 

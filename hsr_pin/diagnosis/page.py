@@ -1,0 +1,25 @@
+"""In what surroundings pages are written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from hsr_pin.diagnosis.words import number
+
+_HERE = Path(__file__).parent
+
+
+def environment(*folders: Path) -> Environment:
+    """For templates in ``folders``, and in this one: what is unknown is an error, what comes from outside is text."""
+    found = Environment(
+        loader=FileSystemLoader([*folders, _HERE]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters |= {"mm": lambda metres: f"{number(1e3 * metres)} mm", "number": number}
+    return found
