@@ -41,7 +41,7 @@ class Answer:
     background: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.names and self.kind != "outside":
+        if not self.names:
             object.__setattr__(self, "names", tuple(map(names_of, self.effects)))
         if not self.kinds:
             object.__setattr__(self, "kinds", tuple(map(kinds_of, self.effects)))

@@ -40,6 +40,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "preset_bend": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
+    "restraint": ("contact",),
     "resting_place": ("actuation_map", "friction"),
     "skew_plane": ("measurement", "actuation_map"),  # leaves the plane: muscles askew, or cameras
     "soft_spot": ("elastic",),
@@ -82,6 +83,8 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
     "torque_bias:drifting": ("preset_bend",),
     "torque_bias:partial": ("preset_bend",),
     "torque_bias": ("preset_bend",),
+    "tether": ("restraint",),
+    "wall": ("restraint",),
 }
 
 #: Laws that stand for their kind.

@@ -11,6 +11,8 @@ right, by tier:
   more like hysteresis than like the catalogue's friction.
 - ``real``: other names beside the right one do not count (`hsr_pin.blind.real.recipes` says why).
 - Nothing there: to name nothing is right; of a messy arm also to say that something is left, for so it is.
+- ``outside``: laws that the catalogue did not hold when the plants were written. To name nothing is right; so is a name
+  that says the same, where the catalogue has come to hold one.
 """
 
 from __future__ import annotations
@@ -71,7 +73,7 @@ class Outcome:
     def exact(self) -> bool:
         """Whether the truth is what was named, or among the alternatives stated; whether nothing was named where nothing is."""
         answer = self.answer
-        if answer.kind in RIGHT:
+        if answer.kind in RIGHT and not (answer.kind == "outside" and self.sets):
             left = answer.tier == "messy" and answer.kind == "none" and self.status == "unexplained"
             return (left or self.status in RIGHT[answer.kind]) and all(map(self.is_so, self.kinds))
         return any(_is_truth(answer, names) for names in self.sets)

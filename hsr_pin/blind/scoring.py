@@ -130,7 +130,7 @@ def _rates(found: Sequence[Outcome]) -> dict[str, Rate]:
         **{f"exact, {kind}": _exact([o for o in clean if o.answer.kind == kind]) for kind in ("pair", "none", "outside")},
         **_tier_rates(found),
         "wrong names, all cases": Rate(sum(o.wrong_name for o in found), len(found)),
-        "any name, none and outside": Rate(sum(bool(o.sets) for o in unnamed), len(unnamed)),
+        "any name, none and outside": Rate(sum(bool(o.sets) and not o.exact for o in unnamed), len(unnamed)),
         "truth among the alternatives, ambiguous verdicts": _exact(named),
         "shrinkage within 10 % of the oracle's": Rate(sum(map(_as_good, judged)), len(judged)),
     }
@@ -149,7 +149,7 @@ def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
     if {o.answer.tier for o in found} - {"clean"}:
         for kind in ("none", "outside"):
             messy = [o for o in found if (o.answer.tier, o.answer.kind) == ("messy", kind)]
-            rates[f"messy: no name, {kind}"] = Rate(sum(not o.sets for o in messy), len(messy))
+            rates[f"messy: no name, {kind}"] = Rate(sum(not o.sets or o.exact for o in messy), len(messy))
         outside = [o for o in found if o.answer.kind == "outside"]
         rates["kind right, outside"] = Rate(sum(o.kind_right for o in outside), len(outside))
     return rates

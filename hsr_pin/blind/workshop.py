@@ -189,7 +189,7 @@ def answer_of(
         size_of(gaps[0] / floor) if len(chosen) == 1 else "",
         facts,
         case.tier,
-        () if case.kind == "outside" else tuple(map(names_of, case.effects)),
+        tuple(map(names_of, case.effects)),
         tuple(map(kinds_of, case.effects)),
         () if small is None else small.noticeable,
     )

@@ -26,7 +26,7 @@ from hsr_pin.trajectory import Array
 
 #: Where a known effect may act for the model to stay linear in springs, dampers and drive.
 _KNOWABLE = ("arm", "stiffness", "damping", "actuation")
-_HOOKS = (*_KNOWABLE, "respond", "late", "moment", "update", "observe")
+_HOOKS = (*_KNOWABLE, "respond", "late", "moment", "touch", "update", "observe")
 
 
 @dataclass(frozen=True, eq=False)

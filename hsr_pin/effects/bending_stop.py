@@ -32,5 +32,5 @@ class BendingStop(Effect):
     def moment(p: Any, bending: Bending) -> Any:
         return bending.keq * p.ratio * (bending.angle - limited(bending.angle, p.angle))
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return IMPLICIT * keq * self.ratio, 0.0

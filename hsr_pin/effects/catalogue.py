@@ -9,6 +9,7 @@ from hsr_pin.effects.actuator_lag import ActuatorLag
 from hsr_pin.effects.added_mass import AddedMass
 from hsr_pin.effects.backlash import Backlash
 from hsr_pin.effects.bending_stop import BendingStop
+from hsr_pin.effects.camera_scale import CameraScale
 from hsr_pin.effects.damping_gradient import DampingGradient
 from hsr_pin.effects.dead_time import DeadTime
 from hsr_pin.effects.dry_friction import DryFriction
@@ -18,8 +19,10 @@ from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.effects.hysteresis import Hysteresis
 from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
+from hsr_pin.effects.marker_slip import MarkerSlip
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
+from hsr_pin.effects.restraint import Restraint
 from hsr_pin.effects.soft_spot import SoftSpot
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.effects.stiffening import Stiffening
@@ -56,8 +59,11 @@ EFFECTS: dict[str, type[Effect]] = {
         GravityTilt,
         TipMass,
         AddedMass,
+        Restraint,
         MarkerOffset,
+        MarkerSlip,
         LengthChange,
+        CameraScale,
     )
 }
 

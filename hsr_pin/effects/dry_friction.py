@@ -48,5 +48,5 @@ class DryFriction(Effect):
     def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
         return limited(memory + (end - start), presliding(p.level))
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return IMPLICIT * self.level * keq / presliding(self.level), 0.0

@@ -4,13 +4,13 @@ A law sees the arm per unit of bending, not per joint: ``angle`` is N q_i, the b
 were curved everywhere as it is at joint i. Its moment is the one carried there. So a law and its parameters mean the same for
 every number of links.
 
-The laws of joints and of the command (``moment``, ``update``, ``respond``) are static methods, written once, for one joint or
-one command: the compiled loop calls them with numbers, the loop over Pinocchio with arrays, (B, N) or (B,) for B arms side by
-side. So they are made of arithmetic, NumPy's elementwise functions (``np.minimum`` and :func:`hsr_pin.effects.vector.chosen`,
-not ``min`` and ``if``, on angles, torques and parameters), constants of their module and plain functions of the same kind; an
-``if`` may ask for an option, or ``k``. They take their parameters as ``p``, a tuple with the names of the effect's fields; an
-option is its index in the list of choices. Nothing is registered with the compiler: a law is compiled when it is first called,
-and again when its text changes.
+The laws of joints, of what stands beside the arm and of the command (``moment``, ``update``, ``touch``, ``respond``) are static
+methods, written once, for one joint or one command: the compiled loop calls them with numbers, the loop over Pinocchio with
+arrays, (B, N) or (B,) for B arms side by side. So they are made of arithmetic, NumPy's elementwise functions (``np.minimum`` and
+:func:`hsr_pin.effects.vector.chosen`, not ``min`` and ``if``, on angles, torques and parameters), constants of their module and
+plain functions of the same kind; an ``if`` may ask for an option, or ``k``. They take their parameters as ``p``, a tuple with
+the names of the effect's fields; an option is its index in the list of choices. Nothing is registered with the compiler: a law
+is compiled when it is first called, and again when its text changes.
 
 Angles are treated as vectors of one component: a law uses ``abs`` for their length and
 :func:`hsr_pin.effects.vector.limited` for their limits, never a sign, so that it holds for bending about two axes too.
@@ -36,7 +36,6 @@ from hsr_pin.trajectory import Array
 #: Share of a law's steepest slope that must be implicit for steps of any length to be stable (by the extrapolation of order 4
 #: 0.77, if there were no spring beside it).
 IMPLICIT = 0.75
-
 
 #: Kinds of physics that laws belong to.
 KINDS = {
@@ -76,6 +75,7 @@ class Places(Protocol):
     @property
     def axis(self) -> Array: ...
     def normals(self, joint_angles: Array, /) -> Array: ...
+    def tangents(self, joint_angles: Array, /) -> Array: ...
     def turned(self, joint_angles: Array, /) -> Array: ...
 
 
@@ -99,6 +99,11 @@ class View:
     def normals(self) -> Array:
         """(T, B, M, 3) unit vectors across the backbone at the markers, towards positive bending."""
         return self.places.normals(self.angles)
+
+    @cached_property
+    def tangents(self) -> Array:
+        """(T, B, M, 3) unit vectors along the backbone at the markers, towards the tip."""
+        return self.places.tangents(self.angles)
 
     @cached_property
     def turned(self) -> Array:
@@ -228,6 +233,16 @@ class Effect(ABC):
         return 0.0 * bending.angle
 
     @staticmethod
+    def touch(p: Any, aside: Any) -> Any:
+        """[N] force on the tip, across the straight arm towards positive bending; in a plane alone.
+
+        Args:
+            p: the parameters.
+            aside: [m] from the line of the straight arm to the tip, towards positive bending.
+        """
+        return 0.0 * aside
+
+    @staticmethod
     def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
         """The k-th internal state after the angle went evenly from ``start`` to ``end`` [rad] in ``elapsed`` [s].
 
@@ -235,8 +250,10 @@ class Effect(ABC):
         """
         return memory
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         """Of d moment / d angle [Nm/rad] and d moment / d rate [Nm s/rad], what the integrator treats implicitly.
+
+        For arms of a stiffness keq (B,) [Nm/rad] and a length (B,) [m].
 
         The bound times :data:`IMPLICIT` for a law at whose steepest an arm may stay: less, and it trembles there, in ever shorter
         steps, or is driven away. Half of the bound for one that is seldom near it: more, and it loses accuracy.

@@ -62,6 +62,6 @@ class Hysteresis(Effect):
             return memory - (unit(way) - memory) * np.expm1(-np.abs(way))
         return limited(memory + way, SLIDERS[k])
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         steepest = 2 if self.form == "dahl" else 1  # where Dahl's law turns back
         return IMPLICIT * steepest * self.amplitude * keq / self.yield_angle, 0.0

@@ -46,5 +46,5 @@ class QuadraticDamping(Effect):
         rate = limited(bending.rate, FASTEST)
         return p.coefficient * np.abs(rate) * (2 * bending.rate - rate)
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return 0.0, IMPLICIT * 2 * self.coefficient * FASTEST

@@ -41,7 +41,7 @@ class Stiffening(Effect):
         relative = p.cubic * np.abs(angle) ** 2 * (angle + 3 * (bending.angle - angle))
         return bending.keq * bending.stiffness * relative
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         cubic = np.maximum(self.cubic, 0.0)
         reach = 1 / (1 / REACH + np.cbrt(cubic / REACH))  # [rad] about where cubic * angle^3 is REACH
         return keq * 1.5 * cubic * reach**2, 0.0

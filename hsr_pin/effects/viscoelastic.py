@@ -42,5 +42,5 @@ class Viscoelastic(Effect):
         x = elapsed / p.time_constant
         return memory * np.exp(-x) - (end - start) * np.expm1(-x) / x
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return self.ratio * keq / 2, 0.0

@@ -11,7 +11,7 @@ from hsr_pin.errors import EffectError
 from hsr_pin.export.elements import Elements, elements_of
 from hsr_pin.export.law_text import helpers
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.export.plain import unseen
+from hsr_pin.export.plain import numbers, unseen
 
 #: Laws of the command that the actuator itself can express, behind one another.
 LINEAR = {"actuator_lag", "torque_bias", "dead_time"}
@@ -49,10 +49,12 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             native = elements_of(effect, model, major=major)
             if native is not None:
                 elements[effect.name] = native
-            elif np.max(effect.tangent(np.full(1, model.arm.keq))[1]) > 0:
+            elif np.max(effect.tangent(np.full(1, model.arm.keq), np.full(1, model.arm.length))[1]) > 0:
                 missing.append(f"{effect.name}: a damper of MuJoCo {major} cannot do it, and without one no step is short enough")
             else:
                 called.append(effect)
+        elif effect.acts_through("touch"):
+            missing.append(f"{effect.name}: put into the world of MuJoCo what the arm touches ({numbers(effect)})")
     muscles = [effect for effect in model.columns.muscles if any(_is_on(effect))]
     delay = float(sum(np.max(effect.late()) for effect in muscles))
     simple = {effect.name for effect in muscles} <= LINEAR

@@ -40,7 +40,7 @@ def unseen(model: CorrectedModel) -> tuple[str, ...]:
     for effect in model.effects:
         readings = known.get(effect.name, ())
         if effect.acts_through("observe") and any(value not in readings for _, value in effect.options or (("", ""),)):
-            lines.append(f"{effect.name}: what it makes the cameras see ({_numbers(effect)})")
+            lines.append(f"{effect.name}: what it makes the cameras see ({numbers(effect)})")
     return tuple(lines)
 
 
@@ -65,12 +65,13 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
         if effect.acts_through("actuation"):
             lines.append(f"{effect.name}: of the command, from base to tip the joints get {share}")
         elif not any(effect.acts_through(hook) for hook in _WAYS) and effect.name != "dry_friction":
-            lines.append(f"{effect.name}: {effect.lacks} ({_numbers(effect)})")
+            lines.append(f"{effect.name}: {effect.lacks} ({numbers(effect)})")
     lines.append("actuator: the same torque, the command [N m], at every joint")
     return tuple(lines)
 
 
-def _numbers(effect: Effect) -> str:
+def numbers(effect: Effect) -> str:
+    """The parameters of an effect with their units, and its options."""
     facts = [
         f"{fact.name} {getattr(effect, fact.name):g} {fact.unit if fact.unit != '1' else ''}".strip()
         for fact in effect.parameters()

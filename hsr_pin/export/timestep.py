@@ -26,8 +26,8 @@ def timestep(model: CorrectedModel, parts: Parts) -> float:
     body = build_model(arm).model
     upper = np.triu(pin.crba(body, body.createData(), np.zeros(arm.links)))
     mass = upper + np.triu(upper, 1).T
-    keq = np.full(1, model.arm.keq)
-    added = {effect.name: 2 * float(np.max(effect.tangent(keq)[0])) for effect in model.effects}
+    keq, length = np.full(1, model.arm.keq), np.full(1, model.arm.length)
+    added = {effect.name: 2 * float(np.max(effect.tangent(keq, length)[0])) for effect in model.effects}
     stiff = arrays.spring[0] + sum((each.stiffest for each in parts.elements.values() if len(each.stiffest)), np.zeros(arm.links))
     stiff = stiff + arm.links * sum(added[effect.name] for effect in parts.called)
     lasting = sum(added[effect.name] for effect in model.effects if not effect.states) / model.arm.keq

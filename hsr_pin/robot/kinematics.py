@@ -71,10 +71,17 @@ class MarkerMap:
 
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards positive bending."""
-        turned = self.turned(joint_angles)
+        return self._turned_by(self.turned(joint_angles) + np.pi / 2)
+
+    def tangents(self, joint_angles: Array) -> Array:
+        """(..., M, 3) unit vectors along the backbone at the markers, towards the tip."""
+        return self._turned_by(self.turned(joint_angles))
+
+    def _turned_by(self, angles: Array) -> Array:
+        """(..., M, 3) the direction of the straight arm, turned by angles (..., M) [rad]."""
         one = len(self.fixed) == 1
         direction, normal = (self.direction[0], self.normal[0]) if one else (self.direction[:, None], self.normal[:, None])
-        return np.asarray(np.cos(turned)[..., None] * normal - np.sin(turned)[..., None] * direction)
+        return np.asarray(np.cos(angles)[..., None] * direction + np.sin(angles)[..., None] * normal)
 
     def turned(self, joint_angles: Array) -> Array:
         """(..., M) [rad] angles from the base to the backbone at the markers."""

@@ -63,8 +63,11 @@ class SpaceMarkerMap:
 
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards x of their links."""
-        towards_x = np.broadcast_to(np.array([1.0, 0.0, 0.0]), self.beside.shape)
-        return self._turned(self.frames(_by_joint(joint_angles)), towards_x)
+        return self._axes(joint_angles, 0)
+
+    def tangents(self, joint_angles: Array) -> Array:
+        """(..., M, 3) unit vectors along the backbone at the markers, towards the tip."""
+        return self._axes(joint_angles, 2)
 
     def turned(self, joint_angles: Array) -> Array:
         """(..., M) [rad] bending from the base to the markers: the length of the sum of the joints'."""
@@ -83,6 +86,10 @@ class SpaceMarkerMap:
             return np.asarray(speeds)
         still = np.concatenate([np.zeros_like(omega[..., :1, :]), omega], axis=-2)
         return np.asarray(speeds + np.cross(self._at_markers(still, 2), self._turned(frames, self.beside)))
+
+    def _axes(self, joint_angles: Array, which: int) -> Array:
+        """(..., M, 3) one of the axes of the markers' links, in the world."""
+        return self._turned(self.frames(_by_joint(joint_angles)), np.broadcast_to(np.eye(3)[which], self.beside.shape))
 
     def _turned(self, frames: Array, vectors: Array) -> Array:
         """(..., M, 3) vectors (C, M, 3) of the markers' links, in the world."""

@@ -87,8 +87,8 @@ class Columns:
 
     @cached_property
     def laws(self) -> tuple[Effect, ...]:
-        """The effects that act in the joints."""
-        return tuple(effect for effect in self.effects if effect.acts_through("moment"))
+        """The effects that act in the joints, or on them from beside the arm."""
+        return tuple(effect for effect in self.effects if effect.acts_through("moment") or effect.acts_through("touch"))
 
     @cached_property
     def muscles(self) -> tuple[Effect, ...]:
@@ -116,7 +116,7 @@ class Columns:
         damper = links * damping * along(self.effects, "damping", links, len(self)) * sections[1]
         stiff, drag = spring.copy(), damper.copy()
         for effect in self.effects:
-            stiffness, resistance = effect.tangent(arms.keq)
+            stiffness, resistance = effect.tangent(arms.keq, arms.length)
             stiff += links * np.broadcast_to(stiffness, len(self))[:, None]
             drag += links * np.broadcast_to(resistance, len(self))[:, None]
         share = along(self.effects, "actuation", links, len(self))
@@ -148,7 +148,8 @@ class Columns:
         rows, numbers, first = [], [self.numbers_of(law) for law in self.laws], 0
         for law in self.laws:
             update = address(law, "update", space=self.space) if law.states else 0
-            rows.append((address(law, "moment", space=self.space), update, first, law.states))
+            hook = "moment" if law.acts_through("moment") else "touch"
+            rows.append((address(law, hook, space=self.space), update, first, law.states))
             first += law.states
         table = np.zeros((len(rows), max(len(n) for n in numbers), len(self)))
         for row, values in zip(table, numbers, strict=True):

@@ -49,7 +49,7 @@ def ready(effects: Iterable[type[Effect]] = ()) -> None:
     for kind in effects:
         for variant in kind.variants():
             effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
-            for hook in ("moment", "update", "respond"):
+            for hook in ("moment", "touch", "update", "respond"):
                 if effect.acts_through(hook):
                     address(effect, hook)
 

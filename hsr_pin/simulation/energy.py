@@ -13,6 +13,7 @@ from hsr_pin.robot.chain import chain_of
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.command import deliver
 from hsr_pin.simulation.integrator import TOLERANCE
+from hsr_pin.simulation.reference import touched
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.trajectory import Array, Trajectory
 
@@ -116,5 +117,8 @@ def _stored(columns: Columns, law: Effect, q: Array) -> Array:
     total, links = np.zeros(len(q)), columns.links
     for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
         bending = Bending(point * links * q, 0.0 * q, columns.arms.keq[:, None], columns.arrays.profile, ())
-        total += weight * (np.conj(law.moment(law.p, bending)) * q).sum(axis=1).real
+        resisting = law.moment(law.p, bending)
+        if law.acts_through("touch"):
+            resisting = resisting + touched(law, point * q, columns.arrays.reach)
+        total += weight * (np.conj(resisting) * q).sum(axis=1).real
     return total

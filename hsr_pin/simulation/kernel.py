@@ -173,8 +173,9 @@ def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
     for k in range(system.laws.shape[0]):
         first = system.laws[k, 2]
         call_law(
-            system.laws[k, 0], q, v, system.keq, system.profile, z[first:], system.numbers[k], moment, q.shape[0], q.shape[1]
-        )
+            system.laws[k, 0], q, v, system.keq, system.profile, system.reach, z[first:], system.numbers[k], moment, q.shape[0],
+            q.shape[1],
+        )  # fmt: skip
 
 
 def remember(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:

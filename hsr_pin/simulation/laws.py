@@ -13,6 +13,7 @@ import threading
 import types
 from collections.abc import Callable
 from functools import cache, partial
+from math import cos, sin
 from typing import Any
 
 from hsr_pin.effects import vector
@@ -34,6 +35,22 @@ _MOMENT = """
             moment[k] += 1.0 * law(p, Bending(N * q[k], N * v[k], keq[b], profile[k], ({memory})))
 """
 
+_TOUCH = """
+        turned = 0.0
+        aside = 0.0
+        for i in range(N):
+            k = b * N + i
+            turned += q[k]
+            aside += reach[k] * sin(turned)
+        force = 1.0 * law(p, aside)
+        lever = 0.0
+        for j in range(N):
+            k = b * N + N - 1 - j
+            lever += reach[k] * cos(turned)
+            moment[k] -= force * lever
+            turned -= q[k]
+"""
+
 _UPDATE = """
         for j in range({states}):
             for i in range(N):
@@ -51,7 +68,8 @@ _RESPOND = """
 
 #: For each kind of law: its loop, its arguments (pointers, then whole numbers, then real ones), and where its memory begins.
 _FORMS = {
-    "moment": (_MOMENT, "q, v, keq, profile, z, numbers, moment, B, N", 7, 2, 0),
+    "moment": (_MOMENT, "q, v, keq, profile, reach, z, numbers, moment, B, N", 8, 2, 0),
+    "touch": (_TOUCH, "q, v, keq, profile, reach, z, numbers, moment, B, N", 8, 2, 0),
     "update": (_UPDATE, "z, start, end, numbers, out, B, N, elapsed", 5, 2, 1),
     "respond": (_RESPOND, "torque, keq, numbers, out, S, B, step", 4, 2, 1),
 }
@@ -84,6 +102,8 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
         "Bending": Bending,
         "Parameters": parameter_tuple(kind),
         "law": njit(_with_helpers(law)),
+        "sin": sin,
+        "cos": cos,
         "__name__": kind.__module__,
     }
     exec(compile(text, inspect.getfile(law), "exec"), scope)
@@ -92,7 +112,7 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
     loop.__qualname__ = f"{kind.__name__}_{hook}_{readings}_{law_stamp(law)}{'_space' * space}"
     number, vector = nb.CPointer(nb.float64), nb.CPointer(nb.complex128 if space else nb.float64)
     names = arguments.split(", ")[:pointers]
-    points = [number if name in ("keq", "profile", "numbers") else vector for name in names]
+    points = [number if name in ("keq", "profile", "reach", "numbers") else vector for name in names]
     signature = nb.void(*points, *[nb.int64] * integers, *[nb.float64] * reals)
     return cached(partial(cfunc, signature), loop, error_model="numpy")[0]
 

@@ -70,7 +70,16 @@ def resist(system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array)
         memory = tuple(z[first : first + effect.states])
         bending = Bending(links * q, links * v, system.arrays.keq[:, None], system.arrays.profile, memory)
         moment += effect.moment(_columns(effect.p), bending)
+        if effect.acts_through("touch"):
+            moment += touched(effect, q, system.arrays.reach)
         first += effect.states
+
+
+def touched(effect: Effect, q: Array, reach: Array) -> Array:
+    """(B, N) [N m] with which what holds the tips resists bending; angles and links (B, N) [rad], [m]."""
+    theta = q.cumsum(axis=1)
+    force = effect.touch(_columns(effect.p), (reach * np.sin(theta)).sum(axis=1, keepdims=True))
+    return np.asarray(-force * (reach * np.cos(theta))[:, ::-1].cumsum(axis=1)[:, ::-1])
 
 
 def remember(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:

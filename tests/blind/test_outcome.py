@@ -174,6 +174,7 @@ def test_outside_is_unexplained_and_its_kind_may_be_told():
     assert outcome_of(OUTSIDE, said("unexplained", kinds=["contact"]), None).kind_right
     assert grade(OUTSIDE, "unexplained", kinds=["friction"]) == "wrong"
     assert grade(OUTSIDE, "identified", ["bending_stop"]) == "wrong"
+    assert grade(OUTSIDE, "identified", ["restraint"]) == "right"  # a catalogue may have come to hold it
 
 
 def test_half_of_a_pair_is_a_part_and_both_kinds_are_needed():

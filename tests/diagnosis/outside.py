@@ -127,7 +127,7 @@ class Tether(Effect):
     def moment(p, bending):
         return p.ratio * bending.keq * np.maximum(bending.angle - p.slack, 0.0)
 
-    def tangent(self, keq):
+    def tangent(self, keq, length):
         return self.ratio * keq / 2, 0.0
 
 

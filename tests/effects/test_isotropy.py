@@ -69,7 +69,12 @@ def test_along_one_axis_it_is_the_law_of_the_plane(law):
 
 
 def test_some_laws_have_no_form_in_space():
-    assert {named(law) for law in LAWS if not law.in_space} == {"torque_map-even", "torque_curve"}
+    assert {named(law) for law in LAWS if not law.in_space} == {
+        "torque_map-even",
+        "torque_curve",
+        "restraint-positive",
+        "restraint-negative",
+    }
 
 
 @pytest.mark.long

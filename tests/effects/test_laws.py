@@ -1,6 +1,7 @@
 """Each law is what its equation says: closed forms, one by one."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.dry_friction import presliding
 from hsr_pin.effects.effect import Bending, stack
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation import reference
 from hsr_pin.simulation.columns import Columns, along
 from hsr_pin.simulation.command import deliver
 from hsr_pin.simulation.scenario import Marker, Pose, Scenario, Settled, step_scenario
@@ -280,16 +282,16 @@ def test_masses_are_added_to_what_was_declared():
     assert EFFECTS["added_mass"](0.1).arm(arm) == ArmSpecification(mass=0.2 + 0.1, tip_mass=0.05)
 
 
-def test_markers_are_seen_at_their_offset_across_the_backbone():
+def _seen(*effects):
     plain = step_scenario(ArmSpecification(placement="mid"), 0.8, duration=0.5)
+    return simulate(replace(plain, effects=tuple(map(parse_effect, effects)))).trajectory.positions
 
-    def seen(*effects):
-        return simulate(type(plain)(plain.arm, plain.time, plain.torque, plain.start, effects)).trajectory.positions
 
-    shift = seen(parse_effect("marker_offset:offset=0.01")) - seen()
+def test_markers_are_seen_at_their_offset_across_the_backbone():
+    shift = _seen("marker_offset:offset=0.01") - _seen()
     np.testing.assert_allclose(np.linalg.norm(shift, axis=-1), 0.01, atol=1e-15)
     np.testing.assert_allclose(shift[:, 0], [[0.01, 0, 0]] * len(shift), atol=1e-15)  # bends towards +x
-    kept = seen(parse_effect("marker_offset:offset=0.01,base=kept")) - seen()
+    kept = _seen("marker_offset:offset=0.01,base=kept") - _seen()
     assert np.all(kept[:, 0] == 0)
     np.testing.assert_array_equal(kept[:, 1:], shift[:, 1:])
 
@@ -303,3 +305,39 @@ def test_a_line_beside_the_one_that_keeps_its_length_is_longer_by_the_depth_time
     assert np.linalg.norm(np.diff(seen, axis=0), axis=1).sum() == pytest.approx(0.24 + 0.02 * angle, rel=1e-3)
     tangent = seen[-1] - seen[-2]
     assert np.arctan2(tangent[0], -tangent[2]) == pytest.approx(angle, abs=0.02)  # and bent as it was
+
+
+def test_lengths_are_seen_larger_by_the_scale():
+    seen, plain = _seen("camera_scale:scale=0.02"), _seen()
+    np.testing.assert_allclose(seen, 1.02 * plain, rtol=1e-12)
+
+
+def test_a_marker_that_slipped_is_seen_where_the_backbone_is_at_its_own_place():
+    arm = ArmSpecification(links=400, placement="mid")
+    start, marks = Pose(np.full(400, 1.2 / 400)), tuple(Marker(f"m{s}", 0.24 * s) for s in (0.0, 0.5, 1.0))
+    true = tuple(Marker(f"m{s}", 0.24 * s + slip) for s, slip in ((0.0, 0.0), (0.5, -0.003), (1.0, -0.006)))
+    between = tuple(Marker(f"m{s}", 0.24 * s + slip) for s, slip in ((0.0, 0.0), (0.5, 0.005), (1.0, 0.0)))
+
+    def seen(marks, *effects):
+        return simulate(Scenario(arm, [0.0, 1e-4], [0.0, 0.0], start, effects, marks)).trajectory.positions[0]
+
+    for where, text in ((true, "marker_slip:slip=-0.006"), (between, "marker_slip:slip=0.005,which=between")):
+        off = np.linalg.norm(seen(marks, parse_effect(text)) - seen(where), axis=-1)
+        assert off.max() < 1e-4 < np.linalg.norm(seen(marks) - seen(where), axis=-1).max()  # the arc, to first order
+
+
+@pytest.mark.parametrize("side", ["positive", "negative"])
+def test_a_restraint_holds_the_tip_back_by_the_lever_of_its_force(side):
+    sign = 1.0 if side == "positive" else -1.0
+    arm, bend = ArmSpecification(links=2, placement="base", keq=KEQ), np.array([0.3, 0.5]) * sign
+    restraint = parse_effect(f"restraint:contact_stiffness=100,distance=0.05,side={side}")
+    columns = Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(bend), (restraint,))])
+    system, resisting = columns.pinocchio("aba"), np.zeros((1, 2))
+    reference.resist(system, bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
+    depth = 0.12 * (math.sin(0.3) + math.sin(0.8)) - 0.05
+    force, lever = 100 * (depth - 0.0025), 0.12 * math.cos(0.8)
+    assert depth > 0.005
+    assert resisting[0] * sign == pytest.approx([force * (lever + 0.12 * math.cos(0.3)), force * lever])
+    resisting[:] = 0.0
+    reference.resist(system, -bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
+    assert not resisting.any()

@@ -50,10 +50,15 @@ EXAMPLES = [
         "gravity_tilt:angle=-0.12,frame=base",
         "tip_mass:mass=0.05",
         "added_mass:mass=0.06",
+        "restraint:contact_stiffness=200,distance=0.02",
+        "restraint:contact_stiffness=150,distance=0.02,side=negative",
         "marker_offset:offset=0.008",
         "marker_offset:offset=-0.008,base=kept",
         "marker_offset:offset=0.008,base=zeroed",
+        "marker_slip:slip=0.008",
+        "marker_slip:slip=-0.008,which=between",
         "length_change:depth=0.02",
+        "camera_scale:scale=0.03",
         "elastic_curve:first=0.3,second=0.2,fourth=0.1",
         "damping_curve:coefficient=0.2,power=0.6",
         "damping_profile:first=0.5,second=-0.3",
@@ -376,7 +381,7 @@ class Gossip(Bad):
 
 
 class Steep(Bad):
-    def tangent(self, keq):
+    def tangent(self, keq, length):
         return self.level * keq / 2, 0.0
 
 

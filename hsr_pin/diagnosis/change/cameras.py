@@ -35,24 +35,5 @@ class FrameTurn(Effect):
         return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
 
 
-@dataclass(frozen=True)
-class CameraScale(Effect):
-    """p_seen = (1 + scale) p."""
-
-    name = "camera_scale"
-    lacks = "the cameras' scale is another"
-    cause = "a new calibration"
-    citation = "L. Chiari et al., Human movement analysis using stereophotogrammetry. Part 2, Gait Posture 21 (2005)"
-    kind = "measurement"
-    passive = True
-
-    scale: float = parameter(
-        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="of lengths, beyond one"
-    )
-
-    def observe(self, view: View) -> Array:
-        return np.asarray(view.positions * (1 + np.asarray(self.scale)[..., None, None]))
-
-
 #: By name.
-CAMERAS: dict[str, type[Effect]] = {effect.name: effect for effect in (FrameTurn, CameraScale)}
+CAMERAS: dict[str, type[Effect]] = {effect.name: effect for effect in (FrameTurn,)}

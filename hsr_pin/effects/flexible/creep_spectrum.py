@@ -46,5 +46,5 @@ class CreepSpectrum(Effect):
         x = elapsed / TIMES[k]
         return memory * np.exp(-x) - (end - start) * np.expm1(-x) / x
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return keq * (self.fast + self.middle + self.slow) / 2, 0.0

@@ -42,6 +42,6 @@ class DampingCurve(Effect):
         size = np.maximum(np.abs(rate), SLOWEST) / UNIT
         return p.coefficient * size ** (p.power - 1.0) * bending.rate / UNIT
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         steepest = np.maximum((FASTEST / UNIT) ** (self.power - 1.0), (SLOWEST / UNIT) ** (self.power - 1.0))
         return 0.0, self.coefficient / UNIT * np.minimum(steepest, 5.0)

@@ -38,6 +38,6 @@ class ElasticCurve(Effect):
         x = np.abs(limited(bending.angle, FARTHEST))
         return bending.keq * bending.stiffness * bending.angle * (p.first * x + p.second * x**2 + p.fourth * x**4)
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         more = np.maximum(self.first, 0.0) + 1.5 * np.maximum(self.second, 0.0) + 2.5 * np.maximum(self.fourth, 0.0)
         return keq * more / 2, 0.0

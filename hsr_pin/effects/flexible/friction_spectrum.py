@@ -52,6 +52,6 @@ class FrictionSpectrum(Effect):
     def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:
         return limited(memory + (end - start), SLIPS[k])
 
-    def tangent(self, keq: Array) -> tuple[Any, Any]:
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         levels = (self.first, self.second, self.third, self.fourth)
         return IMPLICIT * keq * sum(level / slip for level, slip in zip(levels, SLIPS, strict=True)), 0.0

@@ -232,8 +232,9 @@ def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
     for k in range(system.laws.shape[0]):
         first, numbers = system.laws[k, 2], system.numbers[k]
         call_law(
-            system.laws[k, 0], angle, rate, system.keq, system.profile, z[first:], numbers, total, angle.shape[0], angle.shape[1]
-        )
+            system.laws[k, 0], angle, rate, system.keq, system.profile, system.profile, z[first:], numbers, total, angle.shape[0],
+            angle.shape[1],
+        )  # fmt: skip
     for b in range(angle.shape[0]):
         for i in range(angle.shape[1]):
             moment[b, 3 * i] += total[b, i].real

@@ -1,4 +1,4 @@
-"""How an arm is seen may be another: a frame that is turned, a scale that is not one."""
+"""How an arm is seen may be another: a frame that is turned."""
 
 from dataclasses import replace
 
@@ -24,7 +24,3 @@ def test_a_turned_frame_keeps_distances_and_turns_up_to_the_side_of_positive_ben
     assert np.linalg.norm(seen, axis=-1) == pytest.approx(np.linalg.norm(POINTS, axis=-1))
     up = replace(VIEW, positions=np.array([[[[0.0, 0.0, 1.0]]]]))
     assert CAMERAS["frame_turn"](angle=0.3).observe(up)[0, 0, 0] == pytest.approx([np.sin(0.3), 0.0, np.cos(0.3)])
-
-
-def test_a_scale_stretches():
-    assert CAMERAS["camera_scale"](scale=0.02).observe(VIEW) == pytest.approx(1.02 * POINTS)

@@ -1,0 +1,30 @@
+"""Cameras that see everything larger or smaller than it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class CameraScale(Effect):
+    """p_seen = (1 + scale) p."""
+
+    name = "camera_scale"
+    lacks = "the cameras see lengths by a factor too large or too small"
+    cause = "a calibration with a wand of another length"
+    citation = "L. Chiari et al., Human movement analysis using stereophotogrammetry. Part 2, Gait Posture 21 (2005)"
+    kind = "measurement"
+    passive = True
+
+    scale: float = parameter(
+        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="of lengths, beyond one"
+    )
+
+    def observe(self, view: View) -> Array:
+        return np.asarray(view.positions * (1 + np.asarray(self.scale)[..., None, None]))

@@ -1,0 +1,43 @@
+"""Markers that are nearer to the base, or to the tip, than declared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View, option
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class MarkerSlip(Effect):
+    """p_seen = p + slip w(s) t, t along the backbone towards the tip: to first order in the slip, exact on a straight link.
+
+    ``which`` "outward": w = s, a marker's share of the way to the outermost one, as if a sleeve that carries them had slid;
+    "between": w = 4 s (1 - s), the outermost is where it should be, as if the others had been read off wrongly.
+    """
+
+    name = "marker_slip"
+    lacks = "markers are not as far along the backbone as declared"
+    cause = "a sleeve that slid, arc lengths that were misread"
+    citation = "U. Della Croce et al., Human movement analysis using stereophotogrammetry. Part 4, Gait Posture 21 (2005)"
+    kind = "measurement"
+    passive = True
+
+    slip: float = parameter(
+        0.0,
+        lower=-0.05,
+        upper=0.05,
+        unit="m",
+        scale=0.002,
+        amplitude=True,
+        description="towards the tip, of the outermost marker or of one in the middle",
+    )
+    which: str = option("outward", "between", description="which markers are off")
+
+    def observe(self, view: View) -> Array:
+        share = view.arc_lengths / np.max(view.arc_lengths, axis=-1, keepdims=True)
+        weight = 4 * share * (1 - share) if self.which == "between" else share
+        return np.asarray(view.positions + (np.asarray(self.slip)[..., None] * weight)[..., None] * view.tangents)
