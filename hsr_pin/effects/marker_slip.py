@@ -31,7 +31,7 @@ class MarkerSlip(Effect):
         lower=-0.05,
         upper=0.05,
         unit="m",
-        scale=0.002,
+        scale=0.005,
         amplitude=True,
         description="towards the tip, of the outermost marker or of one in the middle",
     )
