@@ -154,7 +154,7 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
         best = diagnosis.search.best
         models.append((f"with {model_name(best)}", "model", "-", best.heldout[index]))
     paths = [_gapless(run, missed, tip) for *_, missed in models]
-    seen = run.in_plane[:: -(-len(run.time) // _DOTS), tip]
+    seen = run.compared[:: -(-len(run.time) // _DOTS), tip]
     time = run.time[:: -(-len(run.time) // _DOTS)]
     axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
     with drawing():
@@ -204,7 +204,7 @@ def farthest_seen(run: Run, diagnosis: Diagnosis) -> int:
 
 def _gapless(run: Run, missed: Array, marker: int) -> Array:
     """(T, 2) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
-    path = run.in_plane[:, marker] + missed[:, marker]
+    path = run.compared[:, marker] + missed[:, marker]
     seen = np.isfinite(path).all(axis=1)
     return np.stack([np.interp(run.time, run.time[seen], column[seen]) for column in path.T], axis=1)
 

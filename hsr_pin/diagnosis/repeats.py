@@ -201,7 +201,7 @@ def _start_distance(run: Run, other: Run) -> float:
     """Largest distance of the markers at two starts, over the largest motion of either run; infinite if none is seen at both."""
     assert run.start_pose is not None and other.start_pose is not None
     apart = np.linalg.norm((run.start_pose - other.start_pose)[:, [0, 2]], axis=1)
-    ways = [r.in_plane - pose[:, [0, 2]] for r, pose in ((run, run.start_pose), (other, other.start_pose))]
+    ways = [r.compared - pose[:, [0, 2]] for r, pose in ((run, run.start_pose), (other, other.start_pose))]
     if not np.isfinite(apart).any():
         return np.inf
     way = max(float(np.nan_to_num(np.linalg.norm(each, axis=2)).max()) for each in ways)

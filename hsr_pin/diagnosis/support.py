@@ -169,9 +169,9 @@ def _size(run: Run) -> float:
     """How far a run goes, with its side: the torque of largest size, or how far aside the arm is held."""
     if np.ptp(run.torque) > 0:
         return float(run.torque[np.argmax(np.abs(run.torque - run.torque[0]))])
-    seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.in_plane).all(axis=2))
+    seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.compared).all(axis=2))
     marker = max(k for k in range(seen.shape[1]) if seen[:, k].sum() >= 0.5 * seen.sum(axis=0).max())
-    places = run.in_plane[seen[:, marker], marker]
+    places = run.compared[seen[:, marker], marker]
     moved = places - np.median(places, axis=0)
     k = int(np.argmax((moved**2).sum(axis=1)))
     return float(moved[k][np.argmax(np.abs(moved[k]))])

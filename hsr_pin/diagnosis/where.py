@@ -91,7 +91,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     gaps = [_distance(residual) for residual in base.heldout]
     noise = experiment.noise_rms
     torques = residual_torques(experiment, base.fit, seed)
-    labels = [phases(run, _filled(run.in_plane + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
+    labels = [phases(run, _filled(run.compared + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
     whole = np.concatenate(gaps)
     along = _along(torques)
     time = Map("time", "mm", _binned(whole, np.concatenate(labels), PHASES, noise))

@@ -71,6 +71,15 @@ class Columns:
         """N, in space 3 N."""
         return (3 if self.space else 1) * self.links
 
+    def evenly(self, bending: Array) -> Array:
+        """(B, N) [rad] joint angles of arms that are bent evenly by (B,) [rad]; in space (B, 3 N) for complex numbers."""
+        each = np.repeat(bending[:, None] / self.links, self.links, axis=1)
+        return np.stack([each.real, each.imag, np.zeros(each.shape)], axis=-1).reshape(len(each), -1) if self.space else each
+
+    def by_joint(self, angles: Array) -> Array:
+        """Rows (..., N) as they are; in space (..., N, 3) of rows (..., 3 N)."""
+        return angles.reshape(*angles.shape[:-1], self.links, 3) if self.space else angles
+
     @cached_property
     def arms(self) -> Arms:
         """The arms with the changes that the effects make to their rigid bodies and mount."""
