@@ -66,6 +66,11 @@ class SpaceMarkerMap:
         towards_x = np.broadcast_to(np.array([1.0, 0.0, 0.0]), self.beside.shape)
         return self._turned(self.frames(_by_joint(joint_angles)), towards_x)
 
+    def sides(self, joint_angles: Array) -> Array:
+        """(..., M, 3) unit vectors across the backbone at the markers, towards y of their links."""
+        towards_y = np.broadcast_to(np.array([0.0, 1.0, 0.0]), self.beside.shape)
+        return self._turned(self.frames(_by_joint(joint_angles)), towards_y)
+
     def turned(self, joint_angles: Array) -> Array:
         """(..., M) [rad] bending from the base to the markers: the length of the sum of the joints'."""
         bends = _by_joint(joint_angles)[..., :2].cumsum(axis=-2)
