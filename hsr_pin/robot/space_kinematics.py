@@ -89,6 +89,11 @@ class SpaceMarkerMap:
         still = np.concatenate([np.zeros_like(omega[..., :1, :]), omega], axis=-2)
         return np.asarray(speeds + np.cross(self._at_markers(still, 2), self._turned(frames, self.beside)))
 
+    def sways(self, joint_angles: Array, shapes: Array) -> Array:
+        """(T, M, 3, K) [m/rad] derivatives of one arm's positions at coordinates (T, 3 N) to amplitudes of shapes (3 N, K)."""
+        found = [self.velocities(joint_angles, np.broadcast_to(shape, joint_angles.shape)) for shape in shapes.T]
+        return np.stack(found, axis=-1)
+
     def _turned(self, frames: Array, vectors: Array) -> Array:
         """(..., M, 3) vectors (C, M, 3) of the markers' links, in the world."""
         own = vectors[0] if len(vectors) == 1 else vectors

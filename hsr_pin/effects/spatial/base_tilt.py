@@ -16,7 +16,7 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class BaseTilt(Effect):
-    """The base is turned about an axis across the straight arm: :class:`~hsr_pin.effects.gravity_tilt.GravityTilt` to any side."""
+    """The base is turned about an axis across the arm: :class:`~hsr_pin.effects.gravity_tilt.GravityTilt` to any side."""
 
     name = "base_tilt"
     lacks = "the base is not mounted as declared"

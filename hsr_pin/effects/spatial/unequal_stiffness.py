@@ -14,7 +14,7 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class UnequalStiffness(Effect):
-    """m = k (e_x + i e_d) conj(x + i y): the stiffness is k (1 + e_x) towards x and k (1 - e_x) towards y; e_d at the diagonals."""
+    """m = k (e_x + i e_d) conj(x + i y): stiffness k (1 + e_x) towards x, k (1 - e_x) towards y; e_d at the diagonals."""
 
     name = "unequal_stiffness"
     lacks = "the arm bends more easily to some sides than to others"
