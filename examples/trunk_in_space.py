@@ -14,10 +14,15 @@ from dataclasses import replace
 import numpy as np
 
 from hsr_pin.effects import parse_effect
-from hsr_pin.identification.fit_in_space import Release, fit_in_space, releases_of
+from hsr_pin.identification.choice import choose
+from hsr_pin.identification.evaluation import rms
+from hsr_pin.identification.experiment import Experiment, Run, prepare, restricted
+from hsr_pin.identification.fit import fit
+from hsr_pin.identification.identify import simulated
 from hsr_pin.recordings.read import read_dataset
 
 LIGHT = 0.25  # [kg] loads below it are fitted, those above are held out
+DELAY, DURATION = 0.1, 2.0  # [s] from its declared start a release is followed
 ARM = ("keq", "damping", "mass")
 BEND, LOOP = "bend_at_rest:towards_x=0,towards_y=0", "hysteresis:amplitude=0.5,yield_angle=0.1"
 
@@ -28,30 +33,46 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
     parser.add_argument("dataset", help="the folder of real-trunk-space")
     parser.add_argument("--quick", action="store_true", help="without hysteresis")
     chosen = parser.parse_args(arguments)
-    dataset = read_dataset(chosen.dataset)
-    every = releases_of(dataset)
-    light, heavy = ([r for r in every if (r.trial.tip_mass < LIGHT) is below] for below in (True, False))
-    print(f"{len(light)} releases fitted, {len(heavy)} held out; RMS distance of the markers over 2 s [mm]")
+    whole = prepare(replace(read_dataset(chosen.dataset), bending="space"), delay=DELAY)
+    whole = replace(whole, runs=tuple(map(begun, whole.runs)))
+    light, heavy = (
+        restricted(whole, [run.trial.name for run in whole.runs if (run.trial.tip_mass < LIGHT) is below])
+        for below in (True, False)
+    )
+    light, heavy = replace(light, rest_scatter=0.0), replace(heavy, rest_scatter=0.0)  # where it rests is what is asked
+    print(f"{len(light.runs)} releases fitted, {len(heavy.runs)} held out; RMS distance of the markers over {DURATION:g} s [mm]")
     found = {}
     for words in ([], [LOOP])[: 1 if chosen.quick else 2]:
         for place in ("plane", "space"):
             effects = tuple(map(parse_effect, ([BEND] if place == "space" else []) + words))
-            free = [*ARM, *(f"{effect.name}.{fact.name}" for effect in effects for fact in effect.parameters())]
-            fitted, judged = (light, heavy) if place == "space" else ([*map(in_its_plane, rs)] for rs in (light, heavy))
-            fit = fit_in_space(dataset, fitted, free, effects)
+            model = choose(ARM, effects, light.runs, links=8, placement="shifted")
+            fitted, judged = (light, heavy) if place == "space" else (in_planes(light), in_planes(heavy))
+            answer = fit(fitted, model)
             name = " + ".join([place, *(effect.name for effect in effects)])
-            found[name] = 1e3 * fit.predicted(dataset, judged).rms
-            print(f"{name:34} fitted {1e3 * fit.rms:5.2f}   held out {found[name]:5.2f}")
-            print("   ", ", ".join(f"{key} {value:.3g}" for key, value in fit.values.items()))
+            found[name] = 1e3 * rms(simulated(judged, model, answer.values))
+            print(f"{name:34} fitted {1e3 * rms(answer.missed):5.2f}   held out {found[name]:5.2f}")
+            print("   ", ", ".join(f"{key} {value:.3g}" for key, value in answer.named.items()))
     return found
 
 
-def in_its_plane(release: Release) -> Release:
-    """Started in the vertical plane through its tip."""
-    way = release.pose[-1] * [1.0, 1.0, 0.0]
+def begun(run: Run) -> Run:
+    """The same, followed no longer than the others."""
+    count = round(DURATION / run.step) + 1
+    return replace(run, time=run.time[:count], torque=run.torque[:count], measured=run.measured[:count])
+
+
+def in_planes(experiment: Experiment) -> Experiment:
+    """Every release started in the vertical plane through its tip."""
+    return replace(experiment, runs=tuple(map(in_its_plane, experiment.runs)))
+
+
+def in_its_plane(run: Run) -> Run:
+    """Of one of them."""
+    assert run.start_pose is not None and run.start_velocity is not None
+    way = run.start_pose[-1] * [1.0, 1.0, 0.0]
     across = np.cross([0.0, 0.0, 1.0], way / np.linalg.norm(way))
-    pose, velocity = (part - np.outer(part @ across, across) for part in (release.pose, release.velocity))
-    return replace(release, pose=pose, velocity=velocity)
+    pose, velocity = (part - np.outer(part @ across, across) for part in (run.start_pose, run.start_velocity))
+    return replace(run, start_pose=pose, start_velocity=velocity, found_poses={})
 
 
 if __name__ == "__main__":

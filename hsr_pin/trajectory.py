@@ -196,3 +196,8 @@ class Dataset:
     def markers(self) -> tuple[Marker, ...]:
         """The tracked points, the same in every trial."""
         return self.trials[0].trajectory.markers
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """The world's coordinates in which its arm moves: x and z, in space all three."""
+        return (0, 1, 2) if self.bending == "space" else (0, 2)

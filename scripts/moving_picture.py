@@ -61,7 +61,7 @@ def motions(dataset: Dataset, trial: str, frames: int) -> list[Motion]:
         run = session.run(trial)
         answer: Answer = session.answer(run, settings)
         shown = [int(np.argmin(abs(run.time - run.time[0] - t))) for t in np.linspace(START, END, frames)]
-        arm, seen = 1e3 * answer.backbone[shown][..., [0, 2]], 1e3 * run.in_plane[shown]
+        arm, seen = 1e3 * answer.backbone[shown][..., [0, 2]], 1e3 * run.compared[shown]
         drawn.append(Motion(f"{title}: {1e3 * answer.rms:.2g} mm RMS", about, arm, seen, 1e3 * answer.error[shown]))
     return drawn
 

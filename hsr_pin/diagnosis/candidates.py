@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import PLANE, respond
+from hsr_pin.identification.evaluation import respond
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit, fit, stacked
 from hsr_pin.identification.heldout import leave_one_out
@@ -138,7 +138,7 @@ def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
 def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:
     """For each run (T, C, M, 2) [m] about where the markers would be with each of the points (C, P)."""
     rough = _rough(hypothesis)
-    return [respond(experiment, run, rough, points).positions[..., PLANE] for run in experiment.runs]
+    return [respond(experiment, run, rough, points).positions[..., experiment.axes] for run in experiment.runs]
 
 
 def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:
@@ -154,8 +154,8 @@ def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
     points = np.array([_moved(guess.hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS])
     squares = []
     for run, seen in zip(experiment.runs, _side_by_side(experiment, guess.hypothesis, points), strict=True):
-        missed = np.nan_to_num(seen - run.in_plane[:, None], nan=experiment.dataset.length)
-        squares.append(np.where(np.isfinite(run.in_plane[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
+        missed = np.nan_to_num(seen - run.compared[:, None], nan=experiment.dataset.length)
+        squares.append(np.where(np.isfinite(run.compared[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
     sizes = np.sqrt(np.sum(squares, axis=0))
     order = [int(k) for k in np.argsort(sizes, kind="stable")]
     first: dict[int, int] = {}  # a local defect is looked for in two places, not twice in the one that looks best

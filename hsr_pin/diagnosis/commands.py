@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from hsr_pin.identification.experiment import Run
+from hsr_pin.trajectory import Array
 
 #: A command is held while it changes by less than this share of its largest size, for at least so long [s] and so many samples.
 _HELD, _LEAST, _FEWEST = 0.01, 0.2, 5
@@ -19,12 +21,12 @@ class Plateau:
 
     Attributes:
         first, last: its samples.
-        torque: [N m].
+        torque: [N m]; in space complex.
     """
 
     first: int
     last: int
-    torque: float
+    torque: Any
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,8 @@ class Step:
     instant: float
 
     @property
-    def size(self) -> float:
-        """[N m], signed."""
+    def size(self) -> Any:
+        """[N m], signed; in space complex."""
         return self.after.torque - self.before.torque
 
 
@@ -56,9 +58,18 @@ def plateaus(run: Run) -> tuple[Plateau, ...]:
     for first, end in pairwise(bounds):
         long = end - first >= _FEWEST and (end - first) * run.step >= _LEAST
         settled = first == 0 and run.start_pose is None
-        if (long or settled) and np.ptp(run.torque[first:end]) <= 2 * size:
-            found.append(Plateau(first, end - 1, float(np.median(run.torque[first:end]))))
+        if (long or settled) and _spread(run.torque[first:end]) <= 2 * size:
+            found.append(Plateau(first, end - 1, _middle(run.torque[first:end])))
     return tuple(_merged(found, size))
+
+
+def _spread(torque: Array) -> float:
+    return float(np.hypot(np.ptp(torque.real), np.ptp(torque.imag)))
+
+
+def _middle(torque: Array) -> Any:
+    middle = float(np.median(torque.real))
+    return complex(middle, float(np.median(torque.imag))) if np.iscomplexobj(torque) else middle
 
 
 def _merged(found: list[Plateau], size: float) -> list[Plateau]:
@@ -80,7 +91,7 @@ def steps(run: Run) -> tuple[Step, ...]:
         between = run.torque[before.last + 1 : after.first]
         if len(between) * run.step >= max(_LEAST, _FEWEST * run.step):
             continue
-        given = float(np.sum(between - before.torque)) * run.step / (after.torque - before.torque)
+        given = float(np.real(np.sum(between - before.torque) * run.step / (after.torque - before.torque)))
         instant = float(run.time[after.first]) - float(np.clip(given, 0.0, len(between) * run.step))
         found.append(Step(before, after, instant))
     return tuple(found)

@@ -19,9 +19,9 @@ from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, wo
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
 from hsr_pin.diagnosis.where import Where, locate
-from hsr_pin.effects import EFFECTS, Effect, effect_named
-from hsr_pin.effects.effect import neutral
-from hsr_pin.effects.flexible import FLEXIBLE
+from hsr_pin.effects import Effect, effect_named
+from hsr_pin.effects.catalogue import laws
+from hsr_pin.effects.effect import formless, neutral
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.fit import fit
@@ -100,11 +100,8 @@ def diagnose(
         IdentificationError: nothing in the dataset can be compared with a model, or an argument is out of range.
         EffectError: an unknown effect.
     """
-    kinds = (
-        [effect_named(name) for name in dict.fromkeys(effects)]
-        if effects is not None
-        else [*EFFECTS.values(), *FLEXIBLE.values()]
-    )
+    space = dataset.bending == "space"
+    kinds = laws(space=space) if effects is None else [effect_named(name) for name in dict.fromkeys(effects)]
     if max_effects < 0:
         raise IdentificationError("max_effects", expected="zero or more", received=max_effects)
     tell("reading the recordings")
@@ -113,8 +110,10 @@ def diagnose(
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
-    ready(kinds)
-    prints, own = fingerprint(experiment), repeats(experiment)
+    ready(kinds, space=space)
+    if space:
+        experiment = _noted(experiment, "the fingerprint of recordings is of arms in a plane: there is none in space")
+    prints, own = None if space else fingerprint(experiment), repeats(experiment)
     thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.floor if own else None)
     hypothesis = Hypothesis(links=links)
     paper = replace(hypothesis, links=declared_links, placement="base")
@@ -210,12 +209,18 @@ def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str,
 
 
 def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = tuple(PLAIN)) -> list[Part]:
-    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
+    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open.
+
+    Raises:
+        IdentificationError: an effect that has no form for arms of this kind.
+    """
     parts = [Part(name) for name in plain]
-    driven = any(np.ptp(run.torque) > 0 or run.torque[0] != 0 for run in experiment.runs)
+    driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     for kind in kinds:
         for options in kind.variants():
             effect = neutral(kind, **options)
+            if formless([effect], space=space):
+                continue
             parts.append(Part(kind.name, effect))
             if kind.resizes and len(experiment.levels) > 1:
                 parts.append(Part(kind.name, effect, resized=True))

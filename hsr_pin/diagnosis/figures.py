@@ -154,22 +154,23 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
         best = diagnosis.search.best
         models.append((f"with {model_name(best)}", "model", "-", best.heldout[index]))
     paths = [_gapless(run, missed, tip) for *_, missed in models]
-    seen = run.in_plane[:: -(-len(run.time) // _DOTS), tip]
+    seen = run.compared[:: -(-len(run.time) // _DOTS), tip]
     time = run.time[:: -(-len(run.time) // _DOTS)]
     axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
+    across = np.sort(np.argsort(np.ptp(paths[-1], axis=0))[-2:])  # the plane in which it goes farthest, or moves at all
     with drawing():
         figure = Figure(figsize=(_WIDTH, 3.3), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.35))
         plane, motion, error = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
-        for axes, x, y in ((plane, seen[:, 0], seen[:, 1]), (motion, time, seen[:, axis])):
+        for axes, x, y in ((plane, *seen[:, across].T), (motion, time, seen[:, axis])):
             scale = 1e3 if axes is plane else 1.0
             axes.plot(scale * x, 1e3 * y, ".", ms=6, mew=0, color=ROLES["measured"], label="measured")
         for (label, role, line, missed), path in zip(models, paths, strict=True):
             drawn: dict[str, Any] = {"color": ROLES[role], "ls": line, "lw": 1.3}
-            plane.plot(1e3 * path[:, 0], 1e3 * path[:, 1], label=label, **drawn)
+            plane.plot(*1e3 * path[:, across].T, label=label, **drawn)
             motion.plot(run.time, 1e3 * path[:, axis], **drawn)
             error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
-        noise = 1e3 * 2**0.5 * float(diagnosis.experiment.noise[tip])
+        noise = 1e3 * len(run.axes) ** 0.5 * float(diagnosis.experiment.noise[tip])
         error.set_yscale("log")
         error.yaxis.set_major_formatter("{x:g}")
         error.yaxis.set_minor_formatter(LogFormatter())
@@ -177,14 +178,16 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
         error.set_ylim(bottom=max(0.2 * noise, 500 * float(least)))
         error.set_title(f"distance to the measurement (noise: {number(noise)} mm)")
         error.axhline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
-        _label(figure, (plane, motion, error), "xz"[axis])
+        names = ["xyz"[k] for k in run.axes]
+        title = "path in the plane of bending" if len(names) == 2 else "path"
+        plane.set(xlabel=f"{names[across[0]]} [mm]", ylabel=f"{names[across[1]]} [mm]", title=title)
+        _label(figure, (plane, motion, error), names[axis])
     return figure
 
 
 def _label(figure: Figure, panels: tuple[Axes, Axes, Axes], axis: str) -> None:
     plane, motion, error = panels
     plane.set_aspect("equal", adjustable="datalim")
-    plane.set(xlabel="x [mm]", ylabel="z [mm]", title="path in the plane of bending")
     motion.set(ylabel=f"{axis} [mm]", title=f"{axis} against time")
     motion.sharex(error)
     motion.tick_params(labelbottom=False)
@@ -203,8 +206,8 @@ def farthest_seen(run: Run, diagnosis: Diagnosis) -> int:
 
 
 def _gapless(run: Run, missed: Array, marker: int) -> Array:
-    """(T, 2) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
-    path = run.in_plane[:, marker] + missed[:, marker]
+    """(T, A) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
+    path = run.compared[:, marker] + missed[:, marker]
     seen = np.isfinite(path).all(axis=1)
     return np.stack([np.interp(run.time, run.time[seen], column[seen]) for column in path.T], axis=1)
 

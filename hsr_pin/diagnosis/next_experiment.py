@@ -10,7 +10,6 @@ import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.integrator import Integrator
 from hsr_pin.simulation.motion import Engine
@@ -26,7 +25,7 @@ class Proposal:
     """One standard experiment.
 
     Attributes:
-        name: "steps", "staircase", "chirp", "release", "payload" or "tilted base".
+        name: "steps", "steps aside", "staircase", "chirp", "release", "payload" or "tilted base".
         separation: RMS distance between the markers that the two least different rivals predict, over the noise floor.
     """
 
@@ -63,8 +62,10 @@ def _programs(experiment: Experiment) -> list[tuple[str, _Changes]]:
     stairs = largest * np.interp(t, [0, _DURATION / 2, _DURATION], [0, 1, 0])
     stairs = np.round(stairs / largest * 4) / 4 * largest
     chirp = np.where(t < 0.1, 0.0, largest / 2 * (1 - np.cos(2 * np.pi * (0.2 + 0.4 * t) * t)))
+    aside = [("steps aside", _Changes(np.asarray(1j * steps)))] if len(experiment.directions) > 1 else []
     return [
         ("steps", _Changes(steps)),
+        *aside,
         ("staircase", _Changes(stairs)),
         ("chirp", _Changes(chirp)),
         ("release", _Changes(np.zeros_like(t), released=True)),
@@ -77,15 +78,17 @@ def _predicted(experiment: Experiment, model: Hypothesis, values: Array, changes
     """(T, M, 3) [m] the markers in a standard experiment."""
     template = experiment.runs[0]
     time: Array = _STEP * np.arange(len(changes.torque), dtype=float)
-    run = Run(template.trial, time, changes.torque, np.full((len(time), len(experiment.markers), 3), np.nan), None, 0.0)
+    torque = changes.torque.astype(template.torque.dtype)
+    unseen = np.full((len(time), len(experiment.markers), 3), np.nan)
+    run = Run(template.trial, time, torque, unseen, None, 0.0, axes=template.axes)
     plain = model.columns(experiment, run, values[None])
     arms = replace(plain.nominal, tip_mass=plain.nominal.tip_mass + changes.payload, tilt=plain.nominal.tilt + changes.tilt)
     columns = Columns(arms, plain.effects)
     engine = Engine(columns, "compiled")
     command = engine.deliver(run.torque[:, None], run.torque[:1], _STEP)
-    q, found = np.full((1, columns.links), 0.8 / columns.links), np.ones(1, dtype=bool)
+    q, found = columns.evenly(np.array([0.8])), np.ones(1, dtype=bool)
     if not changes.released:
         q, found = engine.settled(command.initial, found, np.zeros_like(q))
     motion = engine.run(engine.loaded(q, np.zeros_like(q)), command, len(time), Integrator(tolerance=model.tolerance), found)
-    positions = Cameras(columns, experiment.reach).positions(motion.angles)[:, 0]
+    positions = experiment.cameras(columns).positions(motion.angles)[:, 0]
     return positions if np.isinf(motion.lost[0]) else np.full_like(positions, np.nan)

@@ -57,7 +57,7 @@ class Group:
         kind: "command" or "release".
         trials: their names.
         keq, tip_mass: declared [Nm/rad], [kg].
-        in_plane: RMS distance [m] in the plane between one of them and what they share, beyond noise.
+        in_plane: RMS distance [m] along the axes between one of them and what they share, beyond noise.
         moving: the same with the mean place of each trial left out: what is left if rests are set alike.
         markers: (M,) as ``in_plane`` for each marker; NaN for one that is not seen in two of them.
         out_of_plane: as ``moving``, out of the plane [m].
@@ -193,15 +193,16 @@ def _repeats(run: Run, other: Run) -> bool:
         r.torque[np.clip(np.searchsorted(own, time, side="right") - 1, 0, None)]
         for r, own in zip((run, other), clocks, strict=True)
     ]
-    span = max(float(np.ptp(commands)), 1e-12)
+    both = np.concatenate(commands)
+    span = max(float(np.hypot(np.ptp(both.real), np.ptp(both.imag))), 1e-12)
     return bool(np.mean(np.abs(commands[0] - commands[1]) > _SAME * span) < _ELSEWHERE)
 
 
 def _start_distance(run: Run, other: Run) -> float:
     """Largest distance of the markers at two starts, over the largest motion of either run; infinite if none is seen at both."""
     assert run.start_pose is not None and other.start_pose is not None
-    apart = np.linalg.norm((run.start_pose - other.start_pose)[:, [0, 2]], axis=1)
-    ways = [r.in_plane - pose[:, [0, 2]] for r, pose in ((run, run.start_pose), (other, other.start_pose))]
+    apart = np.linalg.norm((run.start_pose - other.start_pose)[:, run.axes], axis=1)
+    ways = [r.compared - pose[:, run.axes] for r, pose in ((run, run.start_pose), (other, other.start_pose))]
     if not np.isfinite(apart).any():
         return np.inf
     way = max(float(np.nan_to_num(np.linalg.norm(each, axis=2)).max()) for each in ways)
@@ -237,11 +238,12 @@ def _compared(runs: Sequence[Run], experiment: Experiment) -> Group | None:
     freedom = len(runs) - design.shape[1]
     if freedom < 1 or len(time) < _FEWEST:
         return None
+    axes, flat = runs[0].axes, len(runs[0].axes) == 2
     shifts, most = np.zeros(len(runs)), _SHIFT * runs[0].step
     for _ in range(_ALIGNMENTS):
         seen, _ = _sampled(runs, clocks, time + shifts[:, None])
         own, _ = _own(seen, design)
-        shifts = shifts + _late(own, np.gradient(seen - own, runs[0].step, axis=1))
+        shifts = shifts + _late(own, np.gradient(seen - own, runs[0].step, axis=1), axes)
         shifts = np.clip(shifts - shifts.mean(), -most, most)
     seen, kept = _sampled(runs, clocks, time + shifts[:, None])
     own, free = _own(seen, design)
@@ -249,16 +251,16 @@ def _compared(runs: Sequence[Run], experiment: Experiment) -> Group | None:
     squares = _mean_square(own, free)
     around = _mean_square(own - np.nanmean(own, axis=1, keepdims=True), free)
     known = np.isfinite(squares[:, 0])
-    plane = squares[:, [0, 2]].sum(axis=1) - 2 * noise
+    plane = squares[:, axes].sum(axis=1) - len(axes) * noise
     return Group(
         kind="command" if runs[0].trial.trajectory.has_input else "release",
         trials=tuple(run.trial.name for run in runs),
         keq=runs[0].trial.keq,
         tip_mass=runs[0].trial.tip_mass,
         in_plane=_root(float(np.mean(plane[known]))),
-        moving=_root(float(np.mean((around[:, [0, 2]].sum(axis=1) - 2 * noise)[known]))),
+        moving=_root(float(np.mean((around[:, axes].sum(axis=1) - len(axes) * noise)[known]))),
         markers=tuple(_root(float(square)) for square in plane),
-        out_of_plane=_root(float(np.mean((around[:, 1] - noise)[known]))),
+        out_of_plane=_root(float(np.mean((around[:, 1] - noise)[known]))) if flat else float("nan"),
         rest=_rest_scatter(runs),
         shift=float(np.std(shifts, ddof=1)),
         start=_start_scatter(runs),
@@ -275,9 +277,9 @@ def _starts(runs: Sequence[Run]) -> Array:
     most = (len(runs) - 1) // _REPEATS_PER_REGRESSOR
     if runs[0].start_pose is None or most < 1:
         return np.zeros((len(runs), 0))
-    poses = np.array([run.start_pose[:, [0, 2]].ravel() for run in runs if run.start_pose is not None])
+    poses = np.array([run.start_pose[:, run.axes].ravel() for run in runs if run.start_pose is not None])
     speeds = np.array(
-        [np.zeros(poses.shape[1]) if r.start_velocity is None else r.start_velocity[:, [0, 2]].ravel() for r in runs]
+        [np.zeros(poses.shape[1]) if r.start_velocity is None else r.start_velocity[:, r.axes].ravel() for r in runs]
     )
     numbers = []
     for part in (poses, speeds):
@@ -322,9 +324,9 @@ def _own(seen: Array, design: Array) -> tuple[Array, Array]:
     return own.reshape(seen.shape), free.reshape(seen.shape[1:3])
 
 
-def _late(own: Array, speed: Array) -> Array:
-    """(n,) [s] by how much later each repeat moves than the others do, as its motion in the plane tells."""
-    told = np.isfinite(own) & np.isfinite(speed) & np.array([True, False, True])
+def _late(own: Array, speed: Array, axes: tuple[int, ...]) -> Array:
+    """(n,) [s] by how much later each repeat moves than the others do, as its motion along the axes tells."""
+    told = np.isfinite(own) & np.isfinite(speed) & np.isin(np.arange(3), axes)
     v, d = (np.where(told, part, 0.0).reshape(len(own), -1) for part in (speed, own))
     return -np.asarray((d * v).sum(axis=1) / np.maximum((v * v).sum(axis=1), 1e-30))
 
@@ -340,18 +342,17 @@ def _rest_scatter(runs: Sequence[Run]) -> float:
         rests = np.array([run.rest for run in runs])
     else:
         rests = np.array([np.nanmedian(run.measured[-max(5, round(_END * len(run.time))) :], axis=0) for run in runs])
-    return _scatter(rests)
+    return _scatter(rests[:, :, runs[0].axes])
 
 
 def _start_scatter(runs: Sequence[Run]) -> float:
     poses = [run.start_pose for run in runs if run.start_pose is not None]
-    return _scatter(np.array(poses)) if poses else 0.0
+    return _scatter(np.array(poses)[:, :, runs[0].axes]) if poses else 0.0
 
 
 def _scatter(poses: Array) -> float:
-    """RMS distance [m] in the plane of one of (n, M, 3) poses from their mean, markers that all show; NaN without any."""
-    plane = poses[:, :, [0, 2]]
-    plane = plane[:, np.isfinite(plane).all(axis=(0, 2))]
+    """RMS distance [m] of one of (n, M, A) poses from their mean, markers that all show; NaN without any."""
+    plane = poses[:, np.isfinite(poses).all(axis=(0, 2))]
     if not plane.shape[1]:
         return float("nan")
     return float(np.sqrt(((plane - plane.mean(axis=0)) ** 2).sum(axis=(0, 2)).mean() / (len(plane) - 1)))
@@ -371,7 +372,7 @@ def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float,
     at_rest = f" (their poses at rest {1e3 * rest:.2g} mm)" if np.isfinite(rest) else ""
     text = (
         f"{trials} trials in {len(groups)} group{'s' * (len(groups) > 1)} repeat {of}: one is {1e3 * in_plane:.2g} mm from what "
-        f"its group shares, in the plane and beyond noise{at_rest}"
+        f"its group shares, {'in the plane and ' * bool(np.isfinite(out))}beyond noise{at_rest}"
     )
     if floor is not None:
         text += f"; while it moves, no model can be asked for less than {1e3 * floor:.2g} mm"
@@ -379,7 +380,7 @@ def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float,
         text += "; differences of the start are allowed for by regression"
     elif any(group.start > 0 for group in groups):
         text += f"; the starts differ by {1e3 * max(group.start for group in groups):.2g} mm, which is not allowed for"
-    return f"{text}. Out of the plane it is {1e3 * out:.2g} mm."
+    return f"{text}. Out of the plane it is {1e3 * out:.2g} mm." if np.isfinite(out) else f"{text}."
 
 
 def _root(square: float) -> float:

@@ -29,7 +29,8 @@ from hsr_pin.diagnosis.words import (
     sentence,
     where_sentence,
 )
-from hsr_pin.effects import EFFECTS
+from hsr_pin.effects import EFFECTS, Effect
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.experiment import Run
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.output import write_text
@@ -61,7 +62,7 @@ def report(diagnosis: Diagnosis) -> str:
         advice=advice(diagnosis),
         rungs=_rungs(diagnosis),
         models=_models(diagnosis),
-        effects=[EFFECTS[name] for name in _named(diagnosis)],
+        effects=_named(diagnosis),
         experiments=EXPERIMENTS,
         recordings=[_recording(run, diagnosis) for run in diagnosis.experiment.runs],
         notes=_notes(diagnosis),
@@ -153,12 +154,12 @@ def _model(candidate: Candidate) -> Model:
     return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), scales(fit), effect_options(fit), doubts)
 
 
-def _named(diagnosis: Diagnosis) -> list[str]:
+def _named(diagnosis: Diagnosis) -> list[type[Effect]]:
     """Every effect that the verdict or the best model names, in the order of the catalogue."""
     names = {*diagnosis.verdict.effects, *(name for names in diagnosis.verdict.alternatives for name in names)}
     if diagnosis.search is not None:
         names |= {*diagnosis.search.best.names}
-    return [name for name in EFFECTS if name in names]
+    return [effect for name, effect in (EFFECTS | SPATIAL).items() if name in names]
 
 
 def _recording(run: Run, diagnosis: Diagnosis) -> dict[str, Any]:
@@ -204,6 +205,9 @@ def _percent(share: float) -> str:
 
 
 def _span(torque: Array) -> str:
+    """From the lowest to the highest; in space up to which size."""
+    if np.iscomplexobj(torque):
+        return f"up to {round(float(np.abs(torque).max()), 2):g}"
     low, high = (round(float(bound), 2) + 0.0 for bound in (torque.min(), torque.max()))
     return f"{low:g} to {high:g}"
 

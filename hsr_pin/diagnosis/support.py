@@ -148,11 +148,12 @@ def environments(experiment: Experiment, fit: Fit) -> Iterator[list[list[NDArray
             [w if own == label else n for w, n, own in zip(whole, none, labels, strict=True)] for label in dict.fromkeys(labels)
         ]
 
-    sizes = np.array([_size(run) for run in runs])
+    sizes = [_size(run) for run in runs]
     cuts: list[Sequence[object]] = [
         [run.trial.keq for run in runs],
         [bool(abs(size) > np.median(np.abs(sizes))) for size in sizes],
-        [bool(size > 0) for size in sizes],
+        [size.real > 0 for size in sizes],
+        [size.imag > 0 for size in sizes],
         [run.trial.tip_mass for run in runs],
         [k % 2 for k in range(len(runs))],
     ]
@@ -165,16 +166,18 @@ def environments(experiment: Experiment, fit: Fit) -> Iterator[list[list[NDArray
     ]
 
 
-def _size(run: Run) -> float:
+def _size(run: Run) -> complex:
     """How far a run goes, with its side: the torque of largest size, or how far aside the arm is held."""
-    if np.ptp(run.torque) > 0:
-        return float(run.torque[np.argmax(np.abs(run.torque - run.torque[0]))])
-    seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.in_plane).all(axis=2))
+    if run.span > 0:
+        return complex(run.torque[np.argmax(np.abs(run.torque - run.torque[0]))])
+    seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.compared).all(axis=2))
     marker = max(k for k in range(seen.shape[1]) if seen[:, k].sum() >= 0.5 * seen.sum(axis=0).max())
-    places = run.in_plane[seen[:, marker], marker]
+    places = run.compared[seen[:, marker], marker]
     moved = places - np.median(places, axis=0)
-    k = int(np.argmax((moved**2).sum(axis=1)))
-    return float(moved[k][np.argmax(np.abs(moved[k]))])
+    far = moved[int(np.argmax((moved**2).sum(axis=1)))]
+    if len(far) == 2:
+        return complex(far[np.argmax(np.abs(far))])
+    return complex(*far[np.sort(np.argsort(moved.std(axis=0))[1:])])  # the two coordinates in which it moves most
 
 
 def _step(fit: Fit, masks: Sequence[NDArray[np.bool_]]) -> tuple[Array, Array]:

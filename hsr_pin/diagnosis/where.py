@@ -18,6 +18,8 @@ from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
 
 _BINS = 4
+#: Sides of the base to which an arm in space bends, and the share of the largest bending from which on it has one.
+SIDES, _BENT = ("+x", "+y", "-x", "-y"), 0.1
 #: A part of the arm or of time that holds this share of the squared gap is where it sits.
 _MOST = 0.5
 #: Rank correlation from which the gap is said to grow with something.
@@ -63,7 +65,7 @@ class Where:
     Attributes:
         arc_length: residual torque [N m] along the arm.
         time: marker distance [mm] by phase.
-        operating_range: marker distance [mm] over bending angle, rate and torque.
+        operating_range: marker distance [mm] over bending angle, rate and torque; in space over the side to which it bends too.
         trials: marker distance [mm] by trial.
         frequency: [Hz] at which the residual is strongest; None if it is flat.
         defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
@@ -91,7 +93,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     gaps = [_distance(residual) for residual in base.heldout]
     noise = experiment.noise_rms
     torques = residual_torques(experiment, base.fit, seed)
-    labels = [phases(run, _filled(run.in_plane + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
+    labels = [phases(run, _filled(run.compared + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
     whole = np.concatenate(gaps)
     along = _along(torques)
     time = Map("time", "mm", _binned(whole, np.concatenate(labels), PHASES, noise))
@@ -100,7 +102,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     index = np.concatenate([np.full(len(gap), k) for k, gap in enumerate(gaps)])
     trials = Map("trial", "mm", _binned(whole, index, names, noise))
     frequency = _frequency(experiment, base.heldout)
-    sentence = _sentence(along, time, experiment, torques, gaps)
+    sentence = _sentence(along, time, experiment, torques, gaps, ranges)
     return Where(along, time, ranges, trials, frequency, _defect(best), sentence)
 
 
@@ -124,7 +126,7 @@ def _filled(positions: Array) -> Array:
 
 
 def _along(torques: Sequence[ResidualTorque]) -> Map:
-    squares = np.concatenate([t.torque for t in torques]) ** 2
+    squares = np.abs(np.concatenate([t.torque for t in torques])) ** 2
     noise = np.sqrt(np.mean([t.noise**2 for t in torques], axis=0))
     power = squares.mean(axis=0)
     beyond = np.maximum(power - noise**2, 0.0)
@@ -173,7 +175,17 @@ def _operating_range(
         index = np.clip(np.digitize(values, edges) - 1, 0, _BINS - 1)
         labels = [f"{low:.2g}-{high:.2g} {unit}" for low, high in itertools.pairwise(edges)]
         maps.append(Map(quantity, "mm", _binned(gap, index, labels, noise)))
+    if len(experiment.directions) > 1:
+        maps.append(_direction(np.concatenate([t.bending for t in torques]), gap, noise))
     return tuple(maps)
+
+
+def _direction(bending: Array, gap: Array, noise: float) -> Map:
+    """Over the side to which an arm in space bends (T,), in the axes of its base, where it is bent by enough to tell."""
+    size = np.abs(bending)
+    side = np.round(np.angle(bending) / (np.pi / 2)).astype(int) % 4
+    index = np.where(size > _BENT * size.max(), side, -1)
+    return Map("direction of bending", "mm", _binned(gap, index, SIDES, noise))
 
 
 def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None:
@@ -200,7 +212,14 @@ def _defect(best: Candidate) -> tuple[float, float, float] | None:
     return float(best.fit.values[place]), float(low), float(high)
 
 
-def _sentence(along: Map, time: Map, experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array]) -> str:
+def _sentence(
+    along: Map,
+    time: Map,
+    experiment: Experiment,
+    torques: Sequence[ResidualTorque],
+    gaps: Sequence[Array],
+    ranges: Sequence[Map],
+) -> str:
     phase = max(time.bins, key=lambda part: part.share)
     when = {
         "rest": "while the arm is at rest",
@@ -215,7 +234,10 @@ def _sentence(along: Map, time: Map, experiment: Experiment, torques: Sequence[R
     held = [float(thirds[(at >= k / 3) & (at < (k + 1) / 3)].sum()) for k in range(3)]
     names = ("inner third", "middle third", "outer third")
     place = f"in the {names[int(np.argmax(held))]} of the arm" if max(held) >= _MOST else "all along the arm"
-    return f"The gap sits {when}, {place}{_growth(experiment, torques, gaps)}."
+    sides = [part for chart in ranges if chart.quantity == "direction of bending" for part in chart.bins]
+    most = max(sides, key=lambda part: part.share, default=None)
+    side = f", most where it bends towards {most.label}" if most and most.share >= _MOST else ""
+    return f"The gap sits {when}, {place}{_growth(experiment, torques, gaps)}{side}."
 
 
 def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array]) -> str:

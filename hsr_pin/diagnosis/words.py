@@ -10,6 +10,7 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.search import doubtful
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.fit import Fit
 
 #: Verdict -> what it comes down to.
@@ -30,6 +31,7 @@ _MUCH = 5.0
 #: Standard experiment -> how to carry it out.
 EXPERIMENTS = {
     "steps": "steps from rest to the largest torque",
+    "steps aside": "the same steps towards y of the base",
     "staircase": "up to the largest torque in four stairs, and down again",
     "chirp": "swing between no torque and the largest, slowly at first, then ever faster",
     "release": "hold the arm bent, with no torque, and let it go",
@@ -52,7 +54,7 @@ def number(value: float) -> str:
 
 def sentence(text: str) -> str:
     """A sentence for people, from one that calls effects by their names in code."""
-    for name in EFFECTS:
+    for name in EFFECTS | SPATIAL:
         text = text.replace(name, name.replace("_", " "))
     return text[:1].upper() + text[1:]
 

@@ -68,6 +68,17 @@ EFFECTS: dict[str, type[Effect]] = {
 }
 
 
+def laws(*, space: bool) -> tuple[type[Effect], ...]:
+    """What an arm in a plane, or in space, may lack: causes, then the flexible laws.
+
+    In space a law that has one direction in the plane gives way to that which goes to any side.
+    """
+    if not space:
+        return (*EFFECTS.values(), *FLEXIBLE.values())
+    replaced = {name for effect in SPATIAL.values() for name in effect.contains}
+    return (*(law for name, law in EFFECTS.items() if name not in replaced), *SPATIAL.values(), *FLEXIBLE.values())
+
+
 def effect_named(name: str) -> type[Effect]:
     """An effect by its name, or the flexible law of a kind, or an effect that only an arm in space has.
 

@@ -22,6 +22,7 @@ import dataclasses
 import itertools
 from abc import ABC
 from collections import namedtuple
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, ClassVar, NamedTuple, Protocol
@@ -277,6 +278,11 @@ class Effect(ABC):
     def acts_through(self, hook: str) -> bool:
         """Whether this effect overrides a method."""
         return getattr(type(self), hook) is not getattr(Effect, hook)
+
+
+def formless(effects: Sequence[Effect], *, space: bool) -> str:
+    """Names of the laws that have no form for an arm in space, or for one in a plane; empty: none."""
+    return ", ".join(effect.name for effect in effects if not (effect.in_space if space else effect.in_plane))
 
 
 def fields_of(kind: type[Effect]) -> tuple[str, ...]:

@@ -8,7 +8,6 @@
 - ``experiment``: a dataset made ready to be compared
 - ``figure``: a fit as a picture
 - ``fit``: bounded, robust least squares
-- ``fit_in_space``: numbers of an arm in space from its releases
 - ``fitted_arms``: the arm with fitted numbers
 - ``heldout``: leave one trial out
 - ``hypothesis``: Hypothesis: a model with open parameters
@@ -19,7 +18,6 @@
 - ``paper_procedure``: the paper's own five steps and its grid over C
 - ``phases``: rest, command change, transient, settled
 - ``pose``: how an arm is bent whose markers are seen
-- ``pose_in_space``: the same for arms in space
 - ``profile``: profile likelihood
 - ``release``: how a motion starts that does not start at rest
 - ``starts``: several starts of a search

@@ -10,6 +10,7 @@ import numpy as np
 
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import Effect, neutral, with_values
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Run
 from hsr_pin.identification.hypothesis import ARM, LINKS, Hypothesis
@@ -17,6 +18,8 @@ from hsr_pin.robot.specification import Placement
 
 #: Short for the factors on what was declared.
 SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "gain": "torque_gain"}
+#: What may be named.
+_NAMED = EFFECTS | SPATIAL
 #: Those that differ between stiffness levels.
 _BY_LEVEL = ("keq_scale", "damping_scale")
 #: Amplitude from which the fit of an effect starts, over its parameter's scale: on the neutral value its other parameters tell
@@ -57,11 +60,11 @@ def choose(
             names += [f"{base}@{keq:g}" for keq in sorted({run.trial.keq for run in runs})] if split else [base + at + level]
             continue
         kind, _, field = base.partition(".")
-        facts = EFFECTS[kind].parameters() if kind in EFFECTS else ()
+        facts = _NAMED[kind].parameters() if kind in _NAMED else ()
         chosen = [fact.name for fact in facts if field in ("", fact.name)]
         if not chosen or at:
             raise _unknown(name)
-        present.setdefault(kind, neutral(EFFECTS[kind]))
+        present.setdefault(kind, neutral(_NAMED[kind]))
         names += [f"{kind}.{fact}" for fact in chosen]
     if not names:
         raise IdentificationError("parameters to fit", expected="at least one", received="none", hint="e.g. keq,damping")
@@ -94,7 +97,7 @@ def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
 
 
 def _unknown(name: str) -> IdentificationError:
-    every = [*SHORT, *ARM, *EFFECTS, *(f"{e.name}.{fact.name}" for e in EFFECTS.values() for fact in e.parameters())]
+    every = [*SHORT, *ARM, *_NAMED, *(f"{e.name}.{fact.name}" for e in _NAMED.values() for fact in e.parameters())]
     close = get_close_matches(name, every, n=1, cutoff=0.5)
     return IdentificationError(
         "parameter to fit",

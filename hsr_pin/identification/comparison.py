@@ -106,11 +106,11 @@ def compare(
             run.time,
             experiment.markers,
             answer.positions[:, 0],
-            torque=run.torque,
-            joint_angles=answer.angles[:, 0],
-            joint_rates=answer.rates[:, 0],
+            torque=run.drive,
+            joint_angles=answer.columns.by_joint(answer.angles[:, 0]),
+            joint_rates=answer.columns.by_joint(answer.rates[:, 0]),
         )
-        measured = Trajectory(run.time, experiment.markers, run.measured, torque=run.torque, notes=run.trial.trajectory.notes)
+        measured = Trajectory(run.time, experiment.markers, run.measured, torque=run.drive, notes=run.trial.trajectory.notes)
         distance, phase = np.linalg.norm(simulated.positions - run.measured, axis=2), phases(run, simulated.positions)
         every.append((distance, phase))
         errors = _errors(experiment, distance, phase)

@@ -1,4 +1,4 @@
-"""What a hypothesis predicts for an experiment, and how far that is from what was measured, in the plane of bending."""
+"""What a hypothesis predicts for an experiment, and how far that is from what was measured, along its axes."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from hsr_pin.trajectory import Array
 FRACTION = 0.02
 #: Difference for derivatives to what belongs to a trial [rad of the whole arm].
 _WIDTH = 0.01
-#: The coordinates of the plane in which the arm bends.
-PLANE = [0, 2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +30,7 @@ class Response:
     Attributes:
         columns: the C arms.
         positions: (T, C, M, 3) [m] of the markers; NaN from a failure on.
-        angles, rates: (T, C, N) [rad], [rad/s].
+        angles, rates: (T, C, N) [rad], [rad/s]; in space (T, C, 3 N).
     """
 
     columns: Columns
@@ -46,9 +44,9 @@ class Prediction:
     """Marker positions of one run.
 
     Attributes:
-        positions: (T, M, 2) [m], x and z at the measured times; NaN where the simulation failed.
-        slopes: (T, M, 2, P) [m per unit] derivatives to the open parameters; None if not asked for.
-        nuisance: (T, M, 2, K) [m] what one standard deviation of each number that belongs to the trial makes of them.
+        positions: (T, M, A) [m] along the axes at the measured times; NaN where the simulation failed.
+        slopes: (T, M, A, P) [m per unit] derivatives to the open parameters; None if not asked for.
+        nuisance: (T, M, A, K) [m] what one standard deviation of each number that belongs to the trial makes of them.
     """
 
     positions: Array
@@ -72,11 +70,11 @@ def respond(
 ) -> Response:
     """Simulate one run with the open parameters at each of ``values`` (C, P); all take the steps that the first needs.
 
-    ``bent`` (C,) [rad]: how much further than the markers show the arm was held before its release.
+    ``bent`` (C,) [rad]: how much further than the markers show the arm was held before its release; in space complex.
     """
     columns = hypothesis.columns(experiment, run, values)
     engine = Engine(columns, dynamics)
-    cameras = Cameras(columns, experiment.reach)
+    cameras = experiment.cameras(columns)
     torque = run.torque if run.lead == 0 else np.append(run.torque[:1], run.torque)
     gain = hypothesis.factor("torque_gain", run, values)
     flow = torque[:, None] * gain
@@ -86,7 +84,7 @@ def respond(
     if run.start_pose is None:
         q, found = engine.settled(command.initial, found, q)
     elif bent is not None:
-        q = q + bent[:, None] / columns.links
+        q = q + columns.evenly(bent)
     motion = engine.run(engine.loaded(q, v), command, len(torque), Integrator(tolerance=hypothesis.tolerance), found)
     angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
     positions = cameras.positions(angles)
@@ -97,7 +95,10 @@ def respond(
 
 
 def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
-    """(C, N) each: the pose and its rate in which the markers are seen at the start; for a run at rest, about there."""
+    """(C, N) each, in space (C, 3 N): the pose and its rate in which the markers are seen at the start.
+
+    For a run at rest, about there.
+    """
     noise = float(experiment.noise.max())
     steering = tuple(effect for effect in hypothesis.effects if any(map(effect.acts_through, ("stiffness", "observe", "arm"))))
     if run.start_pose is None:  # about where the arm rests is enough: it is settled from there
@@ -107,7 +108,7 @@ def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Co
     assert velocity is not None
     if known not in run.found_poses:  # of the model as its fit starts: the same whatever was asked before
         first = hypothesis.columns(experiment, run, hypothesis.start[None])
-        run.found_poses[known] = pose_from_markers(first, Cameras(first, experiment.reach), pose, velocity, noise)
+        run.found_poses[known] = pose_from_markers(first, experiment.cameras(first), pose, velocity, noise)
     q, v, modes = run.found_poses[known]
     if steering and run.start_pose is not None:
         return pose_from_markers(columns, cameras, pose, velocity, noise, modes)[:2]
@@ -116,7 +117,8 @@ def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Co
 
 def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
     """Simulate runs, each with its own values (P,) of the open parameters."""
-    return [Prediction(respond(experiment, run, hypothesis, values[None]).positions[:, 0][..., PLANE]) for run, values in cases]
+    axes = experiment.axes
+    return [Prediction(respond(experiment, run, hypothesis, values[None]).positions[:, 0][..., axes]) for run, values in cases]
 
 
 def predict_all(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Prediction]:
@@ -142,13 +144,11 @@ def predict_with_slopes(
     for run in experiment.runs:
         acting = [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
         sides = (ahead, behind) if central else (ahead,)
-        released = run.start_pose is not None
         points = np.array([values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting)])
-        bent = np.zeros(len(points) + released)
-        if released:
-            points, bent[-1] = np.vstack([points, values]), _WIDTH
-        answer = respond(experiment, run, hypothesis, points, bent=bent)
-        seen = answer.positions[..., PLANE]
+        held = np.array(experiment.directions if run.start_pose is not None else ())
+        bent = np.append(np.zeros(len(points)), _WIDTH * held)
+        answer = respond(experiment, run, hypothesis, np.vstack([points, *[values] * len(held)]), bent=bent)
+        seen = answer.positions[..., experiment.axes]
         slopes = np.zeros((*seen[:, 0].shape, len(values)))
         for place, p in enumerate(acting):
             chord = (seen[:, 1 + place] - seen[:, 0]) / ahead[p]
@@ -161,26 +161,28 @@ def predict_with_slopes(
 
 
 def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
-    """(T, M, 2, K) [m] for the first of the columns; the last was held further aside."""
-    length, seen = experiment.dataset.length, answer.positions[..., PLANE]
-    columns = []
-    if experiment.rest_scatter > 0:
-        first = Cameras(answer.columns.members(slice(0, 1)), experiment.reach)
-        bent = np.full((1, 1, answer.columns.links), 1.0 / answer.columns.links)
-        change = first.velocities(answer.angles[:, :1], bent)[:, 0][..., PLANE]
-        columns.append(change * 2 * experiment.rest_scatter / length)
+    """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held further aside."""
+    length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
+    columns, directions = [], experiment.directions
+    if experiment.lasting:
+        first = answer.columns.members(slice(0, 1))
+        for direction in directions:
+            bent = first.evenly(np.array([direction]))[None]
+            change = experiment.cameras(first).velocities(answer.angles[:, :1], bent)[:, 0][..., experiment.axes]
+            columns.append(change * 2 * experiment.rest_scatter / length)
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))
-        columns.append((seen[:, -1] - seen[:, 0]) / _WIDTH * 2 * held / length)
+        for k in range(-len(directions), 0):
+            columns.append((seen[:, k] - seen[:, 0]) / _WIDTH * 2 * held / length)
         columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT / run.every)
     return np.nan_to_num(np.stack(columns, axis=-1)) if columns else np.zeros((*seen[:, 0].shape, 0))
 
 
 def residuals(experiment: Experiment, predictions: Sequence[Prediction]) -> list[Array]:
-    """For each run (T, M, 2) [m] predicted minus measured; NaN in gaps, the arm's length where a simulation failed."""
+    """For each run (T, M, A) [m] predicted minus measured; NaN in gaps, the arm's length where a simulation failed."""
     worst = experiment.dataset.length
     return [
-        np.where(np.isfinite(run.in_plane), np.nan_to_num(p.positions - run.in_plane, nan=worst), np.nan)
+        np.where(np.isfinite(run.compared), np.nan_to_num(p.positions - run.compared, nan=worst), np.nan)
         for run, p in zip(experiment.runs, predictions, strict=True)
     ]
 

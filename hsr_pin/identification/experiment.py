@@ -15,7 +15,9 @@ from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import noise_per_axis
 from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification, mount_frame
-from hsr_pin.trajectory import Array, Dataset, Marker, Trial, read_only
+from hsr_pin.simulation.cameras import Cameras
+from hsr_pin.simulation.columns import Columns
+from hsr_pin.trajectory import Array, Dataset, Marker, Trial
 
 #: Markers nearer to the base than this share of the length do not tell anything about bending.
 BASE = 0.02
@@ -39,12 +41,14 @@ class Run:
     Attributes:
         trial: where it comes from.
         time: (T,) [s] of the measured samples, from the start on.
-        torque: (T,) [N m] commanded: tau, or Eqs. (4) and (5) with the declared Keq; zeros for a release.
+        torque: (T,) [N m] commanded: tau, or Eqs. (4) and (5) with the declared Keq; zeros for a release. In space complex:
+            towards x, and towards y of the base.
         measured: (T, M, 3) [m]; NaN in gaps.
         start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
         lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
         start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
         interpolated: the torque goes straight from sample to sample instead of being held.
+        axes: the world's coordinates in which the arm moves.
         every: only one in so many of the measured samples is looked at.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
@@ -58,14 +62,25 @@ class Run:
     lead: float
     start_velocity: Array | None = None
     interpolated: bool = False
+    axes: tuple[int, ...] = (0, 2)
     every: int = 1
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
 
     @cached_property
-    def in_plane(self) -> Array:
-        """(T, M, 2) [m] x and z of what was measured (of the samples that are looked at): the arm bends in this plane."""
-        return np.asarray(self.measured[:: self.every, :, [0, 2]])
+    def compared(self) -> Array:
+        """(T, M, A) [m] what was measured along the axes, of the samples that are looked at."""
+        return np.asarray(self.measured[:: self.every, :, self.axes])
+
+    @property
+    def drive(self) -> Array:
+        """(T,) [N m] the torque as recordings have it; in space (T, 2)."""
+        return np.stack([self.torque.real, self.torque.imag], axis=1) if np.iscomplexobj(self.torque) else self.torque
+
+    @property
+    def span(self) -> float:
+        """How far the torque goes from its one end to the other [N m]."""
+        return float(np.hypot(np.ptp(self.torque.real), np.ptp(self.torque.imag)))
 
     @cached_property
     def rest(self) -> Array:
@@ -92,7 +107,7 @@ class Experiment:
         dataset: cleaned.
         runs: one per usable trial.
         markers: (M,) those that tell about bending (not the base's).
-        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates in the plane.
+        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates along the axes.
         notes: what was left out and why.
         rest_scatter: [m] standard deviation, over the trials, of where the farthest marker rests.
     """
@@ -109,6 +124,25 @@ class Experiment:
         """(M,) [m] arc lengths of the markers."""
         return np.array([marker.arc_length for marker in self.markers])
 
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """The world's coordinates in which the arm moves: what is compared, and fitted to."""
+        return self.dataset.axes
+
+    @property
+    def directions(self) -> tuple[complex, ...]:
+        """In which the arm bends: as numbers, one in the plane, two in space."""
+        return (1.0, 1.0j)[: len(self.axes) - 1]
+
+    @property
+    def lasting(self) -> int:
+        """How many numbers say where the arm rests in a trial: one for each direction, none where it always rests alike."""
+        return len(self.directions) if self.rest_scatter > 0 else 0
+
+    def cameras(self, columns: Columns) -> Cameras:
+        """What is seen of arms with these markers."""
+        return Cameras(columns, self.reach, np.array([marker.beside for marker in self.markers]))
+
     @cached_property
     def levels(self) -> tuple[float, ...]:
         """The declared stiffnesses [Nm/rad], the softest first."""
@@ -116,8 +150,8 @@ class Experiment:
 
     @property
     def noise_rms(self) -> float:
-        """RMS distance [m] in the plane that noise alone leaves between model and markers."""
-        return float(np.sqrt(2 * np.mean(self.noise**2)))
+        """RMS distance [m] along the axes that noise alone leaves between model and markers."""
+        return float(np.sqrt(len(self.axes) * np.mean(self.noise**2)))
 
 
 def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
@@ -132,8 +166,6 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     """
     if not dataset.trials:
         raise IdentificationError("trials", expected="at least one", received="none")
-    if dataset.bending == "space":
-        raise IdentificationError("bending", expected="an arm in a plane: fits know no other", received="space")
     dataset = clean(dataset)
     moving = _bending_markers(dataset)
     if not (np.isfinite(delay) and delay >= 0):
@@ -141,7 +173,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     noise = _noise(dataset, moving)
     runs, notes = [], [f"releases are followed from {delay:g} s after their declared start"] if delay else []
     for trial in dataset.trials:
-        run = _run(trial, moving, noise, delay)
+        run = _run(trial, dataset.axes, moving, noise, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
@@ -167,19 +199,20 @@ def _scattered(scatter: float) -> str:
     return f"the arm rests within {1e3 * scatter:.1f} mm (standard deviation) of one place, anew in every trial"
 
 
-def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object, float, float] | None:
-    """Which trials should rest where this one does, where that is [m], and whence it came [m]; None where it does not rest."""
-    across = int(np.argmax(np.abs(mount_frame(dataset.mount)[1])))
-    conditions = (run.trial.keq, run.trial.tip_mass, round(float(run.torque[0]) / run.trial.keq, 4))
+def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object, Array, Array] | None:
+    """Which trials should rest where this one does, where that is, and whence it came (K,) [m]; None where it does not rest."""
+    along = mount_frame(dataset.mount)[0]
+    across = [axis for axis in run.axes if along[axis] == 0]
+    conditions = (run.trial.keq, run.trial.tip_mass, complex(np.round(run.torque[0] / run.trial.keq, 4)))
     if run.start_pose is None:
-        place = float(run.rest[far, across])
-        return (conditions, place, 0.0) if np.isfinite(place) else None
+        place = run.rest[far, across]
+        return (conditions, place, np.zeros_like(place)) if np.isfinite(place).all() else None
     last = run.measured[-max(10, len(run.time) // 20) :, far, across]
-    seen = last[np.isfinite(last)]
-    if run.trial.trajectory.has_input or len(seen) < 5 or np.ptp(seen) > max(10 * noise, 1e-3):
+    seen = last[np.isfinite(last).all(axis=1)]
+    if run.trial.trajectory.has_input or len(seen) < 5 or np.ptp(seen, axis=0).max() > max(10 * noise, 1e-3):
         return None
-    origin = float(run.start_pose[far, across])
-    return (conditions, float(seen.mean()), origin) if np.isfinite(origin) else None
+    origin = run.start_pose[far, across]
+    return (conditions, np.array([column.mean() for column in seen.T]), origin) if np.isfinite(origin).all() else None
 
 
 def _bending_markers(dataset: Dataset) -> list[int]:
@@ -207,7 +240,7 @@ def moves(run: Run, noise: Array) -> bool:
 
 def _noise(dataset: Dataset, moving: list[int]) -> Array:
     """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
-    floors = np.array([np.sqrt(np.mean(noise_per_axis(trial)[moving][:, [0, 2]] ** 2, axis=1)) for trial in dataset.trials])
+    floors = np.array([np.sqrt(np.mean(noise_per_axis(trial)[moving][:, dataset.axes] ** 2, axis=1)) for trial in dataset.trials])
     known = [column[np.isfinite(column)] for column in floors.T]
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():
@@ -215,7 +248,7 @@ def _noise(dataset: Dataset, moving: list[int]) -> Array:
     return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), _QUIETEST)
 
 
-def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | str:
+def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, delay: float) -> Run | str:
     """The run, or in words why there is none."""
     trajectory = trial.trajectory
     first, start = trial.first_sample, None
@@ -225,33 +258,47 @@ def _run(trial: Trial, moving: list[int], noise: Array, delay: float) -> Run | s
     if len(trajectory.time) - first < 5:
         return f"only {len(trajectory.time) - first} samples follow its start"
     measured = trajectory.positions[first:, moving]
-    beyond = np.linalg.norm(measured, axis=2) > _REACH * np.array([trajectory.markers[i].arc_length for i in moving]) + _OFF
+    markers = [trajectory.markers[i] for i in moving]
+    farthest = _REACH * np.array([m.arc_length for m in markers]) + np.array([m.radius for m in markers]) + _OFF
+    beyond = np.linalg.norm(measured, axis=2) > farthest
     if beyond.mean() > _FEW:
         return f"{100 * beyond.mean():.0f} % of its positions are farther from the base than the arm reaches"
     measured = np.where(beyond[..., None], np.nan, measured)
     if np.isfinite(measured).all(axis=2).sum() < 10:
         return "fewer than 10 positions were seen"
-    if trajectory.torque is not None:
-        torque = trajectory.torque
-    elif trajectory.pressures is not None:
-        torque = trial.keq * _bending(trajectory.pressures)
-    else:
-        torque = np.zeros(len(trajectory.time))
     return Run(
         trial=trial,
         time=_held(trajectory.time[first:]),
-        torque=_held(torque[first:]),
+        torque=_held(_torque(trial, space=len(axes) == 3)[first:]),
         measured=_held(measured),
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
         start_velocity=None if start is None else _held(start.velocity[moving]),
         interpolated=trial.interpolated,
+        axes=axes,
     )
 
 
+def _torque(trial: Trial, *, space: bool) -> Array:
+    """(T,) [N m] commanded, in space complex.
+
+    Raises:
+        IdentificationError: an input of another kind of arm.
+    """
+    trajectory = trial.trajectory
+    if not trajectory.has_input:
+        return np.zeros(len(trajectory.time), dtype=complex if space else float)
+    torque = trajectory.torque if trajectory.pressures is None else trial.keq * _bending(trajectory.pressures)
+    assert torque is not None
+    if torque.shape[1:] != ((2,) if space else ()) or (space and trajectory.pressures is not None):
+        expected = "two components of torque, for an arm in space" if space else "one torque, or two pressures"
+        raise IdentificationError(f"input of {trial.name}", expected=expected, received=f"values of shape {torque.shape}")
+    return torque[:, 0] + 1j * torque[:, 1] if space else torque
+
+
 def _held(values: Array) -> Array:
-    array = read_only(values)
-    assert array is not None
+    array = np.array(values)
+    array.flags.writeable = False
     return array
 
 

@@ -51,11 +51,11 @@ def _shown(found: Identification) -> Iterator[tuple[str, Run, Array, Array]]:
 
 
 def _draw(axes: Axes, run: Run, marker: int, before: Array, after: Array) -> None:
-    measured = run.in_plane[:, marker]
+    measured = run.compared[:, marker]
     axis = int(np.argmax(np.nanmax(measured, axis=0) - np.nanmin(measured, axis=0)))
     axes.plot(run.time, 1e3 * measured[:, axis], ".", color=_MEASURED, ms=2.5, label="measured")
     for missed, colour, dashes, label in ((before, _DECLARED, "--", "as declared"), (after, _FITTED, "-", "as fitted")):
         axes.plot(run.time, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, ls=dashes, lw=1.3, label=label)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"{'xz'[axis]} [mm]")
+    axes.set_ylabel(f"{'xyz'[run.axes[axis]]} [mm]")
     axes.grid(color="#DDDDDD", lw=0.6)

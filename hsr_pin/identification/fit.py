@@ -29,12 +29,12 @@ class Fit:
     Attributes:
         hypothesis: what was fitted.
         values: (P,) of its open parameters.
-        residuals: for each run (T, M, 2) [m] predicted minus measured, in the plane, without what belongs to the trial.
+        residuals: for each run (T, M, A) [m] predicted minus measured, along the axes, without what belongs to the trial.
         missed: for each run the same with it.
-        slopes: for each run (T, M, 2, P) derivatives of the prediction there.
-        weights: for each run (T, M, 2) [1/m] with which the residuals counted; zero in gaps.
-        nuisance: for each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes.
-        price: (3,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
+        slopes: for each run (T, M, A, P) derivatives of the prediction there.
+        weights: for each run (T, M, A) [1/m] with which the residuals counted; zero in gaps.
+        nuisance: for each run (T, M, A, K) [m] what one standard deviation of each number of the trial's own makes.
+        price: (2 A - 1,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
         failed: names of the trials whose simulation ends early there.
@@ -118,7 +118,7 @@ def fit(
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
         nuisance=tuple(nuisance),
-        price=prices(missed, weights, int(experiment.rest_scatter > 0)),
+        price=prices(missed, weights, experiment.lasting),
         converged=converged,
         evaluations=misfit.evaluations,
         failed=tuple(run.trial.name for run, p in zip(experiment.runs, predictions, strict=True) if p.failed),

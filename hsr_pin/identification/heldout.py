@@ -16,14 +16,14 @@ _DAMPING = 0.02
 
 
 def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
-    """For each run (T, M, 2) [m] predicted minus measured, with parameters fitted to the other runs.
+    """For each run (T, M, A) [m] predicted minus measured, with parameters fitted to the other runs.
 
     The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit
     is repeated, every run is simulated once more.
     """
     values = [without(fit, run) for run in range(len(experiment.runs))]
     missed = residuals(experiment, predict(experiment, fit.hypothesis, list(zip(experiment.runs, values, strict=True))))
-    return taken_out(missed, fit.weights, fit.nuisance, int(experiment.rest_scatter > 0))
+    return taken_out(missed, fit.weights, fit.nuisance, experiment.lasting)
 
 
 def without(fit: Fit, run: int) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect, with_values
+from hsr_pin.effects.effect import Effect, formless, with_values
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.parameters import Parameter
@@ -182,7 +182,14 @@ class Hypothesis:
         return values[:, columns[0]] if columns else np.ones(len(values))
 
     def columns(self, experiment: Experiment, run: Run, values: Array) -> Columns:
-        """The arms of one run with the open parameters at ``values`` (C, P)."""
+        """The arms of one run with the open parameters at ``values`` (C, P).
+
+        Raises:
+            IdentificationError: a law has no form for arms in space, or for those in a plane.
+        """
+        if wrong := formless(self.effects, space=len(experiment.axes) == 3):
+            expected = "laws that hold about two axes" if len(experiment.axes) == 3 else "laws of an arm in a plane"
+            raise IdentificationError("effects", expected=expected, received=wrong)
         declared = self.declared(experiment, run)
         numbers = {name: np.full(len(values), float(getattr(declared, name))) for name in Arms.NUMBERS}
         for name, number in _FACTORS.items():

@@ -32,7 +32,7 @@ class Identification:
         set_aside: whether they were set aside.
         fit: of the open parameters.
         uncertainty: of its values.
-        before: for each fitted trial (T, M, 2) [m] predicted minus measured by the arm as declared, finely discretised.
+        before: for each fitted trial (T, M, A) [m] predicted minus measured by the arm as declared, finely discretised.
         heldout_before: likewise for each predicted trial.
         heldout: for each predicted trial, by the fitted model. Empty for a single trial: nothing was held out.
     """
@@ -48,7 +48,7 @@ class Identification:
 
     @property
     def after(self) -> tuple[Array, ...]:
-        """For each fitted trial (T, M, 2) [m] predicted minus measured by the fitted model."""
+        """For each fitted trial (T, M, A) [m] predicted minus measured by the fitted model."""
         return self.fit.residuals
 
     @property
@@ -158,5 +158,5 @@ def fit_from(experiment: Experiment, hypothesis: Hypothesis, points: Sequence[Ar
 
 
 def simulated(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Array]:
-    """For each run (T, M, 2) [m] predicted minus measured, with the open parameters at ``values`` (P,)."""
+    """For each run (T, M, A) [m] predicted minus measured, with the open parameters at ``values`` (P,)."""
     return residuals(experiment, predict_all(experiment, hypothesis, values))

@@ -22,7 +22,7 @@ class Misfit:
     Args:
         experiment: what to fit to.
         hypothesis: the model and what is open in it.
-        weights: for each run (T, M, 2) [1/m], zero in gaps; default: one over what noise and the truest of
+        weights: for each run (T, M, A) [1/m], zero in gaps; default: one over what noise and the truest of
             models leave.
     """
 
@@ -31,10 +31,10 @@ class Misfit:
         self.scale = hypothesis.scale
         self.lower, self.upper = (bound / self.scale for bound in hypothesis.bounds)
         floor = np.hypot(experiment.noise, TRUEST * experiment.dataset.length)[:, None]
-        known = [np.where(np.isfinite(run.in_plane), 1 / floor, 0.0) for run in experiment.runs]
+        known = [np.where(np.isfinite(run.compared), 1 / floor, 0.0) for run in experiment.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
-        self._lasting = int(experiment.rest_scatter > 0)
+        self._lasting = experiment.lasting
         self._seen = [weight > 0 for weight in self.weights]
         self._at: Array | None = None
         self._bases: list[Array] | None = None
@@ -48,7 +48,7 @@ class Misfit:
         return self._predictions
 
     def missed(self, x: Array) -> list[Array]:
-        """For each run (T, M, 2) [m] predicted minus measured."""
+        """For each run (T, M, A) [m] predicted minus measured."""
         return residuals(self.experiment, self.predictions(x))
 
     def residual(self, x: Array) -> Array:
@@ -80,9 +80,9 @@ class Misfit:
         return any(basis.shape[1] for basis in self._bases)
 
     def left(self, x: Array) -> list[Array]:
-        """For each run (T, M, 2) [m] predicted minus measured, without what belongs to the trial."""
+        """For each run (T, M, A) [m] predicted minus measured, without what belongs to the trial."""
         return taken_out(self.missed(x), self.weights, self.nuisance(x), self._lasting)
 
     def nuisance(self, x: Array) -> list[Array]:
-        """For each run (T, M, 2, K) [m] what one standard deviation of each number of the trial's own makes."""
+        """For each run (T, M, A, K) [m] what one standard deviation of each number of the trial's own makes."""
         return [p.nuisance for p in self.predictions(x) if p.nuisance is not None]

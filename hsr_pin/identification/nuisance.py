@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hsr_pin.trajectory import Array
 
@@ -21,8 +22,6 @@ from hsr_pin.trajectory import Array
 HELD, INSTANT = 0.002, 0.25
 #: Standard errors by which the mean of a number over the trials may differ from none by chance.
 _CHANCE = 1.5
-#: Numbers that a trial may have of its own: where it rests, how it was held, when it was let go.
-_OWN = 3
 #: Residuals are never taken for more alike than this from sample to sample.
 _LASTING = 0.995
 
@@ -41,10 +40,12 @@ def whitened(rows: Array, basis: Array) -> Array:
 
 
 def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -> Array:
-    """(3,) By how much dearer than beside white noise each of a trial's own numbers is.
+    """(2 A - 1,) By how much dearer than beside white noise each of a trial's own numbers is.
 
-    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, 2)
-    [m] with weights (T, M, 2) [1/m]: its standard error over that of white noise of one noise floor (first-order
+    They are where it rests and how it was held, each in A - 1 directions, and when it was let go.
+
+    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, A)
+    [m] with weights (T, M, A) [1/m]: its standard error over that of white noise of one noise floor (first-order
     autoregression). What a hand did at a release fades by itself, and keeps its price.
     """
     rows = [np.nan_to_num(residual) * weight for residual, weight in zip(residuals, weights, strict=True)]
@@ -53,21 +54,21 @@ def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -
     alike = sum(float((row[1:] * row[:-1]).sum()) for row in rows) / max(power, 1e-300)
     rho = float(np.clip(alike, 0.0, _LASTING))
     doubt = np.sqrt(max(1.0, power / max(count, 1.0)) * (1 + rho) / (1 - rho))
-    return np.where(np.arange(_OWN) < lasting, doubt, 1.0)
+    return np.where(np.arange(2 * residuals[0].shape[-1] - 1) < lasting, doubt, 1.0)
 
 
 def taken_out(
     residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], common: int | None = None
 ) -> list[Array]:
-    """For each trial its residual (T, M, 2) [m] without what its own numbers explain.
+    """For each trial its residual (T, M, A) [m] without what its own numbers explain.
 
     Where all trials rest elsewhere than they should by the same, the arm is another: where the mean of such a number over the
     trials is more than chance would make it, it stays in the residuals. All releases by one hand may share what the hand does.
 
     Args:
-        residuals: one (T, M, 2) [m] per trial; NaN in gaps.
-        weights: (T, M, 2) [1/m], zero in gaps.
-        bases: (T, M, 2, K) [m] what one standard deviation of each number makes.
+        residuals: one (T, M, A) [m] per trial; NaN in gaps.
+        weights: (T, M, A) [1/m], zero in gaps.
+        bases: (T, M, A, K) [m] what one standard deviation of each number makes.
         common: how many of the numbers, from the first, say something of the arm where all trials share them; default: all.
     """
     found = []
@@ -88,12 +89,12 @@ def taken_out(
     ]
 
 
-def rest_scatter(rests: Sequence[tuple[object, float, float]], noise: float) -> float:
-    """Standard deviation [m] with which an arm comes to rest where it should in every trial.
+def rest_scatter(rests: Sequence[tuple[object, ArrayLike, ArrayLike]], noise: float) -> float:
+    """Standard deviation [m], in each direction, with which an arm comes to rest where it should in every trial.
 
     Args:
         rests: for each trial the group of those that should rest in one place, the place [m] of the farthest marker across the
-            arm, and the bending [m] from which it came: what goes with that is memory of the arm, and no scatter.
+            arm, and the bending [m] from which it came: what goes with that is memory of the arm, and no scatter. In space (2,).
         noise: of a place [m].
 
     Returns:
@@ -101,13 +102,17 @@ def rest_scatter(rests: Sequence[tuple[object, float, float]], noise: float) -> 
     """
     squares = freedom = 0.0
     for group in dict.fromkeys(key for key, _, _ in rests):
-        places = np.array([(place, origin) for key, place, origin in rests if key == group])
+        places, origins = (
+            np.array([np.atleast_1d(each) for each in column])
+            for column in zip(*((place, origin) for key, place, origin in rests if key == group), strict=True)
+        )
         if len(places) < 3:
             continue
         columns = np.ones((len(places), 1))
-        if np.ptp(places[:, 1]) > 10 * noise and len(places) > 4:
-            columns = np.column_stack([columns, places[:, 1]])
-        left = places[:, 0] - columns @ np.linalg.lstsq(columns, places[:, 0], rcond=None)[0]
-        squares, freedom = squares + float(left @ left), freedom + len(places) - columns.shape[1]
+        if np.ptp(origins, axis=0).max() > 10 * noise and len(places) > 3 + origins.shape[1]:
+            columns = np.column_stack([columns, origins])
+        for place in places.T:
+            left = place - columns @ np.linalg.lstsq(columns, place, rcond=None)[0]
+            squares, freedom = squares + float(left @ left), freedom + len(place) - columns.shape[1]
     variance = squares / freedom - noise**2 if freedom else 0.0
     return float(np.sqrt(variance)) if variance > 8 * noise**2 / np.sqrt(max(freedom, 1.0)) else 0.0

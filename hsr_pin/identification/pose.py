@@ -27,13 +27,19 @@ _WIDTH = 1e-6
 
 
 def modes_of(columns: Columns, seen: int) -> Array:
-    """(C, N, K) joint angles of each mode, for so many markers that are seen."""
+    """(C, N, K) joint angles of each mode, for so many markers that are seen.
+
+    In space (C, 3 N, 2 K) without twist, each mode towards x and then towards y.
+    """
     links = columns.links
     count = min(2 * seen, 4, links)
     s = 2 * (np.arange(links) + 0.5) / links - 1
-    return np.asarray(
-        np.polynomial.legendre.legvander(s, max(count, 1) - 1)[None, :, :count] / (links * columns.arrays.profile[..., None])
-    )
+    along = np.polynomial.legendre.legvander(s, max(count, 1) - 1)[None, :, :count] / (links * columns.arrays.profile[..., None])
+    if not columns.space:
+        return np.asarray(along)
+    modes = np.zeros((len(along), links, 3, count, 2))
+    modes[:, :, 0, :, 0] = modes[:, :, 1, :, 1] = along
+    return modes.reshape(len(along), 3 * links, 2 * count)
 
 
 def pose_from_markers(
@@ -50,25 +56,26 @@ def pose_from_markers(
         near: (K,) amplitudes of the modes, found for a similar arm.
 
     Returns:
-        (C, N) [rad], (C, N) [rad/s], and the amplitudes (K,) of the modes for the first arm.
+        (C, N) [rad], (C, N) [rad/s], in space (C, 3 N), and the amplitudes (K,) of the modes for the first arm.
     """
     seen = np.isfinite(positions).all(axis=1)
     modes = modes_of(columns, int(seen.sum()))
     count = modes.shape[2]
     if count == 0:
         return np.zeros((2, *modes.shape[:2]))[0], np.zeros(modes.shape[:2]), np.zeros(0)
-    sure, penalty = max(noise, _SURE), _SMOOTH ** np.arange(count)
+    axes, alike = ((0, 1, 2), 2) if columns.space else ((0, 2), 1)
+    sure, penalty = max(noise, _SURE), _SMOOTH ** (np.arange(count) // alike)
     kappa = np.zeros((len(columns), count))
-    plan = [active for active in range(1, count) for _ in range(_STEPS)] + [count] * _MOST
+    plan = [active for active in range(alike, count, alike) for _ in range(_STEPS)] + [count] * _MOST
     if near is not None and len(near) == count:
         kappa[:], plan = near, [count] * _MOST
     jacobian, begun = np.empty(0), np.full(len(columns), np.inf)
     for active in plan:
         steps = np.vstack([np.zeros(count), _WIDTH * np.eye(count)[:active]])
         poses = np.einsum("cnk,tck->tcn", modes, kappa + steps[:, None])
-        shown = cameras.positions(poses)[:, :, seen][..., [0, 2]].reshape(active + 1, len(columns), -1) / sure
-        jacobian = np.moveaxis(shown[1:] - shown[0], 0, -1) / _WIDTH  # (C, 2M, active)
-        miss = shown[0] - positions[seen][:, [0, 2]].ravel() / sure
+        shown = cameras.positions(poses)[:, :, seen][..., axes].reshape(active + 1, len(columns), -1) / sure
+        jacobian = np.moveaxis(shown[1:] - shown[0], 0, -1) / _WIDTH  # (C, AM, active)
+        miss = shown[0] - positions[seen][:, axes].ravel() / sure
         cost = (miss**2).sum(axis=1) + ((penalty * kappa) ** 2).sum(axis=1)
         if active == count and near is not None and np.any(cost > _WORSE * begun):
             return pose_from_markers(columns, cameras, positions, velocities, noise)
@@ -79,6 +86,6 @@ def pose_from_markers(
         kappa[:, :active] -= change
         if active == count and np.abs(change).max() < _DONE:
             break
-    pull = np.einsum("cmk,m->ck", jacobian, velocities[seen][:, [0, 2]].ravel() / sure)
+    pull = np.einsum("cmk,m->ck", jacobian, velocities[seen][:, axes].ravel() / sure)
     rate = np.linalg.solve(normal, pull[..., None])[..., 0]
     return np.einsum("cnk,ck->cn", modes, kappa), np.einsum("cnk,ck->cn", modes, rate), kappa[0]

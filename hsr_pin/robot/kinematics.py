@@ -69,6 +69,14 @@ class MarkerMap:
         to_links = along[..., None] * self.direction[0] + across[..., None] * self.normal[0]
         return np.asarray(to_links[::-1].cumsum(axis=0)[::-1].transpose(1, 2, 0))  # joint i turns link i and all further ones
 
+    def sways(self, joint_angles: Array, shapes: Array) -> Array:
+        """(T, M, 3, K) [m/rad] derivatives of one arm's positions at joint angles (T, N) to amplitudes of shapes (N, K)."""
+        theta = np.cumsum(joint_angles, axis=1)
+        way = np.cos(theta)[..., None] * self.normal[0] - np.sin(theta)[..., None] * self.direction[0]  # (T, N, 3)
+        turn = (self.spans[0][None, :, :, None] * way[:, :, None]).reshape(*theta.shape, -1)  # (T, N, 3M) d p / d theta
+        found = np.einsum("tnx,nk->txk", turn, np.cumsum(shapes, axis=0))
+        return np.asarray(found.reshape(len(theta), -1, 3, shapes.shape[1]))
+
     def normals(self, joint_angles: Array) -> Array:
         """(..., M, 3) unit vectors across the backbone at the markers, towards positive bending."""
         return self._turned_by(self.turned(joint_angles) + np.pi / 2)

@@ -69,6 +69,10 @@ class SpaceMarkerMap:
         """(..., M, 3) unit vectors along the backbone at the markers, towards the tip."""
         return self._axes(joint_angles, 2)
 
+    def sides(self, joint_angles: Array) -> Array:
+        """(..., M, 3) unit vectors across the backbone at the markers, towards y of their links."""
+        return self._axes(joint_angles, 1)
+
     def turned(self, joint_angles: Array) -> Array:
         """(..., M) [rad] bending from the base to the markers: the length of the sum of the joints'."""
         bends = _by_joint(joint_angles)[..., :2].cumsum(axis=-2)
@@ -90,6 +94,11 @@ class SpaceMarkerMap:
     def _axes(self, joint_angles: Array, which: int) -> Array:
         """(..., M, 3) one of the axes of the markers' links, in the world."""
         return self._turned(self.frames(_by_joint(joint_angles)), np.broadcast_to(np.eye(3)[which], self.beside.shape))
+
+    def sways(self, joint_angles: Array, shapes: Array) -> Array:
+        """(T, M, 3, K) [m/rad] derivatives of one arm's positions at coordinates (T, 3 N) to amplitudes of shapes (3 N, K)."""
+        found = [self.velocities(joint_angles, np.broadcast_to(shape, joint_angles.shape)) for shape in shapes.T]
+        return np.stack(found, axis=-1)
 
     def _turned(self, frames: Array, vectors: Array) -> Array:
         """(..., M, 3) vectors (C, M, 3) of the markers' links, in the world."""

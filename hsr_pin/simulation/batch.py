@@ -76,13 +76,11 @@ def moved(
     """The motions of scenarios with the same times, all with the steps of the first, or (``apart``) each with its own."""
     first, engine = scenarios[0], Engine(columns, dynamics)
     deliver = partial(engine.deliver, step=first.step, interpolated=first.interpolated, substeps=method.substeps(first.step))
-    if columns.space:
-        from hsr_pin.simulation.space.drive import delivered
+    command = deliver(np.array([s.command for s in scenarios]).swapaxes(0, 1), np.array([s.held_under for s in scenarios]))
+    if columns.points is not None:
+        from hsr_pin.simulation.space.drive import with_loads
 
-        command = delivered(columns, scenarios, deliver)
-    else:
-        start = np.array([s.start.torque if isinstance(s.start, Settled) else s.torque[0] for s in scenarios])
-        command = deliver(np.array([s.torque for s in scenarios]).T, start)
+        command = with_loads(columns, scenarios, command)
     q, v = np.zeros((2, len(columns), columns.coordinates))
     wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
     for b, s in enumerate(scenarios):

@@ -34,6 +34,11 @@ class Cameras:
         self._places = _places(columns, self._reach, beside)
         self._effects = tuple(effect for effect in columns.effects if effect.acts_through("observe"))
 
+    @property
+    def places(self) -> MarkerMap | SpaceMarkerMap:
+        """Where the markers are, without what effects make of it."""
+        return self._places
+
     def positions(self, q: Array) -> Array:
         """(T, B, M, 3) [m] in the world frame, for joint angles q (T, B, N) [rad], in space (T, B, 3 N)."""
         seen = self._places.positions(q)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect, columns_of, stack
@@ -70,6 +71,19 @@ class Columns:
     def coordinates(self) -> int:
         """N, in space 3 N."""
         return (3 if self.space else 1) * self.links
+
+    def evenly(self, bending: Array) -> Array:
+        """(B, N) [rad] joint angles of arms that are bent evenly by (B,) [rad]; in space (B, 3 N) for complex numbers."""
+        each = np.repeat(bending[:, None] / self.links, self.links, axis=1)
+        return np.stack([each.real, each.imag, np.zeros(each.shape)], axis=-1).reshape(len(each), -1) if self.space else each
+
+    def by_joint(self, angles: Array) -> Array:
+        """Rows (..., N) as they are; in space (..., N, 3) of rows (..., 3 N)."""
+        return angles.reshape(*angles.shape[:-1], self.links, 3) if self.space else angles
+
+    def bends(self, angles: Array) -> Array:
+        """(..., N) of rows (..., N); in space complex numbers of rows (..., 3 N), without twist."""
+        return np.asarray(angles[..., 0::3] + 1j * angles[..., 1::3] if self.space else angles)
 
     @cached_property
     def arms(self) -> Arms:
@@ -161,6 +175,15 @@ class Columns:
         every = [self.arms.specification(b) for b in range(len(self))]
         models = tuple((space_model(rigid_body(arm)) if self.space else build_model(arm).model).copy() for arm in every)
         return PinocchioSystem(self.arrays, models, tuple(m.createData() for m in models), self.laws, solve)
+
+    def rigid_torques(self) -> Callable[[Array, Array, Array], Array]:
+        """The torques [N m] that the bodies of the first arm take in a motion q, v, a, (N,) each, in space (3 N,)."""
+        system = self.members(slice(0, 1)).pinocchio("rnea")
+        if not self.space:
+            return partial(pin.rnea, system.models[0], system.data[0])
+        from hsr_pin.simulation.space.reference import rigid_torques
+
+        return partial(rigid_torques, system.models[0], system.data[0])
 
     def numbers_of(self, effect: Effect) -> Array:
         """(P, B) the parameters of one of the effects."""

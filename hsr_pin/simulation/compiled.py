@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.effect import Effect, formless
 from hsr_pin.simulation import kernel, march, rest
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.march import advance
@@ -41,17 +41,22 @@ def loops() -> Loops:
         return _loops()
 
 
-def ready(effects: Iterable[type[Effect]] = ()) -> None:
+def ready(effects: Iterable[type[Effect]] = (), *, space: bool = False) -> None:
     """Compile all that a fit with these effects will call, before many processes want it."""
     from hsr_pin.simulation.laws import address
 
-    loops()
+    if space:
+        from hsr_pin.simulation.space.loops import space_loops
+
+        space_loops()
+    else:
+        loops()
     for kind in effects:
         for variant in kind.variants():
             effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
             for hook in ("moment", "touch", "update", "respond"):
-                if effect.acts_through(hook):
-                    address(effect, hook)
+                if effect.acts_through(hook) and not formless([effect], space=space):
+                    address(effect, hook, space=space)
 
 
 def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options: Any) -> tuple[Any, bool]:

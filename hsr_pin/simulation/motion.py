@@ -89,9 +89,15 @@ class Engine:
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
 
     def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
-        """As :func:`hsr_pin.simulation.command.deliver`."""
+        """As :func:`hsr_pin.simulation.command.deliver`; in space torque (T, B) is complex, or (T, B, S) for S sections."""
         respond = by_machine if self._compiled else by_law
-        return deliver(self.columns, torque, initial, step, interpolated=interpolated, substeps=substeps, respond=respond)
+        given = partial(deliver, self.columns, step=step, interpolated=interpolated, substeps=substeps, respond=respond)
+        if not self.columns.space:
+            return given(torque, initial)
+        from hsr_pin.simulation.space.drive import in_components
+
+        sections = torque.reshape(*torque.shape[:2], -1).transpose(2, 0, 1), initial.reshape(len(initial), -1).T
+        return in_components([given(each, before) for each, before in zip(*sections, strict=True)])
 
     def settled(self, torque: Array, wanted: NDArray[np.bool_], near: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Where the arms rest under constant torques.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.effect import Effect, formless
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.parameters import finite
 from hsr_pin.robot.specification import ArmSpecification
@@ -130,9 +130,9 @@ class Scenario:
             raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
         if not space and (off := [marker.name for marker in self.markers if marker.radius]):
             raise InputError("markers", expected="on the backbone of an arm in a plane", received=f"{off[0]} beside it")
-        if wrong := [effect.name for effect in self.effects if not (effect.in_space if space else effect.in_plane)]:
+        if wrong := formless(self.effects, space=space):
             expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
-            raise InputError("effects", expected=expected, received=", ".join(wrong))
+            raise InputError("effects", expected=expected, received=wrong)
         for load in self.loads:
             load.wrenches(samples)
             if not 0 <= load.arc_length <= self.arm.length * (1 + 1e-9):
@@ -161,9 +161,9 @@ class Scenario:
 
     @property
     def held_under(self) -> Array:
-        """(S,) [N m] in space, complex: the torque before the first sample."""
+        """[N m] the torque before the first sample; in space (S,) complex."""
         before = self.start.torque if isinstance(self.start, Settled) else self.command[0]
-        return np.array(np.broadcast_to(before, self.command.shape[1]), dtype=complex)
+        return np.array(np.broadcast_to(before, self.command.shape[1:]), dtype=self.command.dtype)
 
     @property
     def step(self) -> float:

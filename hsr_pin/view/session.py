@@ -87,7 +87,7 @@ class Session:
         values = np.array([[settings.arm(name) for name in ARM]])
         found = respond(self.experiment, run, hypothesis, values)
         markers = found.positions[:, 0]
-        residual = markers[..., [0, 2]] - run.in_plane
+        residual = markers[..., [0, 2]] - run.compared
         squares = (residual**2).sum(axis=-1)
         seen = np.isfinite(squares)
         error = np.sqrt(np.where(seen, squares, 0.0).sum(axis=1) / np.where(seen.any(axis=1), seen.sum(axis=1), np.nan))

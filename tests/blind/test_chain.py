@@ -12,7 +12,7 @@ pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group 
 from hsr_pin.blind.plants.arm import Arm
 from hsr_pin.blind.plants.chain import Chain, ChainPlant
 from hsr_pin.blind.plants.laws.law import Joints
-from hsr_pin.blind.plants.march import March
+from hsr_pin.blind.plants.march import March, planar
 from hsr_pin.blind.plants.program import Trial, program
 from hsr_pin.errors import SimulationFailure
 
@@ -142,4 +142,4 @@ def test_a_plant_that_grows_longer_has_diverged():
     trial = constant(0.0, 0.2)
     engine = Stretched(arm, np.full(6, KEQ), np.full(6, C), 1e-3)
     with pytest.raises(SimulationFailure, match="diverged"):
-        March(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3).run(np.linspace(0.0, arm.length, 7))
+        March(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3, planar).run(np.linspace(0.0, arm.length, 7))

@@ -149,7 +149,7 @@ def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth,
 def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():
     experiment, base, guess = own_guess("tip_mass:mass=0.05")
     candidate = finish(experiment, glance(experiment, base, guess))
-    assert [part.shape for part in candidate.heldout] == [run.in_plane.shape for run in experiment.runs]
+    assert [part.shape for part in candidate.heldout] == [run.compared.shape for run in experiment.runs]
     for own, kept in zip(candidate.fit.residuals, candidate.heldout, strict=True):
         assert not np.array_equal(own, kept)
         assert np.sqrt(np.nanmean((kept**2).sum(axis=2))) < 1.2 * np.sqrt(2) * 1e-4

@@ -35,7 +35,7 @@ def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
     monkeypatch.syspath_prepend(EXAMPLES)
     folder = str(shared / "recordings" / "real-trunk-space")
     errors = importlib.import_module("trunk_in_space").main([folder, "--quick"])
-    assert errors["space + bend_at_rest"] < 0.95 * errors["plane"]
+    assert errors["space + bend_at_rest"] < 0.98 * errors["plane"]
     assert "13 releases fitted, 21 held out" in capsys.readouterr().out
 
 

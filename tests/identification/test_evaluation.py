@@ -91,7 +91,7 @@ def test_where_one_in_three_samples_is_looked_at_these_are_as_among_all(record, 
     points = np.array([[1.0, 1.0], [1.2, 0.5], [0.05, 1.0]])
     whole, third = (respond(experiment, each, Hypothesis(), points).positions for each in (run, few))
     np.testing.assert_array_equal(third, whole[::3])
-    np.testing.assert_array_equal(few.in_plane, run.in_plane[::3])
+    np.testing.assert_array_equal(few.compared, run.compared[::3])
     slopes, some = (
         predict_with_slopes(replace(experiment, runs=(each,), rest_scatter=1e-3), Hypothesis(), TRUE)[0] for each in (run, few)
     )

@@ -104,7 +104,7 @@ def test_what_an_effect_makes_of_the_start_of_a_release_is_in_its_derivatives(re
     chord = (there - here) / (2 * width)
     assert np.abs(chord[0]).max() < 0.15 * np.abs(chord).max()  # the markers stay where they were seen, at first
     assert np.abs(found.slopes[..., 2] - chord).max() < 0.05 * np.abs(chord).max()
-    assert np.abs(found.positions[0] - run.in_plane[0]).max() < 1e-4
+    assert np.abs(found.positions[0] - run.compared[0]).max() < 1e-4
 
 
 def test_a_release_of_an_arm_with_a_gradient_is_recovered(record):

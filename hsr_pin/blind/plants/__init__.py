@@ -9,6 +9,7 @@
 - ``plant``: Plant.run: a program and effects in, a folder of recordings out
 - ``program``: steps, staircase, chirp, releases, payload
 - ``rod``: RodPlant, a Cosserat rod in PyElastica
+- ``space``: the same for arms in space: BallPlant, and laws about two axes
 - ``scaling``: give an effect the strength that a marker gap asks for
 - ``writing``: markers and files
 

@@ -16,7 +16,7 @@ from hsr_pin.errors import MissingDependencyError
 
 from .arm import Arm, Array, Motion
 from .laws.law import Joints, Law, Nodes
-from .march import March, profile
+from .march import March, planar, profile
 from .plant import Plant
 from .program import Trial
 
@@ -43,7 +43,7 @@ class ChainPlant(Plant):
         stiffness = k * trial.keq * profile(laws, "stiffness", s)
         damping = c * trial.damping * profile(laws, "damping", s)
         engine = Chain(arm, stiffness, damping, self.step)
-        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, self.step)
+        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, self.step, planar)
         return march.run(np.linspace(0.0, arm.length, self.elements + 1))
 
 
@@ -123,8 +123,8 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
         length = h if i < n - 1 else h / 2
         body = body.add_body(pos=[0, 0, h / 2 if i == 0 else h])
         joint = body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 1, 0])
-        joint.stiffness = _linear(joint.stiffness, n * stiffness[i])
-        joint.damping = _linear(joint.damping, n * damping[i])
+        joint.stiffness = linear(joint.stiffness, n * stiffness[i])
+        joint.damping = linear(joint.damping, n * damping[i])
         body.explicitinertial = True
         body.mass = arm.line_mass * length
         body.ipos = [0, 0, length / 2]
@@ -146,7 +146,7 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
     return spec.compile()
 
 
-def _linear(field: Any, value: float) -> Any:
+def linear(field: Any, value: float) -> Any:
     """MuJoCo 4 takes polynomials for springs and dampers, earlier versions one number."""
     return value if np.ndim(field) == 0 else [value, *[0.0] * (len(field) - 1)]
 

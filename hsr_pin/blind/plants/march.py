@@ -6,8 +6,9 @@ dampers, and whatever a law adds to the dampers, are the engine's own business.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from .program import RATE, Trial
 SETTLE_BLOCK, SETTLE_LONGEST = 0.25, 10.0  # s
 SETTLED = 1e-5  # m/s, speed of the tip below which the arm is at rest
 SLACK = 0.02  # of the length: the rod stretches a little; what is farther from the base has diverged
+
+
+AnyMotion = TypeVar("AnyMotion")
 
 
 class Engine(Protocol):
@@ -43,7 +47,7 @@ def profile(laws: Sequence[Law], place: str, s: Array) -> Array:
     return out
 
 
-def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[float, Array]:
+def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[Any, Array]:
     """Torque at rest [N m], and at each step (K,) [N m], after all laws between command and arm."""
     per_sample = round(1 / RATE / dt)
     tau = trial.torque()
@@ -51,19 +55,36 @@ def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[float, Array
     t = np.arange(-per_sample, tau.size - per_sample, dtype=float) * dt
     for law in acting(laws, "command"):
         tau = law.command(tau, t, trial.keq, trial.clock)
-    return float(tau[0]), tau[per_sample:]
+    return tau[0].item(), tau[per_sample:]
 
 
-class March:
+def planar(t: Array, s: Array, nodes: Sequence[Nodes]) -> Motion:
+    """Of the nodes at each sample."""
+    x, z = np.stack([each.position for each in nodes], axis=1)
+    return Motion(t, s, x, z, np.stack([each.angle for each in nodes]))
+
+
+class March(Generic[AnyMotion]):
     """A trial on an engine.
 
     Args:
         engine: at its straight pose, at rest. joints: as its springs are. arm: as it truly is.
         trial: what is done. laws: what the model lacks. dt: step [s].
+        motion: makes it of times (T,), arc lengths (N,) and the nodes at each sample.
     """
 
-    def __init__(self, engine: Engine, joints: Joints, arm: Arm, trial: Trial, laws: Sequence[Law], dt: float) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        joints: Joints,
+        arm: Arm,
+        trial: Trial,
+        laws: Sequence[Law],
+        dt: float,
+        motion: Callable[[Array, Array, Sequence[Any]], AnyMotion],
+    ) -> None:
         self.engine, self.joints, self.trial, self.dt = engine, joints, trial, dt
+        self._motion = motion
         self.gravity = arm.gravity()
         self.share = profile(laws, "torque", joints.s)
         self.tau_rest, self.tau = arriving(laws, trial, dt)
@@ -75,19 +96,19 @@ class March:
         base = sum((law.base(fine) for law in acting(laws, "base")), np.zeros_like(fine))
         self.push = np.diff(base, 2) / dt**2  # m/s2, acceleration of the base along x
 
-    def run(self, s: Array) -> Motion:
+    def run(self, s: Array) -> AnyMotion:
         """The motion at the nodes' arc lengths s (N,) [m], at each sample of the trial."""
         self._settle()
         per_sample = round(1 / RATE / self.dt)
         frames = [self.engine.nodes()]
         for k in range(self.tau.size):
-            self._step(k * self.dt, float(self.tau[k]), float(self.push[k]))
+            self._step(k * self.dt, self.tau[k].item(), float(self.push[k]))
             if (k + 1) % per_sample == 0:
                 frames.append(self.engine.nodes())
         t = np.arange(len(frames)) / RATE
-        x, z = np.stack([frame.position for frame in frames], axis=1)
-        motion = Motion(t, s, x, z, np.stack([frame.angle for frame in frames]))
-        sane = np.hypot(x, z) <= s + SLACK * s[-1]  # False for nan too; no arm is longer than it is
+        motion = self._motion(t, s, frames)
+        away = reduce(np.hypot, np.stack([frame.position for frame in frames], axis=1))
+        sane = away <= s + SLACK * s[-1]  # False for nan too; no arm is longer than it is
         if not sane.all():
             first = float(t[np.argmin(sane.all(axis=1))])
             raise SimulationFailure(f"the plant diverged before t = {first:.2f} s", motion)
@@ -98,10 +119,10 @@ class March:
         for _ in range(round(SETTLE_LONGEST / SETTLE_BLOCK)):
             for _ in range(steps):
                 self._step(-self.dt, self.tau_rest, 0.0, rest=True)
-            if np.hypot(*self.engine.nodes().velocity[:, -1]) < SETTLED:
+            if reduce(np.hypot, self.engine.nodes().velocity[:, -1]) < SETTLED:
                 break
 
-    def _step(self, t: float, tau: float, push: float, rest: bool = False) -> None:
+    def _step(self, t: float, tau: Any, push: float, rest: bool = False) -> None:
         applied = tau * self.share
         held = 1.0 if rest else self._grip(t)
         if held and self.trial.hold_torque:
@@ -120,11 +141,13 @@ class March:
                 nodes = self.engine.nodes()
                 force = np.sum([law.force(state, nodes) for law in self.forces], axis=0)
         if held and self.trial.hold_force:
-            force = np.zeros((2, self.engine.nodes().angle.size)) if force is None else force
+            force = np.zeros_like(self.engine.nodes().position) if force is None else force
             where = self.trial.hold_at * (force.shape[1] - 1)
             k = min(int(where), force.shape[1] - 2)
-            force[0, k : k + 2] += held * self.trial.hold_force * np.array([k + 1 - where, where - k])
-        gravity = self.gravity if push == 0.0 else self.gravity - np.array([push, 0.0])
+            pull = held * self.trial.hold_force * np.array([k + 1 - where, where - k])
+            force[0, k : k + 2] += pull.real
+            force[1, k : k + 2] += pull.imag
+        gravity = self.gravity if push == 0.0 else self.gravity - push * np.eye(1, self.gravity.size)[0]
         self.engine.advance(applied, viscous, force, gravity)
 
     def _grip(self, t: float) -> float:

@@ -54,8 +54,12 @@ class Plant(ABC):
             for law in laws:
                 arm = law.arm(arm, trial)
             motion = plant.simulate(trial, laws, nuisance.k, nuisance.c)
-            points.append(observe(motion, arm, laws, markers, error))
+            points.append(self.observed(motion, arm, laws, markers, error))
         return points
+
+    def observed(self, motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
+        """As `writing.observe`."""
+        return observe(motion, arm, laws, markers, error)
 
     def run(
         self,

@@ -20,7 +20,7 @@ from hsr_pin.errors import EffectError, MissingDependencyError, SimulationFailur
 
 from .arm import Arm, Array, Motion
 from .laws.law import Joints, Law, Nodes
-from .march import March, profile
+from .march import March, planar, profile
 from .plant import Plant
 from .program import Trial
 
@@ -69,7 +69,7 @@ class RodPlant(Plant):
         stiffness = k * trial.keq * profile(laws, "stiffness", s)
         damping = c * trial.damping * profile(laws, "damping", s)
         engine = Rod(arm, stiffness, damping, step)
-        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, step)
+        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, step, planar)
         nodes = np.concatenate([[0.0], s, [1.0]]) * arm.length
         return march.run(nodes)
 

@@ -1,4 +1,4 @@
-"""Markers from motions, and datasets in the recording format, version 1; nothing in them tells the law."""
+"""Markers from motions, and datasets in the recording format, version 1 or, in space, 2; nothing in them tells the law."""
 
 from __future__ import annotations
 
@@ -67,8 +67,11 @@ def write(folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], p
 def _csv(trial: Trial, given: str, markers: Sequence[Marker], seen: Array) -> str:
     t = np.arange(trial.samples) / 100
     names, columns = ["t"], [t]
-    if trial.command:
-        tau = trial.torque()
+    tau = trial.torque()
+    if trial.command and np.iscomplexobj(tau):
+        names += ["tau_x", "tau_y"]
+        columns += [tau.real, tau.imag]
+    elif trial.command:
         inputs = pressures(tau, trial.keq) if given == "pressures" else (tau,)
         names += ["P1", "P2"] if given == "pressures" else ["tau"]
         columns += inputs
@@ -80,7 +83,10 @@ def _csv(trial: Trial, given: str, markers: Sequence[Marker], seen: Array) -> st
 
 
 def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> str:
-    lines = ["format = 1", f'name = "{name}"', "", "[robot]"]
+    space = any(np.iscomplexobj(trial.torque()) for trial in program.trials) or any(hasattr(m, "radius") for m in markers)
+    lines = [f"format = {1 + space}", f'name = "{name}"', "", "[robot]"]
+    if space:  # its springs are the same about every axis
+        lines += ['bending = "space"', f"torsion = {program.trials[0].keq}  # Nm/rad"]
     lines += [f"length = {arm.length}  # m", f"mass = {arm.mass}  # kg"]
     lines += [f"diameter = {arm.diameter}  # m", f'mount = "{program.mount}"']
     for marker in markers:
@@ -90,6 +96,8 @@ def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> s
             f'name = "{marker.name}"',
             f"arc_length = {marker.arc_length}  # m",
         ]
+        if radius := getattr(marker, "radius", 0.0):
+            lines += [f"radius = {radius}  # m", f"angle = {marker.angle}  # rad"]  # type: ignore[attr-defined]
     for i, trial in enumerate(program.trials, start=1):
         lines += ["", "[[trial]]", f'file = "trial_{i:02d}.csv"', f"keq = {trial.keq}  # Nm/rad"]
         lines += [f"damping = {trial.damping}  # Nm s/rad, whole arm"]

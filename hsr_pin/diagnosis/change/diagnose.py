@@ -103,6 +103,8 @@ def diagnose_change(
     """
     if max_changes < 1:
         raise IdentificationError("max_changes", expected="one or more", received=max_changes)
+    if "space" in (new.bending, old.bending):
+        raise IdentificationError("bending", expected="plane, to tell what has changed", received="space")
     tell("reading the recordings")
     both = pair(prepare(old, delay=delay), prepare(new, delay=delay))
     lacking = _insufficient(both)

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.identification.evaluation import FRACTION, PLANE, respond
+from hsr_pin.identification.evaluation import FRACTION, respond
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.parallel import Shared, run
 from hsr_pin.trajectory import Array
@@ -88,7 +88,7 @@ def moved(frame: Frame, suspect: Suspect, changed: Array, runs: Sequence[int], *
     model = suspect.hypothesis if fine else _rough(suspect.hypothesis)
     found = []
     for k in runs:
-        seen = np.moveaxis(respond(experiment, experiment.runs[k], model, points).positions[..., PLANE], 1, -1)
+        seen = np.moveaxis(respond(experiment, experiment.runs[k], model, points).positions[..., experiment.axes], 1, -1)
         seen = np.nan_to_num(seen, nan=experiment.dataset.length)
         found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]))
     return found

@@ -69,7 +69,7 @@ class Pair:
     @cached_property
     def motion(self) -> tuple[float, ...]:
         """For each run how much the arm moves in it, over what it does in OLD's: RMS distance from its mean place."""
-        sizes = [float(np.sqrt(np.nanmean(np.nanvar(run.in_plane, axis=0)))) for run in self.experiment.runs]
+        sizes = [float(np.sqrt(np.nanmean(np.nanvar(run.compared, axis=0)))) for run in self.experiment.runs]
         usual = float(np.sqrt(np.mean(np.square([sizes[k] for k in self.old_runs]))))
         return tuple(float(np.clip(size / usual, *_MOTION)) for size in sizes)
 
@@ -108,7 +108,7 @@ class Bins:
         since = run.time - run.time[0]
         place = np.floor(since / max(width, run.step) + 1e-6).astype(int)
         starts = np.flatnonzero(np.diff(place, prepend=-1))
-        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.in_plane).all(axis=2))
+        seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.compared).all(axis=2))
         sizes = np.diff(starts, append=len(since))
         return cls(starts, seen, np.add.reduceat(seen.astype(float), starts), np.add.reduceat(since, starts) / sizes)
 

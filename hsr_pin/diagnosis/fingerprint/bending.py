@@ -82,7 +82,7 @@ def bending(run: Run, experiment: Experiment) -> Bending:
     often = seen.sum(axis=0) >= 0.5 * seen.sum(axis=0).max()
     marker = max(np.flatnonzero(often), key=lambda index: experiment.markers[index].arc_length)
     shown = seen[:, marker]
-    along, across = (run.in_plane[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
+    along, across = (run.compared[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
     angle = 2 * np.arctan2(across, along)
     start = float(angle[0])
     if run.start_pose is not None and np.isfinite(run.start_pose[marker, 0]):

@@ -18,6 +18,7 @@ class BendAtRest(Effect):
     cause = "moulding, creep under its own weight, tendons and tubes that pull"
     citation = "D. Trivedi, A. Lotfi, C. D. Rahn, Geometrically exact models for soft robotic manipulators, IEEE TRO 24 (2008)"
     kind = "elastic"
+    contains = ("preset_bend",)
     passive = True
 
     towards_x: float = parameter(

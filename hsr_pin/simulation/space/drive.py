@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,24 +14,20 @@ from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
 
-def delivered(columns: Columns, scenarios: Sequence[Scenario], deliver: Callable[[Array, Array], Delivered]) -> Delivered:
-    """What arrives at the arms, (B, C + 1, U): of each section's torque, and the loads in the axes of the bases.
+def in_components(sections: Sequence[Delivered]) -> Delivered:
+    """What arrives of the complex torques of S sections, as numbers towards x and towards y: (B, C + 1, 2 S)."""
+    impulse = np.stack([part for each in sections for part in (each.impulse.real, each.impulse.imag)], axis=2)
+    initial = np.stack([part for each in sections for part in (each.initial.real, each.initial.imag)], axis=1)
+    return replace(sections[0], impulse=impulse, initial=initial)
 
-    Args:
-        columns: the arms.
-        scenarios: theirs, with the same times.
-        deliver: passes (S, B) complex torques and (B,) before them through the muscles.
-    """
-    torque, before = np.array([s.command for s in scenarios]), np.array([s.held_under for s in scenarios])  # (B, T, S), (B, S)
-    parts = [deliver(torque[:, :, section].T, before[:, section]) for section in range(torque.shape[2])]
-    loads, held = _loads(columns, scenarios, parts[0].per_sample)
-    impulse = np.concatenate([part for each in parts for part in (each.impulse.real, each.impulse.imag)])
-    impulse = impulse.reshape(2 * len(parts), len(columns), -1).transpose(1, 2, 0)
-    initial = np.stack([part for each in parts for part in (each.initial.real, each.initial.imag)], axis=1)
+
+def with_loads(columns: Columns, scenarios: Sequence[Scenario], command: Delivered) -> Delivered:
+    """What arrives of the torques, and the loads in the axes of the bases: (B, C + 1, 2 S + 6 K)."""
+    loads, held = _loads(columns, scenarios, command.per_sample)
     return replace(
-        parts[0],
-        impulse=np.ascontiguousarray(np.concatenate([impulse, loads], axis=2)),
-        initial=np.ascontiguousarray(np.concatenate([initial, held], axis=1)),
+        command,
+        impulse=np.ascontiguousarray(np.concatenate([command.impulse, loads], axis=2)),
+        initial=np.ascontiguousarray(np.concatenate([command.initial, held], axis=1)),
     )
 
 

@@ -41,17 +41,7 @@ def substep(system: PinocchioSystem, q: Array, v: Array, moment: Array, torque: 
 def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float) -> Array:
     """(3 N,) [rad/s^2] of one arm, with what a step of length d [s] treats implicitly."""
     a, model, data = system.arrays, system.models[b], system.data[b]
-    w, w_rate = q.reshape(-1, 3) @ _ORDER, v.reshape(-1, 3) @ _ORDER
-    turns = [pin.exp3(each) for each in w]
-    whole = np.concatenate([pin.Quaternion(turn).coeffs() for turn in turns])
-    to_body = [pin.Jexp3(each) for each in w]
-    omega = np.concatenate([j @ rate for j, rate in zip(to_body, w_rate, strict=True)])
-    blocks = np.zeros((len(q), len(q)))  # from the coordinates' rates
-    drift = np.zeros(len(q))
-    for i, (turn, j) in enumerate(zip(turns, to_body, strict=True)):
-        own = slice(3 * i, 3 * i + 3)
-        blocks[own, own] = j @ _ORDER.T
-        drift[own] = _drift(turn, w[i], w_rate[i], omega[own])
+    whole, omega, drift, blocks = _in_bodies(q, v)
     pin.forwardKinematics(model, data, whole)
     bias = pin.rnea(model, data, whole, omega, drift, _forces(system, b, torque))
     upper = np.triu(pin.crba(model, data, whole))
@@ -70,6 +60,28 @@ def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Ar
     out = np.zeros(len(q))
     out[moves] = np.linalg.solve(left[np.ix_(moves, moves)], right[moves])
     return out
+
+
+def rigid_torques(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Array) -> Array:
+    """(3 N,) [N m] that the bodies of one arm take in a motion, on the coordinates q, v, a (3 N,) of its joints."""
+    whole, omega, drift, blocks = _in_bodies(q, v)
+    return np.asarray(blocks.T @ pin.rnea(model, data, whole, omega, blocks @ a + drift))
+
+
+def _in_bodies(q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
+    """Pinocchio's configuration (4 N,), angular velocities and what they change by at even rates (3 N,), and d omega / d v."""
+    w, w_rate = q.reshape(-1, 3) @ _ORDER, v.reshape(-1, 3) @ _ORDER
+    turns = [pin.exp3(each) for each in w]
+    whole = np.concatenate([pin.Quaternion(turn).coeffs() for turn in turns])
+    to_body = [pin.Jexp3(each) for each in w]
+    omega = np.concatenate([j @ rate for j, rate in zip(to_body, w_rate, strict=True)])
+    blocks = np.zeros((len(q), len(q)))  # from the coordinates' rates
+    drift = np.zeros(len(q))
+    for i, (turn, j) in enumerate(zip(turns, to_body, strict=True)):
+        own = slice(3 * i, 3 * i + 3)
+        blocks[own, own] = j @ _ORDER.T
+        drift[own] = _drift(turn, w[i], w_rate[i], omega[own])
+    return whole, omega, drift, blocks
 
 
 def _drift(turn: Array, w: Array, rate: Array, omega: Array) -> Array:

@@ -1,0 +1,67 @@
+"""The arm in space that a plant simulates, and the frame it is simulated in: as in the plane, and y to complete it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arm import MOUNTS, Arm, Array
+
+
+@dataclass(frozen=True)
+class SpaceArm(Arm):
+    """An arm that bends about two axes.
+
+    Attributes:
+        side_tilt: turn of the true mount towards y [rad]; with ``tilt`` one turn about an axis across the arm.
+    """
+
+    side_tilt: float = 0.0
+
+    def gravity(self) -> Array:
+        """Gravity in the arm frame, (3,) [m/s2]."""
+        return np.asarray(self.frame(seen=False).T @ np.array([0.0, 0.0, -self.g]))
+
+    def frame(self, *, seen: bool) -> Array:
+        """(3, 3) the arm's axes in the world, or as the markers' frame shows them."""
+        x, z = (np.array(axis, dtype=float) for axis in MOUNTS[self.mount])
+        mounted = np.column_stack([x, np.cross(z, x), z])
+        if seen and not self.tilt_seen:
+            return mounted
+        return np.asarray(mounted @ turned(np.array([-self.side_tilt, self.tilt, 0.0])))
+
+
+@dataclass(frozen=True)
+class SpaceMotion:
+    """A motion in space, sampled at nodes along the arm, in the arm frame.
+
+    Attributes:
+        t: (T,) [s]; s: (N,) arc length of the nodes [m].
+        position: (T, 3, N) [m]; frames: (T, N, 3, 3) axes of the cross sections there, z along the arm.
+    """
+
+    t: Array
+    s: Array
+    position: Array
+    frames: Array
+
+    def at(self, arc_length: float, beside: complex = 0.0, along: float = 0.0) -> Array:
+        """(T, 3) [m] a point beside the backbone, towards x + i y of the section: cubic Hermite between the nodes."""
+        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
+        h = self.s[k + 1] - self.s[k]
+        u = (arc_length - self.s[k]) / h
+        h00, h01 = (1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u)
+        h10, h11 = u * (1 - u) ** 2 * h, u * u * (u - 1) * h
+        a, b = self.frames[:, k], self.frames[:, k + 1]
+        place = h00 * self.position[..., k] + h01 * self.position[..., k + 1] + h10 * a[..., 2] + h11 * b[..., 2]
+        between = (1 - u) * a + u * b
+        between = between / np.linalg.norm(between, axis=1, keepdims=True)
+        return np.asarray(place + between @ np.array([np.real(beside), np.imag(beside), along]))
+
+
+def turned(w: Array) -> Array:
+    """(3, 3) the rotation by a vector (3,) [rad]."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_rotvec(w).as_matrix())

@@ -1,0 +1,216 @@
+"""Laws of space alone, and those of the catalogue that need another form about two axes; all moments are complex, x + i y.
+
+Those that scale moments, masses or time (gradients, lags, creep, payloads) are as they are in the plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..arm import Arm, Array
+from ..laws import actuation, dissipative, elastic, mounting
+from ..laws.law import Joints, Law, State
+from ..program import Trial
+
+
+def _side(rng: np.random.Generator) -> float:
+    return float(rng.uniform(-np.pi, np.pi))
+
+
+def _limited(z: Array, longest: Any) -> Array:
+    return np.asarray(z * np.minimum(1.0, longest / np.maximum(np.abs(z), 1e-12)))
+
+
+@dataclass(frozen=True)
+class UnequalStiffness(Law):
+    """Stiffer by `share` about one axis, softer by it about the other: a flat section. side: the stiff direction [rad]."""
+
+    name: ClassVar[str] = "unequal_stiffness"
+    strength: ClassVar[str] = "share"
+    limit: ClassVar[float] = 0.5
+    share: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> UnequalStiffness:
+        return cls(0.1, _side(rng))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        along = state.bend * np.exp(-1j * self.side)
+        return joints.stiffness * self.share * (along.real - 1j * along.imag) * np.exp(1j * self.side), memory
+
+
+@dataclass(frozen=True)
+class BendAtRest(Law):
+    """Moulded bent: the springs pull towards a bend of `angle` [rad] to one `side` [rad], fixed in the arm."""
+
+    name: ClassVar[str] = "bend_at_rest"
+    strength: ClassVar[str] = "angle"
+    limit: ClassVar[float] = 1.0
+    angle: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> BendAtRest:
+        return cls(0.05, _side(rng))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        return -joints.stiffness * self.angle * np.exp(1j * self.side) + 0 * state.bend, memory
+
+
+@dataclass(frozen=True)
+class TurnedActuation(Law):
+    """Muscles mounted turned about the arm by `angle` [rad]."""
+
+    name: ClassVar[str] = "turned_actuation"
+    strength: ClassVar[str] = "angle"
+    limit: ClassVar[float] = 1.2
+    angle: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> TurnedActuation:
+        return cls(0.08 * float(rng.choice([-1.0, 1.0])))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        return np.asarray(tau * np.exp(1j * self.angle))
+
+
+@dataclass(frozen=True)
+class WeakChamber(Law):
+    """One of three chambers at 120 degrees, at `side` [rad], gives `loss` less [-]; at any instant one of them is empty."""
+
+    name: ClassVar[str] = "weak_chamber"
+    strength: ClassVar[str] = "loss"
+    limit: ClassVar[float] = 0.9
+    loss: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> WeakChamber:
+        return cls(0.15, _side(rng))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        ways = np.exp(1j * (self.side + 2 * np.pi / 3 * np.arange(3)))
+        given = np.linalg.lstsq(np.array([ways.real, ways.imag]), np.array([np.real(tau), np.imag(tau)]), rcond=None)[0]
+        given -= given.min(axis=0)  # the least pressures that make the torque
+        given[0] *= 1 - self.loss
+        return np.asarray(ways @ given)
+
+
+@dataclass(frozen=True)
+class TorqueOffset(Law):
+    """A constant moment `bias` [N m] towards one `side` [rad]."""
+
+    name: ClassVar[str] = "torque_offset"
+    strength: ClassVar[str] = "bias"
+    limit: ClassVar[float] = 0.5
+    bias: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> TorqueOffset:
+        return cls(0.05, _side(rng))
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        return np.asarray(tau + self.bias * np.exp(1j * self.side))
+
+
+@dataclass(frozen=True)
+class BaseTilt(Law):
+    """The base is mounted turned by `angle` towards one `side` [rad], as the markers show."""
+
+    name: ClassVar[str] = "base_tilt"
+    strength: ClassVar[str] = "angle"
+    limit: ClassVar[float] = 0.5
+    angle: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> BaseTilt:
+        return cls(0.05, _side(rng))
+
+    def arm(self, arm: Arm, trial: Trial) -> Arm:
+        way = self.angle * np.exp(1j * self.side)
+        return replace(arm, tilt=arm.tilt + way.real, side_tilt=arm.side_tilt + way.imag)  # type: ignore[call-arg, attr-defined]
+
+
+@dataclass(frozen=True)
+class MarkersBeside(Law):
+    """Marker plates: all markers but the base's sit `distance` [m] off the line to one `side` [rad]."""
+
+    name: ClassVar[str] = "markers_beside"
+    strength: ClassVar[str] = "distance"
+    limit: ClassVar[float] = 0.03
+    distance: float = 0.0
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> MarkersBeside:
+        return cls(0.004, _side(rng))
+
+    @property
+    def beside(self) -> complex:
+        """From the line, x + i y [m]."""
+        return complex(self.distance * np.exp(1j * self.side))
+
+
+class Stiffening(elastic.Stiffening):
+    """Along the bending, with its length: M = K |b|^2 b beta."""
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        return joints.stiffness * self.cubic * np.abs(state.bend) ** 2 * state.bend, memory
+
+
+class DryFriction(dissipative.DryFriction):
+    """A bristle that bends to any side until its length is that of slip (the vector form of Prandtl's element)."""
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> DryFriction:
+        return cls(0.05, "prandtl")
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        z = _limited(memory + state.rate * state.dt, self.bristle)
+        return self.level * joints.keq / self.bristle * z, z
+
+
+class Hysteresis(dissipative.Hysteresis):
+    """Five such elements beside one another (Iwan)."""
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> Hysteresis:
+        return cls(0.3, float(rng.uniform(0.08, 0.3)), form="iwan")
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        slip = _limited(memory + state.rate * state.dt, self.yield_angle * self._SPREAD[:, None])
+        return self.amplitude * joints.keq * slip.mean(axis=0), slip
+
+
+#: Name -> law. Soft spots, gradients, creep, damping, lags and masses as in the plane.
+CATALOGUE: dict[str, type[Law]] = {
+    law.name: law
+    for law in (
+        actuation.ActuatorLag,
+        mounting.AddedMass,
+        BaseTilt,
+        BendAtRest,
+        dissipative.DampingGradient,
+        actuation.DeadTime,
+        DryFriction,
+        Hysteresis,
+        MarkersBeside,
+        dissipative.QuadraticDamping,
+        elastic.SoftSpot,
+        Stiffening,
+        elastic.StiffnessGradient,
+        mounting.TipMass,
+        actuation.TorqueDecay,
+        TorqueOffset,
+        TurnedActuation,
+        UnequalStiffness,
+        dissipative.Viscoelastic,
+        WeakChamber,
+    )
+}

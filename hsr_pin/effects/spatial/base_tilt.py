@@ -1,0 +1,52 @@
+"""A base in space that is not mounted as declared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View, option
+from hsr_pin.parameters import parameter
+from hsr_pin.robot.rotations import rotations, vectors
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class BaseTilt(Effect):
+    """The base is turned about an axis across the arm: :class:`~hsr_pin.effects.gravity_tilt.GravityTilt` to any side."""
+
+    name = "base_tilt"
+    lacks = "the base is not mounted as declared"
+    cause = "mounting"
+    citation = "B. W. Mooring, Z. S. Roth, M. R. Driels, Fundamentals of Manipulator Calibration, Wiley (1991)"
+    kind = "mass_gravity"
+    contains = ("gravity_tilt",)
+    passive = True
+
+    towards_x: float = parameter(
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
+    )
+    towards_y: float = parameter(
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
+    )
+    frame: str = option("world", "base", description="what the markers' frame is fixed to")
+
+    @property
+    def in_plane(self) -> bool:
+        return False
+
+    def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        return replace(
+            specification, tilt=specification.tilt + self.towards_x, cross_tilt=specification.cross_tilt + self.towards_y
+        )
+
+    def observe(self, view: View) -> Array:
+        if self.frame == "world":
+            return view.positions
+        places: Any = view.places
+        turn = np.stack(np.broadcast_arrays(self.towards_x, self.towards_y, 0.0), axis=-1)
+        back = places.base @ rotations(vectors(-turn)) @ np.swapaxes(places.base, -1, -2)
+        return np.asarray((back[..., None, :, :] @ view.positions[..., None])[..., 0])

@@ -1,0 +1,46 @@
+"""Markers in space that sit beside the line on which they are declared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, View, option
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class MarkersBeside(Effect):
+    """p_seen = p + x n + y s of their links' axes: :class:`~hsr_pin.effects.marker_offset.MarkerOffset` to any side."""
+
+    name = "markers_beside"
+    lacks = "markers sit off the backbone's neutral line"
+    cause = "marker plates"
+    citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
+    kind = "measurement"
+    contains = ("marker_offset",)
+    passive = True
+
+    towards_x: float = parameter(
+        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="from where they are declared"
+    )
+    towards_y: float = parameter(
+        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="from where they are declared"
+    )
+    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base is off the line too")
+
+    @property
+    def in_plane(self) -> bool:
+        return False
+
+    def observe(self, view: View) -> Array:
+        places: Any = view.places
+        x, y = (np.asarray(each)[..., None, None] for each in (self.towards_x, self.towards_y))
+        way = x * view.normals + y * places.sides(view.angles)
+        if self.base == "zeroed":
+            return np.asarray(view.positions + (way - way[:1]))
+        moved = (view.arc_lengths > 0) | (self.base == "moved")
+        return np.asarray(view.positions + moved[..., None] * way)

@@ -1,0 +1,36 @@
+"""Muscles in space that do not stand where they are thought to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+
+
+@dataclass(frozen=True)
+class TurnedActuation(Effect):
+    """y = u exp(i angle): every torque acts turned about the straight arm, from x towards y."""
+
+    name = "turned_actuation"
+    lacks = "the axes of actuation are turned"
+    cause = "chambers or tendons that stand or run twisted about the arm, axes of the base told wrongly"
+    citation = (
+        "R. J. Webster III, B. A. Jones, Design and kinematic modeling of constant curvature continuum robots, IJRR 29 (2010)"
+    )
+    kind = "actuation_map"
+
+    angle: float = parameter(
+        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="from x towards y of the base"
+    )
+
+    @property
+    def in_plane(self) -> bool:
+        return False
+
+    @staticmethod
+    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+        return torque * (np.cos(p.angle) + 1j * np.sin(p.angle)), memory

@@ -1,0 +1,42 @@
+"""An arm in space that is stiffer about one axis than about the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class UnequalStiffness(Effect):
+    """m = k (e_x + i e_d) conj(x + i y): stiffness k (1 + e_x) towards x, k (1 - e_x) towards y; e_d at the diagonals."""
+
+    name = "unequal_stiffness"
+    lacks = "the arm bends more easily to some sides than to others"
+    cause = "a flat cross section, tubes on two sides, layers of a printed body"
+    citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
+    kind = "elastic"
+    passive = True
+
+    along_x: float = parameter(
+        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="stiffer towards x than on average"
+    )
+    diagonal: float = parameter(
+        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="stiffer half way to y than on average"
+    )
+
+    @property
+    def in_plane(self) -> bool:
+        return False
+
+    @staticmethod
+    def moment(p: Any, bending: Bending) -> Any:
+        return (p.along_x + 1j * p.diagonal) * np.conj(bending.angle) * bending.keq * bending.stiffness
+
+    def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
+        return IMPLICIT * np.hypot(self.along_x, self.diagonal) * keq, 0.0
