@@ -17,7 +17,7 @@ from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
 from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
+from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge, with_spread
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -162,6 +162,8 @@ def diagnose(
                 found = searched(by_level)
                 verdict = judged(found, None)
     tell("where the gap lies")
+    where = locate(experiment, base, found.best, seed)
+    verdict = with_spread(verdict, where.spread)
     return Diagnosis(
         experiment,
         verdict,
@@ -169,7 +171,7 @@ def diagnose(
         found,
         thresholds,
         tuple(nominal),
-        locate(experiment, base, found.best, seed),
+        where,
         propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
         prints,
         own,

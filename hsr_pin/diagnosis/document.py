@@ -105,6 +105,7 @@ def _where(where: Where | None) -> dict[str, Any]:
             "sentence": "",
             "frequency_hz": None,
             "defect": None,
+            "spread": None,
         }
     centre, *interval = (None,) if where.defect is None else map(_number, where.defect)
     return {
@@ -115,6 +116,7 @@ def _where(where: Where | None) -> dict[str, Any]:
         "sentence": where.sentence,
         "frequency_hz": None if where.frequency is None else _number(where.frequency),
         "defect": None if where.defect is None else {"centre": centre, "ci95": interval},
+        "spread": None if where.spread is None else {shape: _number(share) for shape, share in where.spread.left.items()},
     }
 
 

@@ -31,12 +31,18 @@ class ResidualTorque:
         noise: (N,) [N m] RMS of it that marker noise alone would make.
         bending: (T,) [rad] bending angle of the whole arm, by the model; in space complex.
         rate: (T,) [rad/s] its rate.
+        bends: (T, N) [rad] of its joints; in space complex.
+        levers: (T, N) [m] from each joint to the tip along the straight arm: the moments of a force across it; in space zeros.
+        modes: of curvature that the markers tell.
     """
 
     torque: Array
     noise: Array
     bending: Array
     rate: Array
+    bends: Array
+    levers: Array
+    modes: int
 
 
 def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[ResidualTorque]:
@@ -68,8 +74,12 @@ def _residual(experiment: Experiment, run: Run, model: Response, generator: np.r
     noise = [generator.normal(size=gap.shape) * experiment.noise[:, None] * seen for _ in range(_DRAWS)]
     zero = torque(np.zeros_like(gap))
     power = np.mean([np.abs(torque(draw) - zero) ** 2 for draw in noise], axis=(0, 1))
-    bending, rate = (columns.bends(part).sum(axis=1) for part in (q, v))
-    return ResidualTorque(torque(gap), np.sqrt(power), bending, rate)
+    bends, rates = (columns.bends(part) for part in (q, v))
+    levers = np.zeros(bends.shape)
+    if not columns.space:
+        along = columns.arrays.reach[0] * np.cos(q.cumsum(axis=1))
+        levers = along[:, ::-1].cumsum(axis=1)[:, ::-1]
+    return ResidualTorque(torque(gap), np.sqrt(power), bends.sum(axis=1), rates.sum(axis=1), bends, levers, shapes.shape[1])
 
 
 class _Bend:

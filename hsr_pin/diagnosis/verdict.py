@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import sqrt
 
 from hsr_pin.diagnosis.candidates import Candidate
@@ -20,6 +20,7 @@ from hsr_pin.diagnosis.search import (
     mean_square,
     open_share,
 )
+from hsr_pin.diagnosis.spread import Spread
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
@@ -39,6 +40,10 @@ WORTH_A_WORD = 0.2
 STRUCTURE = 2.0
 #: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
 AWAY = 1.96
+
+#: Confidence in a kind that only tells itself by how the gap is spread along the arm: the least that is called certain; no sealed
+#: run has shown yet how often it is right.
+SPREAD = CERTAIN
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
@@ -192,6 +197,20 @@ def _graded(
     if 1 - remains.share >= WORTH_A_WORD:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
     return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
+
+
+def with_spread(verdict: Verdict, found: Spread | None) -> Verdict:
+    """An unexplained gap of which it is known how it is spread along the arm is of the kind that this tells."""
+    if verdict.status != "unexplained" or found is None or not found.kind:
+        return verdict
+    told = f"something of the kind {found.kind} ({KINDS[found.kind]}) is certain, in a form that has no name here"
+    return replace(
+        verdict,
+        status="partly_identified",
+        kinds=(found.kind,),
+        confidence={**verdict.confidence, found.kind: SPREAD},
+        sentence=f"{told}: {found.sentence}. {verdict.sentence}",
+    )
 
 
 def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:

@@ -12,6 +12,7 @@ from scipy.stats import spearmanr
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
+from hsr_pin.diagnosis.spread import Spread, spread
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.phases import PHASES, phases
 from hsr_pin.identification.uncertainty import uncertainty
@@ -69,6 +70,7 @@ class Where:
         trials: marker distance [mm] by trial.
         frequency: [Hz] at which the residual is strongest; None if it is flat.
         defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
+        spread: how what is missing is spread along the arm; None where this cannot be told.
         sentence: as a person would say it.
     """
 
@@ -78,6 +80,7 @@ class Where:
     trials: Map
     frequency: float | None
     defect: tuple[float, float, float] | None
+    spread: Spread | None
     sentence: str
 
 
@@ -103,7 +106,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     trials = Map("trial", "mm", _binned(whole, index, names, noise))
     frequency = _frequency(experiment, base.heldout)
     sentence = _sentence(along, time, experiment, torques, gaps, ranges)
-    return Where(along, time, ranges, trials, frequency, _defect(best), sentence)
+    return Where(along, time, ranges, trials, frequency, _defect(best), spread(torques), sentence)
 
 
 def _distance(residual: Array) -> Array:

@@ -87,7 +87,9 @@ def effect_named(name: str) -> type[Effect]:
     """
     every = EFFECTS | FLEXIBLE | SPATIAL
     if name not in every:
-        raise EffectError("effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, every))
+        raise EffectError(
+            "effect", expected=", ".join(EFFECTS), received=repr(name), hint=_nearest(name, EFFECTS) or _nearest(name, every)
+        )
     return every[name]
 
 

@@ -65,6 +65,7 @@ SCHEMA = {
         "sentence": str,
         "frequency_hz": MAYBE,
         "defect": (dict, type(None)),
+        "spread": (dict, type(None)),
     },
     "next_experiment": [{"name": str, "separation": MAYBE}],
     "thresholds": {"worth_mm": NUMBER, "closed_mm": NUMBER, "explained": NUMBER},
