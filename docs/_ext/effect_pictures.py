@@ -148,7 +148,7 @@ def section(kind: type[Effect]) -> str:
     return "\n".join(
         [
             f"## {kind.name}\n",
-            f"{kind.lacks[0].upper()}{kind.lacks[1:]}; typically {kind.cause}. Kind: {KINDS[kind.kind]}.\n",
+            f"{kind.lacks[0].upper()}{kind.lacks[1:]}; typically {kind.cause}. Kind: {kind.kind} ({KINDS[kind.kind]}).\n",
             f"```text\n{inspect.getdoc(kind)}\n```\n",
             f"```{{raw}} html\n{picture(kind)}\n```\n",
             *([f"Held at {beside}.\n"] if held else []),

@@ -17,7 +17,7 @@ from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
 from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge, with_spread
+from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -163,7 +163,7 @@ def diagnose(
                 verdict = judged(found, None)
     tell("where the gap lies")
     where = locate(experiment, base, found.best, seed)
-    verdict = with_spread(verdict, where.spread)
+    verdict = with_traces(verdict, (where.base, where.spread))
     return Diagnosis(
         experiment,
         verdict,

@@ -106,6 +106,7 @@ def _where(where: Where | None) -> dict[str, Any]:
             "frequency_hz": None,
             "defect": None,
             "spread": None,
+            "base": None,
         }
     centre, *interval = (None,) if where.defect is None else map(_number, where.defect)
     return {
@@ -117,6 +118,7 @@ def _where(where: Where | None) -> dict[str, Any]:
         "frequency_hz": None if where.frequency is None else _number(where.frequency),
         "defect": None if where.defect is None else {"centre": centre, "ci95": interval},
         "spread": None if where.spread is None else {shape: _number(share) for shape, share in where.spread.left.items()},
+        "base": None if where.base is None else {"foretold": _number(where.base.foretold)},
     }
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import sqrt
+from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
@@ -20,7 +21,6 @@ from hsr_pin.diagnosis.search import (
     mean_square,
     open_share,
 )
-from hsr_pin.diagnosis.spread import Spread
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN
@@ -41,9 +41,9 @@ STRUCTURE = 2.0
 #: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
 AWAY = 1.96
 
-#: Confidence in a kind that only tells itself by how the gap is spread along the arm: the least that is called certain; no sealed
-#: run has shown yet how often it is right.
-SPREAD = CERTAIN
+#: Confidence in a kind that a trace alone tells: the least that is called certain; no sealed run has shown yet how often it is
+#: right.
+TRACED = CERTAIN
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
@@ -88,6 +88,18 @@ class Verdict:
     confidence: Mapping[str, float] = field(default_factory=dict)
     left: Left | None = None
     support: tuple[Support, ...] = ()
+
+
+class Trace(Protocol):
+    """What a gap shows of its cause without a law for it."""
+
+    @property
+    def kind(self) -> str:
+        """Of physics; empty if it tells none."""
+
+    @property
+    def sentence(self) -> str:
+        """As a person would say it."""
 
 
 @dataclass(frozen=True)
@@ -199,17 +211,18 @@ def _graded(
     return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
 
 
-def with_spread(verdict: Verdict, found: Spread | None) -> Verdict:
-    """An unexplained gap of which it is known how it is spread along the arm is of the kind that this tells."""
-    if verdict.status != "unexplained" or found is None or not found.kind:
+def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
+    """An unexplained gap is of the kind that the first of its traces tells."""
+    told = next((trace for trace in traces if trace is not None and trace.kind), None)
+    if verdict.status != "unexplained" or told is None:
         return verdict
-    told = f"something of the kind {found.kind} ({KINDS[found.kind]}) is certain, in a form that has no name here"
+    certain = f"something of the kind {told.kind} ({KINDS[told.kind]}) is certain, in a form that has no name here"
     return replace(
         verdict,
         status="partly_identified",
-        kinds=(found.kind,),
-        confidence={**verdict.confidence, found.kind: SPREAD},
-        sentence=f"{told}: {found.sentence}. {verdict.sentence}",
+        kinds=(told.kind,),
+        confidence={**verdict.confidence, told.kind: TRACED},
+        sentence=f"{certain}: {told.sentence}. {verdict.sentence}",
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr
 
+from hsr_pin.diagnosis.base_motion import BaseMotion, base_motion
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
 from hsr_pin.diagnosis.spread import Spread, spread
@@ -71,6 +72,7 @@ class Where:
         frequency: [Hz] at which the residual is strongest; None if it is flat.
         defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
         spread: how what is missing is spread along the arm; None where this cannot be told.
+        base: how much of it follows from the base's motion; None where that is not seen.
         sentence: as a person would say it.
     """
 
@@ -81,6 +83,7 @@ class Where:
     frequency: float | None
     defect: tuple[float, float, float] | None
     spread: Spread | None
+    base: BaseMotion | None
     sentence: str
 
 
@@ -106,7 +109,9 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     trials = Map("trial", "mm", _binned(whole, index, names, noise))
     frequency = _frequency(experiment, base.heldout)
     sentence = _sentence(along, time, experiment, torques, gaps, ranges)
-    return Where(along, time, ranges, trials, frequency, _defect(best), spread(torques), sentence)
+    return Where(
+        along, time, ranges, trials, frequency, _defect(best), spread(torques), base_motion(experiment, base.heldout), sentence
+    )
 
 
 def _distance(residual: Array) -> Array:

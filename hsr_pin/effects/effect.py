@@ -40,15 +40,15 @@ IMPLICIT = 0.75
 
 #: Kinds of physics that laws belong to.
 KINDS = {
-    "elastic": "elasticity: how the moment depends on bending, or along the arm",
-    "damping": "damping: a moment that depends on the rate of bending",
-    "friction": "friction: a moment that depends on the path of bending, not on its rate",
-    "creep": "creep: bending that goes on under a constant load",
-    "actuation_time": "actuation in time: the torque comes late or slowly",
+    "elastic": "how the moment depends on bending, or along the arm",
+    "damping": "a moment that depends on the rate of bending",
+    "friction": "a moment that depends on the path of bending, not on its rate",
+    "creep": "bending that goes on under a constant load",
+    "actuation_time": "the torque comes late or slowly",
     "actuation_map": "the map from command to torque",
     "mass_gravity": "mass and gravity",
     "contact": "contact with something beside the arm",
-    "measurement": "measurement: where the markers are and how the cameras see them",
+    "measurement": "where the markers are and how the cameras see them",
 }
 
 

@@ -98,7 +98,7 @@ def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
 
 def _unknown(name: str) -> IdentificationError:
     every = [*SHORT, *ARM, *_NAMED, *(f"{e.name}.{fact.name}" for e in _NAMED.values() for fact in e.parameters())]
-    close = get_close_matches(name, every, n=1, cutoff=0.5)
+    close = get_close_matches(name, EFFECTS, n=1, cutoff=0.5) or get_close_matches(name, every, n=1, cutoff=0.5)
     return IdentificationError(
         "parameter to fit",
         expected=f"{', '.join(SHORT)}, an effect ({', '.join(EFFECTS)}) or effect.parameter",

@@ -66,6 +66,7 @@ SCHEMA = {
         "frequency_hz": MAYBE,
         "defect": (dict, type(None)),
         "spread": (dict, type(None)),
+        "base": (dict, type(None)),
     },
     "next_experiment": [{"name": str, "separation": MAYBE}],
     "thresholds": {"worth_mm": NUMBER, "closed_mm": NUMBER, "explained": NUMBER},

@@ -5,13 +5,13 @@ import pytest
 
 from hsr_pin.diagnosis.residual_torque import ResidualTorque
 from hsr_pin.diagnosis.spread import Spread, spread
-from hsr_pin.diagnosis.verdict import Verdict, with_spread
+from hsr_pin.diagnosis.verdict import Verdict, with_traces
 
 TIME = np.arange(300) * 0.01
-#: A force and a torque that nothing commanded, and an arm that bends most at its base.
+#: A force and a torque that nothing commanded, and an arm that bends most at its tip.
 WHIM = np.sin(7 * TIME) + 0.5 * np.cos(19 * TIME)
 LEVERS = np.tile(np.linspace(0.24, 0.02, 8), (300, 1))
-BENDS = np.sin(2 * TIME)[:, None] * np.linspace(0.2, 0.05, 8)
+BENDS = np.sin(2 * TIME)[:, None] * np.linspace(0.1, 0.2, 8)
 
 
 def residual(torque, noise=0.002, modes=4, seed=0):
@@ -22,7 +22,7 @@ def residual(torque, noise=0.002, modes=4, seed=0):
 @pytest.mark.parametrize(
     ("torque", "kind"),
     [
-        (0.2 * WHIM[:, None] * LEVERS, "contact"),
+        (0.4 * WHIM[:, None] * LEVERS, "contact"),
         (0.03 * WHIM[:, None] + 0 * LEVERS, "actuation_map"),
         (0.5 * BENDS, ""),  # what the arm's own springs may lack has candidates of its own
         (0.03 * WHIM[:, None] * np.cos(np.linspace(0, 9, 8)), ""),  # none of them
@@ -43,12 +43,12 @@ def test_noise_has_no_shape_and_one_mode_cannot_tell():
 def test_an_unexplained_gap_gets_its_kind_and_no_other_verdict_is_touched():
     tip = Spread({"tip": 0.05, "even": 0.2, "bending": 0.3})
     open_ = Verdict("unexplained", (), (), "A gap is left.", confidence={"stiffening": 0.3})
-    told = with_spread(open_, tip)
+    told = with_traces(open_, [None, tip])
     assert (told.status, told.kinds, told.effects) == ("partly_identified", ("contact",), ())
     assert told.confidence["contact"] >= 0.75 and told.confidence["stiffening"] == 0.3
     assert "a force at the tip" in told.sentence and told.sentence.endswith("A gap is left.")
     named = Verdict("identified", ("stiffening",), (), "So.")
-    assert with_spread(named, tip) is named
-    assert with_spread(open_, Spread({"tip": 0.2, "even": 0.21, "bending": 0.3})) is open_  # too near to tell apart
-    assert with_spread(open_, Spread({"tip": 0.4, "even": 0.9, "bending": 0.9})) is open_  # leaves too much
-    assert with_spread(open_, None) is open_
+    assert with_traces(named, [tip]) is named
+    assert with_traces(open_, [Spread({"tip": 0.2, "even": 0.21, "bending": 0.3})]) is open_  # too near to tell apart
+    assert with_traces(open_, [Spread({"tip": 0.4, "even": 0.9, "bending": 0.9})]) is open_  # leaves too much
+    assert with_traces(open_, [None]) is open_
