@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from hsr_pin.errors import InputError, quoted
@@ -71,8 +72,9 @@ def parameter(
     return dataclasses.field(default=neutral, metadata={"parameter": fact})
 
 
-def parameters_of(owner: Any) -> tuple[Parameter, ...]:
-    """The parameters of a dataclass (type or instance), in the order of its fields."""
+@cache
+def parameters_of(owner: type) -> tuple[Parameter, ...]:
+    """The parameters of a dataclass, in the order of its fields."""
     return tuple(
         dataclasses.replace(field.metadata["parameter"], name=field.name)
         for field in dataclasses.fields(owner)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import respond
+from hsr_pin.identification.evaluation import Case, respond_each
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit, fit, stacked
 from hsr_pin.identification.heldout import leave_one_out
@@ -138,7 +138,8 @@ def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
 def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:
     """For each run (T, C, M, 2) [m] about where the markers would be with each of the points (C, P)."""
     rough = _rough(hypothesis)
-    return [respond(experiment, run, rough, points).positions[..., experiment.axes] for run in experiment.runs]
+    answers = respond_each(experiment, rough, (Case(run, points) for run in experiment.runs))
+    return [answer.positions[..., experiment.axes] for answer in answers]
 
 
 def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:

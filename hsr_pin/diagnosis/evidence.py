@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -66,10 +67,13 @@ def structure(heldout: Sequence[Array]) -> float:
     return max(0.0, total / count) if count else 0.0
 
 
+@lru_cache(maxsize=32)
 def draws(blocks: int, seed: int) -> Array:
     """(R, K) how often each block is drawn in each of R resamples."""
     generator = np.random.default_rng(seed)
-    return generator.multinomial(blocks, np.full(blocks, 1 / blocks), size=_RESAMPLES).astype(float)
+    drawn = generator.multinomial(blocks, np.full(blocks, 1 / blocks), size=_RESAMPLES).astype(float)
+    drawn.flags.writeable = False
+    return drawn
 
 
 def interval(values: Squares, seed: int) -> tuple[float, float]:

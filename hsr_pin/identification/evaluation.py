@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +22,20 @@ from hsr_pin.trajectory import Array
 FRACTION = 0.02
 #: Difference for derivatives to what belongs to a trial [rad of the whole arm].
 _WIDTH = 0.01
+
+
+class Case(NamedTuple):
+    """What to simulate.
+
+    Attributes:
+        run: whose input.
+        values: (C, P) of the open parameters.
+        bent: (C,) [rad] how much further than the markers show the arm was held before its release; in space complex.
+    """
+
+    run: Run
+    values: Array
+    bent: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +75,27 @@ class Prediction:
 
 
 def respond(
-    experiment: Experiment,
-    run: Run,
-    hypothesis: Hypothesis,
-    values: Array,
-    *,
-    bent: Array | None = None,
-    dynamics: Dynamics = "compiled",
+    experiment: Experiment, run: Run, hypothesis: Hypothesis, values: Array, *, dynamics: Dynamics = "compiled"
 ) -> Response:
-    """Simulate one run with the open parameters at each of ``values`` (C, P); all take the steps that the first needs.
+    """Simulate one run with the open parameters at each of ``values`` (C, P); all take the steps that the first needs."""
+    return next(respond_each(experiment, hypothesis, [Case(run, values)], dynamics))
 
-    ``bent`` (C,) [rad]: how much further than the markers show the arm was held before its release; in space complex.
-    """
-    columns = hypothesis.columns(experiment, run, values)
-    engine = Engine(columns, dynamics)
-    cameras = experiment.cameras(columns)
+
+def respond_each(
+    experiment: Experiment, hypothesis: Hypothesis, cases: Iterable[Case], dynamics: Dynamics = "compiled"
+) -> Iterator[Response]:
+    """Likewise for each of some cases; arms that two of them share are made once."""
+    made: dict[object, tuple[Engine, Cameras]] = {}
+    for case in cases:
+        shared = hypothesis.declared(experiment, case.run), case.values.tobytes()
+        if shared not in made:
+            columns = hypothesis.columns(experiment, case.run, case.values)
+            made[shared] = Engine(columns, dynamics), experiment.cameras(columns)
+        yield _respond(experiment, hypothesis, case, *made[shared])
+
+
+def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
+    run, values, columns = case.run, case.values, engine.columns
     torque = run.torque if run.lead == 0 else np.append(run.torque[:1], run.torque)
     gain = hypothesis.factor("torque_gain", run, values)
     flow = torque[:, None] * gain
@@ -83,8 +104,8 @@ def respond(
     q, v = _start(experiment, run, hypothesis, columns, cameras)
     if run.start_pose is None:
         q, found = engine.settled(command.initial, found, q)
-    elif bent is not None:
-        q = q + columns.evenly(bent)
+    elif case.bent is not None:
+        q = q + columns.evenly(case.bent)
     motion = engine.run(engine.loaded(q, v), command, len(torque), Integrator(tolerance=hypothesis.tolerance), found)
     angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
     positions = cameras.positions(angles)
@@ -117,8 +138,8 @@ def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Co
 
 def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
     """Simulate runs, each with its own values (P,) of the open parameters."""
-    axes = experiment.axes
-    return [Prediction(respond(experiment, run, hypothesis, values[None]).positions[:, 0][..., axes]) for run, values in cases]
+    answers = respond_each(experiment, hypothesis, (Case(run, values[None]) for run, values in cases))
+    return [Prediction(answer.positions[:, 0][..., experiment.axes]) for answer in answers]
 
 
 def predict_all(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Prediction]:
@@ -140,20 +161,25 @@ def predict_with_slopes(
     )
     ahead = np.where(values + width <= upper, width, -width)
     behind = np.where(values - ahead < lower, 2 * ahead, np.where(values - ahead > upper, 2 * ahead, -ahead))
-    predictions = []
-    for run in experiment.runs:
-        acting = [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
-        sides = (ahead, behind) if central else (ahead,)
-        points = np.array([values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting)])
+    sides = (ahead, behind) if central else (ahead,)
+
+    def acting(run: Run) -> list[int]:
+        return [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
+
+    def case(run: Run) -> Case:
+        points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
         held = np.array(experiment.directions if run.start_pose is not None else ())
         bent = np.append(np.zeros(len(points)), _WIDTH * held)
-        answer = respond(experiment, run, hypothesis, np.vstack([points, *[values] * len(held)]), bent=bent)
+        return Case(run, np.array([*points, *[values] * len(held)]), bent)
+
+    predictions = []
+    for run, answer in zip(experiment.runs, respond_each(experiment, hypothesis, map(case, experiment.runs)), strict=True):
         seen = answer.positions[..., experiment.axes]
-        slopes = np.zeros((*seen[:, 0].shape, len(values)))
-        for place, p in enumerate(acting):
+        slopes, moved = np.zeros((*seen[:, 0].shape, len(values))), acting(run)
+        for place, p in enumerate(moved):
             chord = (seen[:, 1 + place] - seen[:, 0]) / ahead[p]
             if central:
-                other = (seen[:, 1 + len(acting) + place] - seen[:, 0]) / behind[p]
+                other = (seen[:, 1 + len(moved) + place] - seen[:, 0]) / behind[p]
                 chord = (ahead[p] * other - behind[p] * chord) / (ahead[p] - behind[p])
             slopes[..., p] = chord
         predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), _nuisance(experiment, run, answer)))

@@ -51,14 +51,18 @@ class MarkerMap:
 
     def _in_world(self, cosine: Array, sine: Array, fixed: Array) -> Array:
         """What is along and across the base for each link, spanned by the links, in the world frame."""
-        if len(self.fixed) == 1:
-            along, across = cosine @ self.spans[0] + fixed[0], sine @ self.spans[0]
-            return np.asarray(along[..., None] * self.direction[0] + across[..., None] * self.normal[0])
-        along, across = self._spanned(cosine) + fixed, self._spanned(sine)
-        return np.asarray(along[..., None] * self.direction[:, None] + across[..., None] * self.normal[:, None])
+        one = len(self.fixed) == 1
+        along, across = self._spanned(cosine) + (fixed[0] if one else fixed), self._spanned(sine)
+        direction, normal = (self.direction[0], self.normal[0]) if one else (self.direction[:, None], self.normal[:, None])
+        world = np.empty((*along.shape, 3))
+        for axis in range(3):  # by axis: NumPy is slow where the innermost axis is short
+            world[..., axis] = along * direction[..., axis] + across * normal[..., axis]
+        return world
 
     def _spanned(self, parts: Array) -> Array:
         """(..., C, M) from (..., C, N): one product of matrices for each arm."""
+        if len(self.fixed) == 1:
+            return np.asarray(parts @ self.spans[0])
         by_arm = parts.reshape(-1, *parts.shape[-2:]).swapaxes(0, 1)
         return np.asarray((by_arm @ self.spans).swapaxes(0, 1).reshape(*parts.shape[:-1], -1))
 
