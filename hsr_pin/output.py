@@ -24,6 +24,7 @@ _SIGNATURES = tuple(
         rb"/Creator \(hsr_pin\)",
         rb"<dc:title>hsr_pin</dc:title>",
         rb'<hsr version="',
+        rb'\A(<\?xml|""").{1,400}?[Ww]ritten by hsr-export of hsr_pin',
         rb'\A\{\s*"schema": \d+,\s*"dataset": "',
         rb'\A\{\s*"cases": \d+,\s*"missing": \[',
     )

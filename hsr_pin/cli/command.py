@@ -6,7 +6,8 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from signal import SIG_DFL, SIGINT, default_int_handler, getsignal, signal
+from signal import SIG_DFL, SIGINT, SIGTERM, default_int_handler, getsignal, signal
+from threading import current_thread, main_thread
 
 import click
 
@@ -86,12 +87,20 @@ def _open_streams() -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Ctrl-C is an exception in here, where ``hsr_pin.cli`` has let it end the process so far, and again afterwards."""
-    if getsignal(SIGINT) is not SIG_DFL:
-        yield
-        return
-    signal(SIGINT, default_int_handler)
+    """Ctrl-C is an exception in here, where ``hsr_pin.cli`` has let it end the process so far, and again afterwards.
+
+    So is SIGTERM: what is half done is taken away, and workers end before this process does.
+    """
+    wanted = {SIGINT: default_int_handler, SIGTERM: _end} if current_thread() is main_thread() else {}
+    handlers = {number: handler for number, handler in wanted.items() if getsignal(number) is SIG_DFL}
+    for number, handler in handlers.items():
+        signal(number, handler)
     try:
         yield
     finally:
-        signal(SIGINT, SIG_DFL)
+        for number in handlers:
+            signal(number, SIG_DFL)
+
+
+def _end(number: int, _: object) -> None:
+    raise SystemExit(128 + number)

@@ -9,6 +9,7 @@ import click
 
 from hsr_pin.cli.arm import ARM_OPTIONS, arm_from, arm_options
 from hsr_pin.cli.command import run
+from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 
 if TYPE_CHECKING:
     from hsr_pin.export.file import Exported
@@ -35,17 +36,21 @@ _TOLD = ("damping", "length", "mass", "diameter")
     "--mujoco", type=click.Choice(["3", "4"]), default="4", show_default=True, help="Major version that an MJCF file is for."
 )
 @arm_options
-def command(target: str, output: str, **options: Any) -> None:
+@force_option
+def command(target: str, output: str, force: bool, **options: Any) -> None:
     """Hand a hybrid soft robot on to another simulator, with the effects that were found.
 
     From an arm (the options of hsr-urdf), or from a fit or a diagnosis (--from; with several declared stiffnesses say which by
     --keq). Prints what the file holds, what a module beside it does, and what neither can say.
     """
-    from hsr_pin.export.file import write
-    from hsr_pin.output import check_writable
+    from hsr_pin.export.file import module_path, write
 
-    check_writable(output)
+    dataset = options["dataset"]
+    read = [options["result"], None if dataset is None else dataset_folder(dataset)]
+    check_outputs({"--output": output}, read=read, force=force)
     exported = _exported(_model(options), target, output, int(options["mujoco"]))
+    if exported.module:  # only now is it known whether there is one
+        check_outputs({"the module beside it": module_path(output)}, read=read, force=force)
     for path in write(exported, output):
         click.echo(f"wrote {path}")
     for title, lines in (

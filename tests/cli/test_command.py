@@ -12,6 +12,7 @@ import pytest
 
 from hsr_pin.cli.command import run
 from hsr_pin.errors import HsrError, InputError
+from hsr_pin.recordings.write import write_dataset
 
 
 def command_that(raises=None, returns=None):
@@ -160,6 +161,34 @@ def test_ctrl_c_while_a_command_is_loaded_leaves_no_traceback(script, tmp_path):
         assert process.returncode in (0, 130, -signal.SIGINT)
 
 
+@POSIX
+def test_a_command_that_is_told_to_end_ends_its_workers_first_and_says_nothing(heavy_tip, tmp_path):
+    write_dataset(heavy_tip, tmp_path / "data")
+    (tmp_path / "hsr-diagnose").write_text(SCRIPT.replace("sim", "diagnose"))
+    arguments = ["data", "--links", "2", "--effects", "tip_mass,dry_friction", "--jobs", "2"]
+    told = "import multiprocessing, os\n" + BEGUN
+    (tmp_path / "sitecustomize.py").write_text(told)
+    environment = ENVIRONMENT | {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ENVIRONMENT['PYTHONPATH']}"}
+    process = subprocess.Popen(
+        [sys.executable, "hsr-diagnose", *arguments],
+        cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1,
+    )  # fmt: skip
+    assert process.stderr.readline() == "begun\n"
+    process.terminate()
+    out, errors = process.communicate(timeout=60)  # semaphores that are left behind would be told here, after the end
+    assert (process.returncode, out, errors) == (128 + signal.SIGTERM, "", "")
+
+
+#: Says when the first worker process is begun.
+BEGUN = """
+import multiprocessing.process
+real = multiprocessing.process.BaseProcess.start
+def told(process):
+    real(process)
+    multiprocessing.process.BaseProcess.start = real
+    os.write(2, b"begun\\n")
+multiprocessing.process.BaseProcess.start = told
+"""
 #: Says when `click`, the first thing that a command loads, is asked for.
 WAITING = """
 real = builtins.__import__

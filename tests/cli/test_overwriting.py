@@ -8,6 +8,7 @@ import pytest
 
 from hsr_pin.cli.command import run
 from hsr_pin.cli.diagnose import command as diagnose
+from hsr_pin.cli.export import command as export
 from hsr_pin.cli.fit import command as fit
 from hsr_pin.cli.replay import command as replay
 from hsr_pin.cli.sim import command as sim
@@ -23,6 +24,7 @@ WRITERS = [
     (sim, STEP, "--plot", "pdf"),
     (sim, STEP, "--plot", "svg"),
     (urdf, [], "--output", "urdf"),
+    *((export, ["--to", target, "--links", "2"], "--output", target) for target in ("mjcf", "urdf", "sdf")),
     (replay, ["data", "--links", "2"], "--html", "html"),
     (replay, ["data", "--links", "2"], "--plot", "png"),
     (fit, ["data", "--links", "2", "--free", "keq"], "--json", "json"),
@@ -96,6 +98,23 @@ def test_a_command_file_is_never_written_over(here, capsys, force):
     (here / "in.csv").write_text("t,tau\n0,0\n0.5,0.3\n1,0.3\n")
     refused(capsys, sim, ["--input", "in.csv", "--html", "in.csv", *force], "in.csv: will not write over what is read")
     assert (here / "in.csv").read_text().startswith("t,tau")
+
+
+def test_an_export_never_writes_over_the_result_the_recordings_or_another_programs_module(here, capsys):
+    assert run(fit, ["data", "--links", "2", "--json", "fit.json"]) == 0
+    before = (here / "fit.json").read_bytes()
+    capsys.readouterr()
+    result = ["--to", "mjcf", "--from", "fit.json", "--dataset", "data", "--force"]
+    refused(capsys, export, [*result, "-o", "fit.json"], "fit.json: will not write over what is read")
+    refused(capsys, export, [*result, "-o", "data/dataset.toml"], "data/dataset.toml: will not write over what is read")
+    assert (here / "fit.json").read_bytes() == before
+    arguments = ["--to", "mjcf", "--links", "2", "--effect", "viscoelastic:ratio=0.3", "-o", "arm.xml"]
+    (here / "arm_laws.py").write_text("print('mine')")
+    refused(capsys, export, arguments, "arm_laws.py: will not replace the file")
+    assert not (here / "arm.xml").exists()
+    for force in (["--force"], []):
+        assert run(export, [*arguments, *force]) == 0
+    assert "mine" not in (here / "arm_laws.py").read_text()
 
 
 def test_a_report_in_the_folder_of_the_recordings_may_be_renewed(here, capsys):
