@@ -175,5 +175,5 @@ def _on_clock(time: Array, elapsed: Array, places: Array) -> Array:
     inside = (time >= source[0] - TOGETHER) & (time <= source[-1] + TOGETHER)
     track = np.full((len(time), 3), np.nan)
     step = float(np.median(np.diff(source)))
-    track[inside] = Grid(source, time[inside], step, 0.0, TOGETHER).positions(places)
+    track[inside] = Grid(source, time[inside], step, 0.0, 0.0).positions(places)
     return track

@@ -8,6 +8,7 @@ ones (Workstation, Nexus 1) have ``TRAJECTORIES``, ``100.00,Hz``, and ``Field #,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,7 @@ def read_vicon(path: Path, unit: str | None = None) -> Capture:
         if section.rate != first.rate or not np.array_equal(section.frames, first.frames):
             raise sheet.fault(row, 0, "section", expected="the frames of the section before", received="others")
     if starts[-1] == every[-1]:
-        _check_whole(sheet, [*every, len(sheet)], first.frames)
+        _check_whole(sheet, every, first.frames)
     units = ", ".join(sorted(set().union(*(section.units for section in sections))))
     return capture(
         path,
@@ -86,7 +87,7 @@ def _check_whole(sheet: Sheet, starts: list[int], frames: Array) -> None:
     Raises:
         RecordingError: it does.
     """
-    for start, end in zip(starts[:-2], starts[1:-1], strict=True):
+    for start, end in pairwise(starts):
         if sheet.field(start + 3, 0).lower() == "frame" and sheet.is_number(end - 1, 0) and len(frames):
             last = sheet.value(end - 1, 0)
             if frames[-1] < last:
