@@ -98,9 +98,13 @@ def capture(
         RecordingError: no point, fewer than two frames, or time that does not increase or is not that of a motion.
     """
     if not names:
-        raise RecordingError("no marker in the file", expected="columns or labels of points", file=path)
+        hint = "export the positions of markers or bodies too"
+        raise RecordingError(
+            "no marker in the file", expected="columns or labels of points", received="none", hint=hint, file=path
+        )
     if len(time) < 2:
-        raise RecordingError("recording", expected="at least two frames", received=len(time), file=path)
+        hint = "export the motion, not one pose"
+        raise RecordingError("recording", expected="at least two frames", received=len(time), hint=hint, file=path)
     steps = np.diff(time)
     if not np.all(steps > 0):
         frame = int(np.argmin(steps > 0)) + 1

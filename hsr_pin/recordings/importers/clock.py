@@ -9,6 +9,8 @@ from hsr_pin.trajectory import Array
 
 #: Times with more digits than this [s] are as good as frame numbers.
 FINE = 1e-6
+#: Recordings of fewer last digits than this cannot tell a rounded time from one at another rate.
+TELLING = 10.0
 
 
 def frame_times(frames: Array, rate: float | None, stamps: Array) -> tuple[Array, str]:
@@ -22,7 +24,10 @@ def frame_times(frames: Array, rate: float | None, stamps: Array) -> tuple[Array
     if len(frames) < 2 or np.any(np.diff(frames) <= 0) or np.any(np.diff(stamps) < 0):
         return stamps, ""
     spacing = float(np.spacing(np.abs(stamps).max()))
-    slack = ROUNDED * max(last_digit(stamps, spacing), FINE) + 4 * spacing
+    digit = max(last_digit(stamps, spacing), FINE)
+    if stamps[-1] - stamps[0] < TELLING * digit and np.all(np.diff(stamps) > 0):
+        return stamps, ""
+    slack = ROUNDED * digit + 4 * spacing
     for step in (1 / rate if rate else None, fit(frames, stamps)[0]):
         if step is None:
             continue

@@ -16,7 +16,8 @@ from hsr_pin.recordings.importers.optitrack import is_optitrack, read_optitrack
 from hsr_pin.recordings.importers.optitrack_legacy import is_optitrack_legacy, read_optitrack_legacy
 from hsr_pin.recordings.importers.plain import head_text
 from hsr_pin.recordings.importers.qualisys import is_qualisys, read_qualisys
-from hsr_pin.recordings.importers.rosbag import is_bag, read_bag, read_bag_commands
+from hsr_pin.recordings.importers.rosbag import is_bag, read_bag
+from hsr_pin.recordings.importers.rosbag_fields import read_bag_commands, read_mapped_bag
 from hsr_pin.recordings.importers.trc import is_trc, read_trc
 from hsr_pin.recordings.importers.vicon import is_vicon, read_vicon
 
@@ -33,7 +34,7 @@ _TEXTS: tuple[tuple[Callable[[str], bool], Callable[[Path, str | None], Capture]
 
 
 def read_capture(path: str | Path, unit: str | None = None, mapping: TableMapping | None = None) -> Capture:
-    """Read the file of any tracking system that is known, or any table with a mapping.
+    """Read the file of any tracking system that is known, or any table or bag with a mapping.
 
     Args:
         path: the file; a bag of ROS 2 may be a folder.
@@ -46,9 +47,9 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
         MissingDependencyError: a bag, without what reads bags.
     """
     path = Path(path)
-    if mapping is not None and mapping.points:
-        return read_mapped(path, mapping, unit)
     head = _head(path)
+    if mapping is not None and mapping.points:
+        return read_mapped_bag(path, mapping, unit) if is_bag(path, head) else read_mapped(path, mapping, unit)
     if is_bag(path, head):
         return read_bag(path, unit)
     if path.is_dir():

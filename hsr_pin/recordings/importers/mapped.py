@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
 
+from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
 from hsr_pin.recordings.importers.clock import frame_times
 from hsr_pin.recordings.importers.command_rows import CommandRows
-from hsr_pin.recordings.importers.mapping import Column, InputMapping, Place, TableMapping
+from hsr_pin.recordings.importers.mapping import Clock, Column, InputMapping, Place, TableMapping
 from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
-from hsr_pin.recordings.importers.up import Up
 from hsr_pin.recordings.text import nearest
 from hsr_pin.trajectory import Array
 
@@ -33,15 +34,18 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
     Raises:
         RecordingError: with file, line and column of the first fault.
     """
+    if mapping.time is None and mapping.rate is None:
+        expected = "[time] with a column of times, or a rate [Hz]"
+        raise RecordingError("no time", expected=expected, received="none", file=mapping.path, line=1, column=1)
     sheet, names, header = _opened(path, mapping)
     places = [_place(sheet, names, header, place) for _, triple in mapping.points for place in triple]
-    clocks = [_find(sheet, names, header, column) for column in (mapping.time, mapping.frame) if column is not None]
+    clock = _clock(sheet, names, header, mapping.time)
+    frame = [] if mapping.frame is None else [_find(sheet, names, header, mapping.frame)]
     used = [place.column for place in places if isinstance(place.column, int)]
-    rows = _body(sheet, header, [*clocks, *used][0])
-    labels = ["time"] * (mapping.time is not None) + ["frame"] * (mapping.frame is not None)
-    values = sheet.numbers(rows, [*clocks, *used], labels)
-    time, note = _time(sheet, rows, values, mapping)
-    found = iter(values[:, len(clocks) :].T)
+    rows = _body(sheet, header, [*clock, *frame, *used][0] if mapping.time is None or mapping.time.form is None else used[0])
+    stamps, values = _values(sheet, rows, mapping.time, clock, [*frame, *used], ["frame"] * len(frame))
+    time, note = _time(sheet, rows, stamps, values[:, 0] if frame else None, mapping)
+    found = iter(values[:, len(frame) :].T)
     nothing = np.zeros(len(rows))
     columns = [nothing if place.column is None else place.sign * next(found) for place in places]
     said = unit or mapping.unit
@@ -50,9 +54,10 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
         f"table, by {mapping.path.name}",
         time,
         [name for name, _ in mapping.points],
-        np.stack(columns, axis=1).reshape(len(rows), len(mapping.points), 3) * metres(said),
-        up=Up(mapping.up, f"as {mapping.path.name} has it" if mapping.up else f"{mapping.path.name} does not say"),
+        np.stack(columns, axis=1).reshape(len(rows), len(mapping.points), 3),
+        up=mapping.known_up,
         unit=said,
+        factor=metres(unit) if unit else mapping.factor,
         notes=[f"imported from {path.name} by {mapping.path.name} ({said})", *([note] if note else [])],
         encoding=sheet.encoding,
     )
@@ -72,20 +77,19 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     """
     own = path.resolve() != recording.path.resolve()
     sheet, names, header = _opened(path, replace(mapping, header=None) if own and mapping.header else mapping)
-    column = wanted.time if wanted.time is not None else mapping.time
-    clocks = [] if column is None else [_find(sheet, names, header, column)]
+    times = wanted.time or mapping.time
+    clock = _clock(sheet, names, header, times)
     fields = [_find(sheet, names, header, column) for _, column in wanted.columns]
-    rows = _body(sheet, header, [*clocks, *fields][0])
-    values = sheet.numbers(rows, [*clocks, *fields], ["time"] * len(clocks))
-    commands = values[:, len(clocks) :] * wanted.factor
+    rows = _body(sheet, header, [*clock, *fields][0] if times is None or times.form is None else fields[0])
+    stamps, values = _values(sheet, rows, times, clock, fields, [])
+    commands = values * wanted.factor
     given = np.isfinite(commands).all(axis=1)
     if not given.any():
         raise sheet.fault(rows[0], fields[0], "no command", expected="a number in some row", received="none")
     if not own and len(rows) == len(recording.time):
         stamps = recording.time
-    elif clocks:
-        factor = wanted.time_factor if wanted.time is not None else mapping.time_factor
-        stamps = values[:, 0] * factor - (recording.start if not own or wanted.clock == "shared" else 0.0)
+    elif stamps is not None:
+        stamps = stamps - (recording.start if not own or wanted.clock == "shared" else 0.0)
     else:
         hint = f"say it in {mapping.path.name}: [input] time"
         raise sheet.fault(max(header, 0), 0, "no time of the commands", expected="a column of times", hint=hint)
@@ -150,16 +154,44 @@ def _body(sheet: Sheet, header: int, column: int) -> range:
     return range(first, len(sheet))
 
 
-def _time(sheet: Sheet, rows: range, values: Array, mapping: TableMapping) -> tuple[Array, str]:
-    stamps = values[:, 0] * mapping.time_factor if mapping.time is not None else None
+def _clock(sheet: Sheet, names: list[str], header: int, clock: Clock | None) -> list[int]:
+    """The columns of times, counted from 0."""
+    return [] if clock is None else [_find(sheet, names, header, column) for column in clock.columns]
+
+
+def _values(
+    sheet: Sheet, rows: range, clock: Clock | None, clocks: list[int], columns: list[int], names: list[str]
+) -> tuple[Array | None, Array]:
+    """(T,) [s] the times, None without a clock; and (T, columns) what stands in some columns, the first of which have names."""
+    if clock is None or clock.form is not None:
+        stamps = None if clock is None else _calendar(sheet, rows, clocks[0], clock.form or "")
+        return stamps, sheet.numbers(rows, columns, names)
+    values = sheet.numbers(rows, [*clocks, *columns], ["time"] * len(clocks) + names)
+    return values[:, : len(clocks)] @ np.array(clock.factors), values[:, len(clocks) :]
+
+
+def _calendar(sheet: Sheet, rows: range, column: int, form: str) -> Array:
+    """(T,) [s] dates and times of day, since 1970."""
+    stamps = np.empty(len(rows))
+    for place, row in enumerate(rows):
+        text = sheet.field(row, column)
+        try:
+            stamps[place] = datetime.strptime(text, form).replace(tzinfo=timezone.utc).timestamp()
+        except ValueError as error:
+            raise sheet.fault(
+                row, column, "time", expected=f"as {form}", received=repr(text[:40]), hint=str(error)[:100]
+            ) from error
+        sheet.forget()
+    return stamps
+
+
+def _time(sheet: Sheet, rows: range, stamps: Array | None, frames: Array | None, mapping: TableMapping) -> tuple[Array, str]:
     if stamps is not None:
         _check_order(sheet, rows, stamps)
-    frames = values[:, int(stamps is not None)] if mapping.frame is not None else np.arange(len(values), dtype=float)
     if stamps is None:
+        frames = np.arange(len(rows), dtype=float) if frames is None else frames
         return (frames - frames[0]) / (mapping.rate or 1.0), ""
-    if mapping.frame is None:
-        return stamps, ""
-    return frame_times(frames, mapping.rate, stamps)
+    return (stamps, "") if frames is None else frame_times(frames, mapping.rate, stamps)
 
 
 def _check_order(sheet: Sheet, rows: range, stamps: Array) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from hsr_pin.recordings.document import Section, read_document
 from hsr_pin.recordings.importers.capture import UNITS
-from hsr_pin.recordings.importers.up import axis_vector
+from hsr_pin.recordings.importers.up import Up, axis_vector
 from hsr_pin.recordings.text import nearest
 
 #: A column by its name, or by its number counted from 1.
@@ -33,36 +33,49 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """Where times are.
+
+    Attributes:
+        columns: whose sum is the time: one, or two as ROS prints them (``secs``, ``nsecs``).
+        factors: seconds in one of each.
+        form: of a date and time of day, in the signs of ``datetime.strptime``; None: they are numbers.
+    """
+
+    columns: tuple[Column, ...]
+    factors: tuple[float, ...] = (1.0,)
+    form: str | None = None
+
+
+@dataclass(frozen=True)
 class InputMapping:
     """Where commands are.
 
     Attributes:
         columns: of P1 and P2, or of the torque; in a bag, ``topic:field``.
         factor: to bar, or to N m.
-        time: column of times, in a file of its own; None: the recording's.
-        time_factor: to seconds.
+        time: where times are, in a file of its own; None: as in the recording.
         clock: "capture": 0 at the recording's first frame; "shared": that of the recording.
     """
 
     columns: tuple[tuple[str, Column], ...]
     factor: float
-    time: Column | None = None
-    time_factor: float = 1.0
+    time: Clock | None = None
     clock: str = "capture"
 
 
 @dataclass(frozen=True)
 class TableMapping:
-    """What stands where in a table.
+    """What stands where in a table, or in a bag.
 
     Attributes:
         path: of the mapping.
         points: name and three places of each.
-        time: column of times; None: there is none.
-        time_factor: to seconds.
+        time: where times are; None: nowhere.
         frame: column of frame numbers, with ``rate``.
         rate: [Hz].
         unit: of length.
+        factor: metres in one of it.
         up: axis that is up, if said.
         header: line of the names, counted from 1; 0: there is none; None: the first.
         separator: between fields; None: told from the file.
@@ -72,16 +85,21 @@ class TableMapping:
 
     path: Path
     points: tuple[tuple[str, tuple[Place, Place, Place]], ...] = ()
-    time: Column | None = None
-    time_factor: float = 1.0
+    time: Clock | None = None
     frame: Column | None = None
     rate: float | None = None
     unit: str = "m"
+    factor: float = 1.0
     up: str | None = None
     header: int | None = None
     separator: str | None = None
     decimal: str | None = None
     input: InputMapping | None = None
+
+    @property
+    def known_up(self) -> Up:
+        """What is told about the axis that is up."""
+        return Up(self.up, f"as {self.path.name} has it" if self.up else f"{self.path.name} does not say")
 
 
 def read_mapping(path: str | Path) -> TableMapping:
@@ -96,7 +114,9 @@ def read_mapping(path: str | Path) -> TableMapping:
         raise top.fault("nothing is mapped", expected="[points], or [input]")
     facts: dict[str, Any] = {}
     if "points" in top.values:
-        facts |= _time(top) | {"points": _points(top.section("points"))}
+        facts["points"] = _points(top.section("points"))
+        if "time" in top.values:
+            facts |= _time(top.section("time"))
     for name, read in (("space", _space), ("file", _file)):
         if name in top.values:
             facts |= read(top.section(name))
@@ -105,15 +125,31 @@ def read_mapping(path: str | Path) -> TableMapping:
     return TableMapping(Path(path), **facts)
 
 
-def _time(top: Section) -> dict[str, Any]:
-    section = top.section("time")
-    section.only("column", "unit", "frame", "rate")
-    column, frame = (_column(section, key) if key in section.values else None for key in ("column", "frame"))
+def _time(section: Section) -> dict[str, Any]:
+    section.only("column", "unit", "format", "frame", "rate")
+    frame = _column(section, "frame") if "frame" in section.values else None
     rate = section.number("rate", "Hz") if "rate" in section.values else None
-    if column is None and rate is None:
+    if "column" not in section.values and rate is None:
         raise section.fault("no time", expected="a column of times, or a rate [Hz]")
-    factor = TIME_UNITS[_one_of(section, "unit", TIME_UNITS, "s")]
-    return {"time": column, "time_factor": factor, "frame": frame, "rate": rate}
+    time = _clock(section, "column", "unit", "format") if "column" in section.values else None
+    return {"time": time, "frame": frame, "rate": rate}
+
+
+def _clock(section: Section, column: str, unit: str, form: str) -> Clock:
+    """One column and its unit, or a list of each; or one column and the format of a date."""
+    if form in section.values:
+        return Clock((_column(section, column),), form=section.text(form))
+    columns, units = section.values[column], section.values.get(unit, "s")
+    lists = [one if isinstance(one, list) else [one] for one in (columns, units)]
+    if len(lists[0]) != len(lists[1]) or not lists[0]:
+        expected, received = f"a unit for each of {len(lists[0])} columns", f"{len(lists[1])}"
+        raise section.fault(unit, unit, expected=expected, received=received)
+    each = [
+        Section(section.path, section.way, dict(zip((column, unit), pair, strict=True)), section.places)
+        for pair in zip(*lists, strict=True)
+    ]
+    factors = tuple(TIME_UNITS[_one_of(one, unit, TIME_UNITS, "s")] for one in each)
+    return Clock(tuple(_column(one, column) for one in each), factors)
 
 
 def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], ...]:
@@ -132,7 +168,13 @@ def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], .
 
 def _space(section: Section) -> dict[str, Any]:
     section.only("unit", "up")
-    facts = {"unit": _one_of(section, "unit", UNITS, "m")}
+    facts: dict[str, Any] = {}
+    if isinstance(section.values.get("unit"), int | float):  # the pixel of a camera
+        facts["factor"] = section.number("unit", "m")
+        facts["unit"] = f"{facts['factor']:g} m"
+    else:
+        facts["unit"] = _one_of(section, "unit", UNITS, "m")
+        facts["factor"] = UNITS[facts["unit"]]
     if "up" in section.values:
         facts["up"] = section.text("up")
         try:
@@ -160,7 +202,7 @@ def _file(section: Section) -> dict[str, Any]:
 
 
 def _input(section: Section) -> InputMapping:
-    section.only("P1", "P2", "tau", "unit", "time", "time_unit", "clock")
+    section.only("P1", "P2", "tau", "unit", "time", "time_unit", "time_format", "clock")
     names = [name for name in ("P1", "P2", "tau") if name in section.values]
     if names not in (["P1", "P2"], ["tau"]):
         raise section.fault("input", expected="P1 and P2, or tau", received=" and ".join(names) or "none")
@@ -168,8 +210,7 @@ def _input(section: Section) -> InputMapping:
     return InputMapping(
         columns=tuple((name, _column(section, name)) for name in names),
         factor=units[_one_of(section, "unit", units, usual)],
-        time=_column(section, "time") if "time" in section.values else None,
-        time_factor=TIME_UNITS[_one_of(section, "time_unit", TIME_UNITS, "s")],
+        time=_clock(section, "time", "time_unit", "time_format") if "time" in section.values else None,
         clock=_one_of(section, "clock", dict.fromkeys(CLOCKS, 0.0), CLOCKS[0]),
     )
 

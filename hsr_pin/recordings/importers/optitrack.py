@@ -37,7 +37,7 @@ def read_optitrack(path: Path, unit: str | None = None) -> Capture:
     sheet = read_sheet(path)
     facts = dict(zip(sheet.row(0)[::2], sheet.row(0)[1::2], strict=False))
     version = facts.get("Format Version", "")
-    if not version.startswith("1."):
+    if not version.startswith(("1.", "1,")):
         raise sheet.fault(
             0, 1, "Format Version", expected="1.x", received=repr(version[:40]), hint="export it anew with Motive 2 or 3"
         )

@@ -28,6 +28,7 @@ _FIRST = ("comment,", "info,", "righthanded", "lefthanded")
 
 def is_optitrack_legacy(head: str) -> bool:
     """Whether the beginning of a text file looks like this format."""
+    head = head.replace("\t", ",").replace(";", ",").replace('"', "")
     return head.startswith(_FIRST) and any(word in head for word in ("OptiTrack", "NaturalPoint", "handed", "\ninfo,"))
 
 
@@ -86,6 +87,8 @@ def _read(sheet: Sheet) -> _Read:
     for row in range(len(sheet)):
         fields = sheet.row(row)
         sheet.forget()
+        if sheet.decimal != ".":
+            fields = [field.replace(sheet.decimal, ".") for field in fields]
         try:
             if fields[0] == "frame":
                 read.frames.append(int(fields[1]))

@@ -177,7 +177,8 @@ class Sheet:
         if rows[-1] != len(self) - 1 or self.text.endswith((b"\n", b"\r")) or len(rows) < 2:
             return
         last, others = self.row(rows[-1]), [self.row(row) for row in rows[-USUAL - 1 : -1]]
-        least = min(len(row) for row in others)
+        filled = max(len(row) - next((n for n, field in enumerate(reversed(row)) if field), len(row)) for row in others)
+        least = min(filled, *(len(row) for row in others))
         digits = [_decimals(row[len(last) - 1]) for row in others if len(row) >= len(last) > 0]
         if len(last) < least or (digits and last[-1] and _decimals(last[-1]) < min(digits)):
             raise self.fault(

@@ -36,7 +36,8 @@ def read_trc(path: Path, unit: str | None = None) -> Capture:
     factor = metres(said, None if unit else path, int(sheet.lines[min(2, len(sheet) - 1)]), place + 1)
     names_row = next((row for row in range(3, min(8, len(sheet))) if sheet.field(row, 0).lower().startswith("frame")), None)
     if names_row is None:
-        raise sheet.fault(3, 0, "columns", expected="a line that begins with Frame#", received=repr(sheet.field(3, 0)[:40]))
+        received, hint = repr(sheet.field(3, 0)[:40]), "is the file whole? export it anew"
+        raise sheet.fault(3, 0, "columns", expected="a line that begins with Frame#", received=received, hint=hint)
     names = [name for name in sheet.row(names_row)[2:] if name]
     first = names_row + 1
     while first < len(sheet) and not sheet.is_number(first, 0):
@@ -44,7 +45,14 @@ def read_trc(path: Path, unit: str | None = None) -> Capture:
     rows = range(first, len(sheet))
     if not names or not rows:
         received = f"{len(names)} markers, {len(rows)} frames"
-        raise sheet.fault(names_row, 0, "no marker in the file", expected="names of markers, and frames", received=received)
+        raise sheet.fault(
+            names_row,
+            0,
+            "no marker in the file",
+            expected="names of markers, and frames",
+            received=received,
+            hint="label markers, then export",
+        )
     values = sheet.numbers(rows, range(2 + 3 * len(names)), ("frame", "time"))
     sheet.check_count(rows, positive(facts.get("NumFrames", "")), f"NumFrames in line {sheet.lines[2]}")
     time, note = frame_times(values[:, 0], positive(facts.get("DataRate", "")), values[:, 1])

@@ -8,6 +8,7 @@ ones (Workstation, Nexus 1) have ``TRAJECTORIES``, ``100.00,Hz``, and ``Field #,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,11 +59,14 @@ def read_vicon(path: Path, unit: str | None = None) -> Capture:
     ends = [next((other for other in every if other > row), len(sheet)) for row in starts]
     sections = [_section(sheet, row, end, unit) for row, end in zip(starts, ends, strict=True)]
     if not sections:
-        raise RecordingError("no section with points", expected=" or ".join(POINTS), file=path, line=1, column=1)
+        hint = "export trajectories too"
+        raise RecordingError("no section with points", expected=" or ".join(POINTS), hint=hint, file=path, line=1, column=1)
     first = sections[0]
     for row, section in zip(starts[1:], sections[1:], strict=True):
         if section.rate != first.rate or not np.array_equal(section.frames, first.frames):
             raise sheet.fault(row, 0, "section", expected="the frames of the section before", received="others")
+    if starts[-1] == every[-1]:
+        _check_whole(sheet, every, first.frames)
     units = ", ".join(sorted(set().union(*(section.units for section in sections))))
     return capture(
         path,
@@ -75,6 +79,23 @@ def read_vicon(path: Path, unit: str | None = None) -> Capture:
         notes=[f"imported from {path.name} (Vicon CSV, {units}, {first.rate:g} Hz)"],
         encoding=sheet.encoding,
     )
+
+
+def _check_whole(sheet: Sheet, starts: list[int], frames: Array) -> None:
+    """Refuse a file whose last section ends sooner than those before it.
+
+    Raises:
+        RecordingError: it does.
+    """
+    for start, end in pairwise(starts):
+        if sheet.field(start + 3, 0).lower() == "frame" and sheet.is_number(end - 1, 0) and len(frames):
+            last = sheet.value(end - 1, 0)
+            if frames[-1] < last:
+                expected = f"frames up to {last:g}, as {sheet.field(start, 0)} has them"
+                hint = "copy or export it anew"
+                raise sheet.fault(
+                    len(sheet) - 1, 0, "the file is cut short", expected=expected, received=f"{frames[-1]:g}", hint=hint
+                )
 
 
 def _section(sheet: Sheet, start: int, end: int, unit: str | None) -> _Section:
