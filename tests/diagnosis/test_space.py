@@ -1,4 +1,4 @@
-"""Arms in space that another engine moved, with one law that the model was not told of: it is found, and where is said."""
+"""Arms in space that another engine moved, with a law that the model was not told of: it is named, and told where it shows."""
 
 from dataclasses import replace
 
