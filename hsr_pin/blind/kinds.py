@@ -24,9 +24,12 @@ _OF: dict[str, tuple[str, ...]] = {
     "actuator_lag": ("actuation_time",),
     "added_mass": ("mass_gravity",),
     "backlash": ("elastic",),
+    "base_tilt": ("mass_gravity", "measurement"),
+    "bend_at_rest": ("elastic", "actuation_map"),  # a shape, or a moment that is always there
     "base_shake": ("measurement", "mass_gravity", "contact"),  # seen by the base markers, felt as inertia
     "bending_stop": ("elastic", "contact"),  # a stop inside of the arm
     "camera_scale": ("measurement",),
+    "cross_coupling": ("elastic", "actuation_map"),
     "damping_gradient": ("damping",),
     "dead_time": ("actuation_time",),
     "dry_friction": ("friction",),
@@ -36,6 +39,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "hysteresis": ("friction",),
     "length_change": ("measurement", "elastic"),
     "marker_offset": ("measurement",),
+    "markers_beside": ("measurement",),
     "marker_slip": ("measurement",),
     "preset_bend": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "pulsing_stiffness": ("elastic",),
@@ -50,6 +54,11 @@ _OF: dict[str, tuple[str, ...]] = {
     "tether": ("contact",),
     "tip_gust": ("contact",),
     "tip_mass": ("mass_gravity",),
+    "torque_offset": ("actuation_map", "elastic"),
+    "torsion_compliance": ("elastic",),
+    "turned_actuation": ("actuation_map",),
+    "unequal_stiffness": ("elastic",),
+    "weak_chamber": ("actuation_map",),
     "torque_bias": ("actuation_map",),
     "torque_bias:partial": ("actuation_map", "elastic"),
     "torque_decay": ("actuation_map",),
@@ -83,6 +92,8 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
     "torque_bias:drifting": ("preset_bend",),
     "torque_bias:partial": ("preset_bend",),
     "torque_bias": ("preset_bend",),
+    "bend_at_rest": ("torque_offset",),  # at one stiffness
+    "torque_offset": ("bend_at_rest",),
     "tether": ("restraint",),
     "wall": ("restraint",),
 }

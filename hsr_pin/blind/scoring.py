@@ -138,7 +138,10 @@ def _rates(found: Sequence[Outcome]) -> dict[str, Rate]:
 
 def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
     """Those of tiers other than the clean one, if there are any."""
-    by = {tier: [o for o in found if o.answer.tier == tier and o.answer.kind not in RIGHT] for tier in ("messy", "forms", "real")}
+    by = {
+        tier: [o for o in found if o.answer.tier == tier and o.answer.kind not in RIGHT]
+        for tier in ("messy", "forms", "space", "real")
+    }
     rates: dict[str, Rate] = {}
     for tier, cases in by.items():
         if cases:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import inf, sqrt
 from pathlib import Path
@@ -23,6 +23,7 @@ from hsr_pin.blind.plants.plant import Plant, nuisance_of
 from hsr_pin.blind.plants.program import Program, program
 from hsr_pin.blind.plants.rod import RodPlant
 from hsr_pin.blind.plants.scaling import SIZES, Scaled, Yardstick, scale_to_gap, target
+from hsr_pin.blind.plants.space.chain import BallPlant
 from hsr_pin.errors import SimulationFailure
 
 #: A law that cannot be as strong as it should, or at which the plant diverges, is drawn anew, so many times in all.
@@ -36,16 +37,21 @@ class Workshop:
     """What cases are made with: quicker plants for tests.
 
     Attributes:
-        plants: "chain" and "rod". messy: for messy arms, where 0.05 mm do not count.
-        measured_on: what gaps are measured on. programs: that are recorded.
+        plants: "chain" and "rod", and "balls" in space. messy: for messy arms, where 0.05 mm do not count.
+        measured_on, measured_in_space: what gaps are measured on. programs: that are recorded.
         recordings: folder of the recordings of hardware, where real cases are made.
     """
 
     plants: Mapping[str, Plant] = field(  # the chain within 0.02 mm RMS of one twice as fine
-        default_factory=lambda: {"chain": ChainPlant(elements=24, step=2e-4), "rod": RodPlant()}
+        default_factory=lambda: {
+            "chain": ChainPlant(elements=24, step=2e-4),
+            "rod": RodPlant(),
+            "balls": BallPlant(elements=20, step=4e-4),
+        }
     )
     messy: Plant = field(default_factory=lambda: ChainPlant(elements=16, step=4e-4))
     measured_on: Plant = field(default_factory=lambda: ChainPlant(elements=8, step=1e-3))  # gaps within 2 % of fine ones
+    measured_in_space: Plant = field(default_factory=lambda: BallPlant(elements=8, step=1e-3))
     programs: tuple[str, ...] = PROGRAMS
     recordings: Path | None = None
 
@@ -60,6 +66,10 @@ def build(case: Case, folder: Path, workshop: Workshop, attempt: int = 0) -> Ans
         from hsr_pin.blind.pairs import build_pair
 
         return build_pair(case, folder, workshop, attempt)
+    if case.tier == "space":
+        from hsr_pin.blind.in_space import build_in_space
+
+        return build_in_space(case, folder, workshop, attempt)
     return (_build_messy if case.tier == "messy" else _build_clean)(case, folder, workshop, attempt)
 
 
@@ -140,11 +150,19 @@ def quieter(nuisance: Nuisance, gap: float) -> Nuisance:
     return replace(nuisance, noise=max(QUIETEST, 1e-3 * gap / noise_floor(1.0) / SIZES["medium"]))
 
 
-def strong_enough(case: Case, place: int, wanted: float, yardstick: Yardstick, first: int, refit: bool = True) -> Scaled:
+def strong_enough(
+    case: Case,
+    place: int,
+    wanted: float,
+    yardstick: Yardstick,
+    first: int,
+    refit: bool = True,
+    drawn: Callable[[str, np.random.Generator], Law] = draw,
+) -> Scaled:
     """The effect in this place of a case with a gap [mm] that is wanted, or as near to it as a few draws get."""
     best = None
     for attempt in range(first, DRAWS):
-        law = draw(case.effects[place], np.random.default_rng([case.seed, 3, place, attempt]))
+        law = drawn(case.effects[place], np.random.default_rng([case.seed, 3, place, attempt]))
         try:
             scaled = scale_to_gap(law, wanted, yardstick, refit)
         except SimulationFailure:
@@ -165,9 +183,11 @@ def answer_of(
     nuisance: Nuisance,
     small: Background | None = None,
     mess: Mess | None = None,
+    *,
+    axes: int = 2,
 ) -> Answer:
     """What is in a case: gaps [mm] of each effect, and of a pair together."""
-    floor = 1e3 * noise_floor(nuisance.noise)
+    floor = 1e3 * noise_floor(nuisance.noise, axes)
     about = {key: value for key, value in asdict(case).items() if key not in ("name", "tier", "kind", "effects")}
     facts: dict[str, Any] = {
         **about,

@@ -50,7 +50,9 @@ def command() -> None:
 @command.command(name="make")
 @click.option("--seed", type=click.IntRange(0), required=True, help="All follows from it: keep it apart until the score.")
 @click.option("--cases", type=click.IntRange(1, 999), help="How many, of all tiers by their shares.  [default: 300]")
-@click.option("--tier", "tiers", metavar="NAME=N", multiple=True, help="How many of clean, messy or forms; several may be given.")
+@click.option(
+    "--tier", "tiers", metavar="NAME=N", multiple=True, help="How many of clean, messy, forms or space; several may be given."
+)
 @click.option("--real", metavar="DIR", type=_FILE, help="Recordings of hardware: adds cases whose cause is withheld.")
 @click.option("--change", metavar="N", type=click.IntRange(1, 999), help="Instead, N pairs of recordings: what has changed?")
 @click.option("-o", "folder", metavar="DIR", type=_FILE, required=True, help="A new folder for the recordings.")

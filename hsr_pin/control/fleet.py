@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
-from hsr_pin.robot.specification import ArmSpecification, in_plane
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns, likeness
 from hsr_pin.simulation.integrator import STEP, Integrator
@@ -26,9 +26,10 @@ class FleetState(NamedTuple):
     """All there is to know of B arms between two steps.
 
     Attributes:
-        chain: (2 + states, B, N) joint angles [rad], rates [rad/s], and what the laws in the joints remember; read-only.
+        chain: (2 + states, B, N) joint angles [rad], rates [rad/s], and what the laws in the joints remember; read-only. In
+            space (2 + states, B, 3 N), memories as vectors.
         muscles: what the muscles remember.
-        first: (B, N) [rad] the angles at the start, as the cameras first saw them.
+        first: (B, N) [rad], in space (B, 3 N), the angles at the start, as the cameras first saw them.
     """
 
     chain: Array
@@ -68,7 +69,8 @@ class ArmFleet:
         made = zip(arms, effects, strict=True)
         time = np.array([0.0, 1.0])
         scenarios = [
-            Scenario(in_plane(arm, "control"), time, np.zeros(2), effects=tuple(own), markers=markers) for arm, own in made
+            Scenario(arm, time, np.zeros((2, 2) if arm.bending == "space" else 2), effects=tuple(own), markers=markers)
+            for arm, own in made
         ]
         if len({likeness(scenario) for scenario in scenarios}) != 1:
             raise InputError("arms", expected="the same links, placement, mount and kinds of effects", received="others")
@@ -76,12 +78,14 @@ class ArmFleet:
         self._engine, self._muscles = Engine(columns, dynamics), Muscles(columns, step)
         self.limit = columns.arms.bending_limit
         self.markers = [scenario.markers for scenario in scenarios]
-        self._cameras = Cameras(columns, [scenario.reach for scenario in scenarios])
+        self._cameras = Cameras(columns, [s.reach for s in scenarios], [s.beside for s in scenarios])
 
     def settled(self, torque: Array) -> tuple[FleetState, NDArray[np.bool_]]:
-        """At rest under constant commands (B,) [N m], and whether there is such a pose (B,)."""
+        """At rest under constant commands (B,) [N m], in space complex, and whether there is such a pose (B,)."""
         arrives, muscles = self._muscles.rested(torque)
-        q, found = self._engine.settled(arrives, np.ones(len(torque), dtype=bool), np.zeros((len(torque), self.columns.links)))
+        q, found = self._engine.settled(
+            arrives, np.ones(len(torque), dtype=bool), np.zeros((len(torque), self.columns.coordinates))
+        )
         return self._loaded(q, np.zeros_like(q), muscles), found
 
     def placed(self, q: Array, v: Array, torque: Array) -> FleetState:
@@ -122,7 +126,7 @@ class ArmFleet:
 
     def _loaded(self, q: Array, v: Array, muscles: tuple[Past, ...]) -> FleetState:
         state = self._engine.loaded(q, v)
-        chain = np.concatenate([state.q[None], state.v[None], state.z])
+        chain = np.concatenate([state.q[None], state.v[None], self.columns.rows(state.z)])
         chain.flags.writeable = False
         return FleetState(chain, muscles, chain[0])
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from hsr_pin.control.fleet import ArmFleet, FleetState, failed
 from hsr_pin.effects.effect import Effect
-from hsr_pin.errors import InputError, PressureError, SimulationFailure
+from hsr_pin.errors import InputError, PressureError, SimulationFailure, quoted
 from hsr_pin.robot.pressure import PAPER, PressureMap
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.integrator import STEP
@@ -32,28 +32,30 @@ class ArmState:
     Attributes:
         time: [s] since the reset.
         fleet: the same as of a fleet of one, with what the effects remember.
+        joint: shape of what is told of one joint: () in the plane, (3,) in space.
     """
 
     time: float
     fleet: FleetState
+    joint: tuple[int, ...] = ()
 
     @property
     def angles(self) -> Array:
-        """The joint angles q (N,) [rad], read-only."""
-        angles: Array = self.fleet.chain[0, 0]
-        return angles
+        """The joint angles q (N,) [rad], in space (N, 3); read-only."""
+        return self._by_joint(self.fleet.chain[0, 0])
 
     @property
     def rates(self) -> Array:
-        """The joint rates v (N,) [rad/s], read-only."""
-        rates: Array = self.fleet.chain[1, 0]
-        return rates
+        """The joint rates v (N,) [rad/s], in space (N, 3); read-only."""
+        return self._by_joint(self.fleet.chain[1, 0])
 
     @property
     def effect_states(self) -> Array:
-        """(states, N) what the effects in the arm remember, in the order of those effects; read-only."""
-        states: Array = self.fleet.chain[2:, 0]
-        return states
+        """(states, N) what the effects in the arm remember, in the order of those effects, in space (states, N, 3); read-only."""
+        return self._by_joint(self.fleet.chain[2:, 0])
+
+    def _by_joint(self, rows: Array) -> Array:
+        return rows.reshape(*rows.shape[:-1], -1, *self.joint) if self.joint else rows
 
 
 class ArmSimulator:
@@ -70,7 +72,8 @@ class ArmSimulator:
         step: largest step of the integrator [s].
         markers: the points to follow; default: base, middle and tip.
         pressure_map: what pressures give, Eqs. (1), (4) and (5).
-        torque_range: [N m] accepted commands; default: what holds a weightless arm within its bending limit.
+        torque_range: [N m] accepted commands; default: what holds a weightless arm within its bending limit. In
+            space of their size.
     """
 
     def __init__(
@@ -89,6 +92,7 @@ class ArmSimulator:
         self.torque_range = torque_range or (-arm.keq * arm.bending_limit, arm.keq * arm.bending_limit)
         self._options = {"dynamics": dynamics, "integrator": integrator, "step": _checked_time("step", step), "markers": markers}
         self._fleet = ArmFleet([arm], [self.effects], **self._options)  # type: ignore[arg-type]  # each as it is declared above
+        self._joint: tuple[int, ...] = (3,) if arm.bending == "space" else ()
         self.state = self.reset()
 
     @property
@@ -96,11 +100,11 @@ class ArmSimulator:
         """The points that :meth:`observe` follows."""
         return self._fleet.markers[0]
 
-    def reset(self, torque: float = 0.0, *, pose: Pose | None = None) -> ArmState:
+    def reset(self, torque: ArrayLike = 0.0, *, pose: Pose | None = None) -> ArmState:
         """Start anew at time 0.
 
         Args:
-            torque: [N m] the command until now; without a pose the arm is settled under it.
+            torque: [N m] the command until now, in space (2,); without a pose the arm is settled under it.
             pose: angles and rates to start from instead.
 
         Raises:
@@ -111,20 +115,22 @@ class ArmSimulator:
         if pose is None:
             fleet, found = self._fleet.settled(command)
             if not found[0]:
-                raise SimulationFailure(failed(0.0, fleet.chain[0, 0], Outcome.NO_EQUILIBRIUM), ArmState(0.0, fleet))
+                bent = self._bent(ArmState(0.0, fleet, self._joint))
+                raise SimulationFailure(failed(0.0, bent, Outcome.NO_EQUILIBRIUM), ArmState(0.0, fleet, self._joint))
         else:
-            if pose.angles.shape != (self.arm.links,):
-                raise InputError("start", expected=f"{self.arm.links} joint angles", received=f"shape {pose.angles.shape}")
+            if pose.angles.shape != (self.arm.links, *self._joint):
+                expected = f"{self.arm.links} joint angles{' (towards x, towards y, twist)' * bool(self._joint)}"
+                raise InputError("start", expected=expected, received=f"shape {pose.angles.shape}")
             assert pose.rates is not None
-            fleet = self._fleet.placed(pose.angles[None], pose.rates[None], command)
-        started = ArmState(0.0, fleet)
-        if not abs(started.angles.sum()) <= self._fleet.limit[0]:
-            raise SimulationFailure(failed(0.0, started.angles), started)
+            fleet = self._fleet.placed(pose.angles.reshape(1, -1), pose.rates.reshape(1, -1), command)
+        started = ArmState(0.0, fleet, self._joint)
+        if not abs(self._fleet.columns.bends(fleet.chain[0, 0]).sum()) <= self._fleet.limit[0]:
+            raise SimulationFailure(failed(0.0, self._bent(started)), started)
         self.state = started
         return started
 
-    def step(self, torque: float | None = None, *, pressures: ArrayLike | None = None, dt: float = STEP) -> ArmState:
-        """Hold a command for ``dt`` [s]: a ``torque`` [N m], or ``pressures`` (2,) [bar] at the arm's stiffness.
+    def step(self, torque: ArrayLike | None = None, *, pressures: ArrayLike | None = None, dt: float = STEP) -> ArmState:
+        """Hold a command for ``dt`` [s]: a ``torque`` [N m], in space (2,), or ``pressures`` (2,) [bar] at the arm's stiffness.
 
         Raises:
             InputError: a command that is no number or out of range, none or two of them, or a step that is none.
@@ -135,6 +141,8 @@ class ArmSimulator:
             received = "neither" if torque is None else "both"
             raise InputError("command", expected="a torque [N m] or pressures [bar]", received=received)
         if torque is None:
+            if self._joint:
+                raise InputError("command", expected="two components of torque [N m], for an arm in space", received="pressures")
             delivered = self.pressure_map.torque(np.asarray(pressures), self.arm.keq)
             if delivered.ndim:
                 raise PressureError(
@@ -144,8 +152,8 @@ class ArmSimulator:
         self.state = self.advance(self.state, torque, dt)
         return self.state
 
-    def advance(self, state: ArmState, torque: float, dt: float = STEP) -> ArmState:
-        """The state after ``torque`` [N m] was held for ``dt`` [s], from any state; the simulator's own stays as it is.
+    def advance(self, state: ArmState, torque: ArrayLike, dt: float = STEP) -> ArmState:
+        """The state after ``torque`` [N m], in space (2,), was held for ``dt`` [s], from any state; the simulator's own stays.
 
         Raises:
             InputError, SimulationFailure: as :meth:`step`.
@@ -153,8 +161,8 @@ class ArmSimulator:
         command = np.array([self._checked_torque(torque)])
         fleet, lost = self._fleet.advance(state.fleet, command, _checked_time("dt", dt))
         if lost:
-            raise SimulationFailure(failed(state.time, fleet.chain[0, 0]), state)
-        return ArmState(state.time + dt, fleet)
+            raise SimulationFailure(failed(state.time, self._bent(ArmState(state.time, fleet, self._joint))), state)
+        return ArmState(state.time + dt, fleet, self._joint)
 
     def observe(self, state: ArmState | None = None) -> Array:
         """(M, 3) [m] where the markers are seen in the world frame, with what the effects make of it; without noise."""
@@ -165,15 +173,35 @@ class ArmSimulator:
         options = {**self._options, "pressure_map": self.pressure_map, "torque_range": self.torque_range}
         return _rebuilt, (type(self), self.arm, self.effects, options, self.state)
 
-    def _checked_torque(self, torque: float) -> float:
+    @staticmethod
+    def _bent(state: ArmState) -> Array:
+        """(N,) [rad] of the joints, in space by how much."""
+        return np.asarray(np.linalg.norm(state.angles, axis=1)) if state.joint else state.angles
+
+    def _checked_torque(self, torque: ArrayLike) -> Any:
+        """A number; in space complex."""
         low, high = self.torque_range
+        if self._joint:
+            return self._checked_vector(torque, high)
         try:
-            value = float(torque)
+            value = float(torque)  # type: ignore[arg-type]  # what is none is refused
         except (TypeError, ValueError, OverflowError):
             value = math.nan
         if not low <= value <= high:
             raise InputError("torque", expected=f"{low:.4g} to {high:.4g} N m", received=torque)
         return value
+
+    def _checked_vector(self, torque: ArrayLike, largest: float) -> complex:
+        try:
+            parts = np.asarray(torque, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            parts = np.full(2, math.nan)
+        if parts.ndim == 0 and parts == 0:
+            return 0j
+        if parts.shape != (2,) or not np.hypot(*parts) <= largest:
+            expected = f"two components [N m], towards x and towards y, up to {largest:.4g} N m together"
+            raise InputError("torque", expected=expected, received=quoted(torque))
+        return complex(*parts)
 
 
 def _checked_time(name: str, value: float) -> float:

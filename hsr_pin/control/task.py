@@ -19,7 +19,7 @@ from hsr_pin.control.reach import rest_at_tip, static_poses
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.robot.specification import ArmSpecification, in_plane
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
@@ -96,7 +96,7 @@ class TipTask(ABC):
         duration: float,
         integrator: str,
     ) -> None:
-        self.fleet = ArmFleet(arms, effects, integrator=integrator)
+        self.fleet = ArmFleet([in_plane(arm, "an environment") for arm in arms], effects, integrator=integrator)
         self.arms = self.fleet.columns.nominal
         self.largest_torque = np.broadcast_to(self.arms.keq if largest_torque is None else largest_torque, len(arms)).astype(
             float

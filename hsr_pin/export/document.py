@@ -91,12 +91,16 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
+        if read.bending != "plane":
+            raise InputError("bending", expected="plane for an export", received=read.bending, file=path)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
         markers = [{"name": marker.name, "arc_length": marker.arc_length} for marker in read.markers]
         chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
         found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount")}
         return {**found, "levels": rows, "markers": markers, **chain}
     arm = document.get("arm")
+    if isinstance(arm, dict) and arm.get("bending", "plane") != "plane":
+        raise InputError("bending", expected="plane for an export", received=arm["bending"], file=path)
     needed = ("length", "mass", "diameter", "mount", "levels", "markers")
     if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
         hint = "give the recordings too: --dataset DIR"

@@ -5,11 +5,13 @@ In SI units, as in ``dataset.toml``: this part of a document can be read without
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
 from hsr_pin.robot.specification import default_damping
+from hsr_pin.trajectory import Dataset, Marker
 
 
 def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
@@ -20,8 +22,9 @@ def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
         "mass": dataset.mass,
         "diameter": dataset.diameter,
         "mount": dataset.mount,
+        **_of_space(dataset),
         "levels": levels([(run.trial.keq, run.trial.damping, run.trial.tip_mass) for run in experiment.runs]),
-        "markers": [{"name": marker.name, "arc_length": marker.arc_length} for marker in dataset.markers],
+        "markers": [_marker(marker) for marker in dataset.markers],
         "links": hypothesis.links,
         "placement": hypothesis.placement,
         "effects": [
@@ -33,6 +36,18 @@ def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
             for effect in hypothesis.effects_at(fit.values)
         ],
     }
+
+
+def _of_space(dataset: Dataset) -> dict[str, Any]:
+    """What only an arm in space has; a torsion of null is infinite."""
+    if dataset.bending == "plane":
+        return {}
+    return {"bending": dataset.bending, "torsion": dataset.torsion if isfinite(dataset.torsion) else None}
+
+
+def _marker(marker: Marker) -> dict[str, Any]:
+    beside = {"radius": marker.radius, "angle": marker.angle} if marker.radius else {}
+    return {"name": marker.name, "arc_length": marker.arc_length, **beside}
 
 
 def levels(declared: list[tuple[float, float | None, float]]) -> list[dict[str, float]]:

@@ -121,27 +121,30 @@ def tip_figure(runs: Sequence[Drawn]) -> Figure:
         first = None
         for number, axes in enumerate(views):
             first = panel = figure.add_subplot(1, len(views), number + 1, sharey=first)
-            _draw_paths(panel, runs, axes)
+            _draw_paths(panel, runs, axes, legend=number == 0)
     return figure
 
 
 def comparison_figure(run: Drawn) -> Figure:
-    """One run beside its measurement: tip paths, every marker against time, error against time."""
+    """One run beside its measurement: tip paths, every marker against time, error against time.
+
+    In space the paths are seen from the side to which the tip goes farther.
+    """
     from matplotlib.figure import Figure
 
+    moving = sorted({axis for view in _views([run]) for axis in view})
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(10.0, 6.4), layout="constrained")
-        grid = figure.add_gridspec(3, 2, width_ratios=(1.0, 1.15))
-        _draw_paths(figure.add_subplot(grid[:, 0]), [run], _views([run])[0])
+        figure = Figure(figsize=(10.0, 3.2 + 1.6 * len(moving)), layout="constrained")
+        grid = figure.add_gridspec(len(moving) + 1, 2, width_ratios=(1.0, 1.15))
+        ways = np.ptp(run.simulated.marker(run.tip.name), axis=0)
+        _draw_paths(figure.add_subplot(grid[:, 0]), [run], max(_views([run]), key=lambda view: ways[view[0]]), legend=True)
         first = figure.add_subplot(grid[0, 1])
-        second = figure.add_subplot(grid[1, 1], sharex=first)
-        third = figure.add_subplot(grid[2, 1], sharex=first)
-        _draw_motion(first, run, axis=0)
-        _draw_motion(second, run, axis=2)
-        _draw_error(third, run)
-        for axes in (first, second):
-            axes.tick_params(labelbottom=False)
-        third.set_xlabel("time [s]")
+        others = [figure.add_subplot(grid[row + 1, 1], sharex=first) for row in range(len(moving))]
+        for panel, axis in zip([first, *others], moving, strict=False):
+            _draw_motion(panel, run, axis=axis)
+            panel.tick_params(labelbottom=False)
+        _draw_error(others[-1], run)
+        others[-1].set_xlabel("time [s]")
         figure.suptitle(run.label, fontsize=10)
     return figure
 
@@ -161,7 +164,7 @@ def _views(runs: Sequence[Drawn]) -> tuple[tuple[int, int], ...]:
     return ((0, 2), (1, 2)) if any(run.arm.bending == "space" for run in runs) else ((0, 2),)
 
 
-def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int]) -> None:
+def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int], *, legend: bool) -> None:
     """Paths of the tips, and the arms at their ends, along two axes of the world."""
     shown_from = list(view)
     space = len(_views(runs)) > 1
@@ -195,9 +198,9 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int]) -> Non
     axes.set_title(f"Path of the tip{where}, and the arm at its end", fontsize=9)
     shown, labels = axes.get_legend_handles_labels()
     rank = {handle: index for index, handle in handles.items()}
-    legend = sorted(zip(shown, labels, strict=True), key=lambda entry: rank.get(entry[0], len(runs) + 1))
-    if view == _views(runs)[0]:
-        axes.legend(*zip(*legend, strict=True), loc="best", handlelength=3.2)
+    entries = sorted(zip(shown, labels, strict=True), key=lambda entry: rank.get(entry[0], len(runs) + 1))
+    if legend:
+        axes.legend(*zip(*entries, strict=True), loc="best", handlelength=3.2)
 
 
 def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:

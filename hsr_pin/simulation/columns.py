@@ -74,8 +74,13 @@ class Columns:
 
     def evenly(self, bending: Array) -> Array:
         """(B, N) [rad] joint angles of arms that are bent evenly by (B,) [rad]; in space (B, 3 N) for complex numbers."""
-        each = np.repeat(bending[:, None] / self.links, self.links, axis=1)
-        return np.stack([each.real, each.imag, np.zeros(each.shape)], axis=-1).reshape(len(each), -1) if self.space else each
+        return self.rows(np.repeat(bending[:, None] / self.links, self.links, axis=1))
+
+    def rows(self, bends: Array) -> Array:
+        """The other way round of :meth:`bends`."""
+        if not self.space:
+            return bends
+        return np.stack([bends.real, bends.imag, np.zeros(bends.shape)], axis=-1).reshape(*bends.shape[:-1], 3 * self.links)
 
     def by_joint(self, angles: Array) -> Array:
         """Rows (..., N) as they are; in space (..., N, 3) of rows (..., 3 N)."""

@@ -70,7 +70,7 @@ class Engine:
         if dynamics not in get_args(Dynamics):
             raise InputError("dynamics", expected=" or ".join(get_args(Dynamics)), received=repr(dynamics))
         self.columns, self._limit = columns, np.ascontiguousarray(columns.arms.bending_limit)
-        self._compiled = dynamics == "compiled"
+        self._compiled, self._space = dynamics == "compiled", columns.space
         self._system: Any
         self._brief: Callable[..., int]
         if columns.space and dynamics == "aba":
@@ -103,13 +103,15 @@ class Engine:
         """Where the arms rest under constant torques.
 
         Args:
-            torque: (B,) [N m] that arrives.
+            torque: (B,) [N m] that arrives; in space complex, or (B, 2 S) and loads.
             wanted: (B,) columns to solve for.
             near: (B, N) [rad] where the search begins.
 
         Returns:
             (B, N) [rad], 0 where there is no such pose or none was wanted, and (B,) whether there is one.
         """
+        if np.iscomplexobj(torque):
+            torque = np.stack([torque.real, torque.imag], axis=1)
         q, found = np.array(near, order="C"), np.zeros(len(torque), dtype=bool)
         with np.errstate(all="ignore"):
             self._loops.rest(self._system, self._arrays, np.ascontiguousarray(torque), wanted, q, found, self.columns.states)
@@ -125,7 +127,16 @@ class Engine:
         return State(np.array(q), np.array(v), z)
 
     def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
-        """As :func:`hsr_pin.simulation.march.advance`, in the plane: angles, rates and memories are one (2 + states, B, N)."""
+        """As :func:`hsr_pin.simulation.march.advance`: angles, rates and memories are one (2 + states, B, N).
+
+        In space (2 + states, B, 3 N), memories as vectors; the impulse (B, C + 1) is then complex.
+        """
+        if self._space:
+            z, torque = np.array(self.columns.bends(state[2:]), order="C"), np.stack([impulse.real, impulse.imag], axis=2)
+            with np.errstate(all="ignore"):
+                gone = self._loops.advance(self._system, state[0], state[1], z, torque, cell, weights, self._limit)
+            state[2:] = self.columns.rows(z)
+            return int(gone)
         if self._compiled:  # there is no time to lose
             return self._brief(state, impulse, cell, weights, self._limit)
         with np.errstate(all="ignore"):

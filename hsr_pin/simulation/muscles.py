@@ -65,7 +65,7 @@ class Muscles:
         cells, cell, ramp = _divided(duration, self._step, self._remembering)
         if not self._effects:
             return torque[:, None] * ramp, cell, ()
-        flow = np.empty((cells + 1, len(torque)))
+        flow = np.empty((cells + 1, len(torque)), dtype=torque.dtype)
         flow[0], flow[1:] = 0.0, torque
         for place, (effect, p, delay) in enumerate(self._effects):
             past = pasts[place]

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from hsr_pin.effects.effect import View
+from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.evaluation import respond, rms
 from hsr_pin.identification.experiment import Experiment, Run, prepare
 from hsr_pin.identification.hypothesis import ARM, Hypothesis
@@ -63,8 +64,10 @@ class Session:
         """The usable trials of a dataset.
 
         Raises:
-            IdentificationError: none is.
+            IdentificationError: none is, or the arm bends in space.
         """
+        if dataset.bending == "space":
+            raise IdentificationError("bending", expected="plane, to move an arm by hand", received="space")
         return cls(prepare(dataset), links, placement)
 
     @cached_property
@@ -87,7 +90,7 @@ class Session:
         values = np.array([[settings.arm(name) for name in ARM]])
         found = respond(self.experiment, run, hypothesis, values)
         markers = found.positions[:, 0]
-        residual = markers[..., [0, 2]] - run.compared
+        residual = markers[..., run.axes] - run.compared
         squares = (residual**2).sum(axis=-1)
         seen = np.isfinite(squares)
         error = np.sqrt(np.where(seen, squares, 0.0).sum(axis=1) / np.where(seen.any(axis=1), seen.sum(axis=1), np.nan))

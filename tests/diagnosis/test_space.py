@@ -1,4 +1,4 @@
-"""Arms in space that another engine moved, with one law that the model was not told of: it is found, and where is said."""
+"""Arms in space that another engine moved, with a law that the model was not told of: it is named, and told where it shows."""
 
 from dataclasses import replace
 
@@ -95,7 +95,7 @@ def test_what_changed_is_asked_of_arms_in_a_plane(flat):
         (laws.DryFriction(0.06, "prandtl"), {"dry_friction"}, {}),
         (mounting.TipMass(0.02), {"tip_mass"}, {"tip_mass.mass": 0.02}),
         (actuation.ActuatorLag(0.08), {"actuator_lag", "unequal_lag", "lag_cascade"}, {}),
-        (elastic.StiffnessGradient(-0.6), {"stiffness_gradient"}, {"stiffness_gradient.slope": -0.6}),
+        (elastic.StiffnessGradient(-0.6), {"stiffness_gradient", "soft_spot"}, {"stiffness_gradient.slope": -0.6}),
     ],
     ids=lambda each: getattr(each, "name", ""),
 )

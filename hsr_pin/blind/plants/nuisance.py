@@ -59,6 +59,6 @@ class Nuisance:
         return asdict(self)
 
 
-def noise_floor(noise: float) -> float:
-    """RMS marker distance that noise alone gives in the plane of bending [same unit as `noise`]."""
-    return float(np.sqrt(2) * noise)
+def noise_floor(noise: float, axes: int = 2) -> float:
+    """RMS marker distance that noise alone gives in the plane of bending, or along so many axes [same unit as `noise`]."""
+    return float(np.sqrt(axes) * noise)

@@ -22,11 +22,11 @@ SIZES: dict[str, float] = {"barely": 2.0, "medium": 6.0, "large": 15.0}
 TOLERANCE = 0.1
 
 
-def target(size: str, noise: float) -> float:
+def target(size: str, noise: float, axes: int = 2) -> float:
     """Gap [mm] of a size of `SIZES`, for markers with this noise per axis [m]."""
     if size not in SIZES:
         raise InputError("size", expected=" or ".join(SIZES), received=size)
-    return 1e3 * SIZES[size] * noise_floor(noise)
+    return 1e3 * SIZES[size] * noise_floor(noise, axes)
 
 
 @dataclass(frozen=True)

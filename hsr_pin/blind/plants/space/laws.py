@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..arm import Arm, Array
-from ..laws import actuation, dissipative, elastic, mounting
+from ..laws import actuation, dissipative, elastic, mounting, outside
 from ..laws.law import Joints, Law, State
 from ..program import Trial
 
@@ -157,6 +157,23 @@ class MarkersBeside(Law):
         return complex(self.distance * np.exp(1j * self.side))
 
 
+@dataclass(frozen=True)
+class CrossCoupling(Law):
+    """Bending to one side drives the arm to the next: M = i `gain` K b, which no spring does, but a helix that is pulled may."""
+
+    name: ClassVar[str] = "cross_coupling"
+    strength: ClassVar[str] = "gain"
+    limit: ClassVar[float] = 0.5
+    gain: float = 0.0
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator) -> CrossCoupling:
+        return cls(0.1 * float(rng.choice([-1.0, 1.0])))
+
+    def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
+        return 1j * self.gain * joints.stiffness * state.bend, memory  # type: ignore[return-value]
+
+
 class Stiffening(elastic.Stiffening):
     """Along the bending, with its length: M = K |b|^2 b beta."""
 
@@ -213,4 +230,9 @@ CATALOGUE: dict[str, type[Law]] = {
         dissipative.Viscoelastic,
         WeakChamber,
     )
+}
+
+#: Name -> law that no model has.
+OUTSIDE: dict[str, type[Law]] = {
+    law.name: law for law in (CrossCoupling, outside.PulsingStiffness, outside.SupplyRipple, outside.WarmingArm)
 }

@@ -1,0 +1,59 @@
+"""Cases of arms in space: planned and made as those of the clean tier are, on the chain of ball joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hsr_pin.blind.answers import Answer
+from hsr_pin.blind.cases import MOUNTS, Case, Content, balanced, crossed, quotas
+from hsr_pin.blind.plants.laws.law import Law
+from hsr_pin.blind.plants.plant import nuisance_of
+from hsr_pin.blind.plants.program import LEVELS
+from hsr_pin.blind.plants.scaling import Yardstick, target
+from hsr_pin.blind.plants.space.laws import CATALOGUE, OUTSIDE
+from hsr_pin.blind.plants.space.program import program
+from hsr_pin.blind.plants.space.writing import MARKERS
+from hsr_pin.blind.workshop import Workshop, answer_of, strong_enough
+from hsr_pin.errors import EffectError
+
+#: Kind of case -> its share of the tier.
+SHARES: dict[str, float] = {"single": 0.7, "none": 0.13, "outside": 0.17}
+#: Mixtures of what is done to the arm.
+PROGRAMS = ("steps", "steps+releases", "steps+circle", "circle+releases", "steps+payload", "chirp+releases")
+
+
+def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
+    """So many cases, balanced."""
+    number = quotas(count, SHARES)
+    contents: list[Content] = [("none", (), ())] * number["none"]
+    for kind, laws in (("single", CATALOGUE), ("outside", OUTSIDE)):
+        contents += [(kind, (law,), (size,)) for law, size in crossed(rng, list(laws), number[kind])]
+    recordings = zip(*(balanced(rng, choices, count) for choices in (PROGRAMS, MOUNTS)), strict=True)
+    return [
+        Case("", *content, "balls", mount, done, "tau", int(rng.integers(1 << 31)), "space")
+        for content, (done, mount) in zip(contents, recordings, strict=True)
+    ]
+
+
+def build_in_space(case: Case, folder: Path, workshop: Workshop, attempt: int) -> Answer:
+    """Write the recording of a case into a new folder."""
+    nuisance = nuisance_of(case.seed)
+    keq = float(np.random.default_rng([case.seed, 7]).choice(sorted(LEVELS)))
+    trials = program(case.program, case.mount, keq)
+    yardstick = Yardstick(trials, nuisance, workshop.measured_in_space)
+    chosen = [
+        strong_enough(case, place, target(size, nuisance.noise, axes=3), yardstick, attempt, drawn=draw)
+        for place, size in enumerate(case.sizes)
+    ]
+    workshop.plants[case.plant].run(trials, [scaled.law for scaled in chosen], case.seed, folder, nuisance, MARKERS)
+    return answer_of(case, chosen, [scaled.gap for scaled in chosen], nuisance, axes=3)
+
+
+def draw(name: str, rng: np.random.Generator) -> Law:
+    """A law in space by its name, with random secondary parameters and moderate strength."""
+    laws = CATALOGUE | OUTSIDE
+    if name not in laws:
+        raise EffectError("law", expected=" or ".join(sorted(laws)), received=name)
+    return laws[name].draw(rng)
