@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
+from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.kinds import FLEXIBLE
 from hsr_pin.diagnosis.confidence import features
 from hsr_pin.diagnosis.support import Support
@@ -31,11 +32,11 @@ Row = tuple[str, tuple[float, ...], float, bool]
 def rows(answers: Path, results: Path) -> tuple[dict[str, list[Row]], int]:
     """For names and kinds; and how many cases there were."""
     found: dict[str, list[Row]] = {"name": [], "kind": []}
-    cases = {case["name"]: case for case in json.loads(answers.read_text(encoding="utf-8"))["cases"]}
+    cases = {case["name"]: Answer.of(case) for case in json.loads(answers.read_text(encoding="utf-8"))["cases"]}
     files = sorted(results.glob("*.json"))
     for file in files:
         case = cases[file.stem]
-        names, kinds = ({each for some in case[key] for each in some} for key in ("names", "kinds"))
+        names, kinds = ({each for some in key for each in some} for key in (case.names, case.kinds))
         verdict = json.loads(file.read_text(encoding="utf-8"))["verdict"]
         for told in verdict["support"]:
             known = {"rest": verdict["left"]["share"], **told}  # the third sealed run was of a version that did not tell it
