@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from concurrent.futures import Executor
 
 import numpy as np
 import pytest
@@ -114,6 +115,26 @@ def test_answers_are_equal_to_the_last_digit_in_this_process_in_two_others_and_o
         assert found(executor, released) == alone
     with workers(cluster=cluster) as executor:
         assert found(executor, released) == alone
+
+
+def test_a_crew_guesses_once_for_the_same_model_and_parts(released):
+    class Counting(Executor):
+        tasks = 0
+
+        def submit(self, function, /, *arguments, **named):
+            self.tasks += 1
+            return Serial().submit(function, *arguments, **named)
+
+    experiment = prepare(released)
+    base = fit(experiment, Hypothesis(links=6))
+    model, executor = Candidate(base, tuple(leave_one_out(experiment, base))), Counting()
+    crew, parts = Crew(experiment, executor), [Part(name, EFFECTS[name]()) for name in ("dry_friction", "stiffness_gradient")]
+    first = crew.guess(model, parts)
+    done = executor.tasks
+    assert crew.guess(model, parts) == first
+    assert executor.tasks == done
+    assert len(crew.guess(model, parts[:1])) == 1
+    assert executor.tasks > done
 
 
 def test_a_diagnosis_on_a_cluster_is_that_of_this_process(heavy_tip, cluster):

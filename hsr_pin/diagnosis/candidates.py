@@ -14,10 +14,10 @@ import numpy as np
 
 from hsr_pin.identification.evaluation import Case, respond_each
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit, fit, stacked
+from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
-from hsr_pin.identification.nuisance import whitened
+from hsr_pin.identification.nuisance import Eliminated
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -99,10 +99,14 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
     parameters adjusted along their known derivatives, and the misfit that it should leave, follow from linear least squares.
     """
     experiment, base = _thinned(experiment, base)
-    return [guess for effect in effects for guess in _guess(experiment, base, effect)]
+    told, without = base.whitened(), [base.eliminated(run) for run in range(len(experiment.runs))]
+    residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
+    return [guess for effect in effects for guess in _guess(experiment, base, effect, residual, slopes, without)]
 
 
-def _guess(experiment: Experiment, base: Fit, effect: Part) -> list[Guess]:
+def _guess(
+    experiment: Experiment, base: Fit, effect: Part, residual: Array, slopes: Array, without: Sequence[Eliminated]
+) -> list[Guess]:
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     neutral = np.array([fact.neutral for fact in new])
@@ -111,14 +115,13 @@ def _guess(experiment: Experiment, base: Fit, effect: Part) -> list[Guess]:
     alone = [np.where(np.arange(len(new)) == k, probe, _at_rest(new, probe)) for probe in probes for k in amplitudes]
     points = np.array([np.append(base.values, values) for values in (neutral, *alone)])
     seen = _side_by_side(experiment, whole, points)
-    residual, slopes = stacked(base)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
     for n, probe in enumerate(probes):
         own = range(1 + n * len(amplitudes), 1 + (n + 1) * len(amplitudes))
         changes = np.concatenate(
             [
-                whitened(np.moveaxis(each[:, own] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None], base.basis(run))
-                for run, (each, w) in enumerate(zip(seen, base.weights, strict=True))
+                free(np.moveaxis(each[:, own] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
+                for each, w, free in zip(seen, base.weights, without, strict=True)
             ]
         )
         if not np.isfinite(changes).all():

@@ -26,12 +26,16 @@ class Crew:
 
     def __init__(self, experiment: Experiment, executor: Executor, advance: Callable[[], None] = lambda: None) -> None:
         self._shared, self._executor, self._advance = Shared(experiment), executor, advance
+        self._guessed: dict[tuple[Candidate, tuple[Part, ...]], list[Guess]] = {}
 
     def guess(self, base: Candidate, parts: Sequence[Part]) -> list[Guess]:
-        """First guesses for adding each part."""
-        groups = [parts[k : k + _TOGETHER] for k in range(0, len(parts), _TOGETHER)]
-        answers = run(self._executor, _guess, [(self._shared, base.fit, group) for group in groups])
-        return [guess for answer in answers for guess in answer]
+        """First guesses for adding each part; kept, for a search comes back to models that it left."""
+        asked = base, tuple(parts)
+        if asked not in self._guessed:
+            groups = [parts[k : k + _TOGETHER] for k in range(0, len(parts), _TOGETHER)]
+            answers = run(self._executor, _guess, [(self._shared, base.fit, group) for group in groups])
+            self._guessed[asked] = [guess for answer in answers for guess in answer]
+        return self._guessed[asked]
 
     def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
         """A quick fit for each guess about a base fit."""

@@ -21,7 +21,6 @@ from hsr_pin.diagnosis.search import Thresholds, open_share, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
-from hsr_pin.identification.nuisance import whitened
 from hsr_pin.identification.step import damped_inverse
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
@@ -191,10 +190,10 @@ def _step(fit: Fit, masks: Sequence[NDArray[np.bool_]]) -> tuple[Array, Array]:
         seen = weights > 0
         if not seen.any():
             continue
-        basis = fit.basis(k, mask[:, None, None])
+        without = fit.eliminated(k, mask[:, None, None])
         r = np.nan_to_num(fit.residuals[k]) * weights
-        rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[seen], basis))
-        slopes.append(whitened((fit.slopes[k] * weights[..., None] * scale)[seen], basis))
+        rows.append(without((np.nan_to_num(fit.missed[k]) * weights)[seen]))
+        slopes.append(without((fit.slopes[k] * weights[..., None] * scale)[seen]))
         last.append(float((r[1:] * r[:-1]).sum() / max((r**2).sum(), 1e-300)))
     if not rows:
         return fit.values.copy(), np.full(len(fit.values), np.inf)

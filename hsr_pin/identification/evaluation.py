@@ -44,11 +44,13 @@ class Response:
 
     Attributes:
         columns: the C arms.
+        cameras: that see them.
         positions: (T, C, M, 3) [m] of the markers; NaN from a failure on.
         angles, rates: (T, C, N) [rad], [rad/s]; in space (T, C, 3 N).
     """
 
     columns: Columns
+    cameras: Cameras
     positions: Array
     angles: Array
     rates: Array
@@ -112,7 +114,7 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     if np.isfinite(motion.lost).any():
         ends = (np.arange(len(run.time))[:: run.every] + run.lead + 1) * run.step
         positions[ends[:, None] > motion.lost] = np.nan
-    return Response(columns, positions, angles, rates)
+    return Response(columns, cameras, positions, angles, rates)
 
 
 def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
@@ -191,10 +193,9 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
     length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
     columns, directions = [], experiment.directions
     if experiment.lasting:
-        first = answer.columns.members(slice(0, 1))
         for direction in directions:
-            bent = first.evenly(np.array([direction]))[None]
-            change = experiment.cameras(first).velocities(answer.angles[:, :1], bent)[:, 0][..., experiment.axes]
+            bent = answer.columns.evenly(np.array([direction]))[None]
+            change = answer.cameras.first.velocities(answer.angles[:, :1], bent)[:, 0][..., experiment.axes]
             columns.append(change * 2 * experiment.rest_scatter / length)
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))

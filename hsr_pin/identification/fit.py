@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +12,7 @@ from hsr_pin.identification.evaluation import predict_with_slopes, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.misfit import Misfit
-from hsr_pin.identification.nuisance import prices, whitened
+from hsr_pin.identification.nuisance import Eliminated, prices
 from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
@@ -62,11 +61,19 @@ class Fit:
         """The values by name."""
         return dict(zip(self.hypothesis.free, map(float, self.values), strict=True))
 
-    def basis(self, run: int, part: Any = 1.0) -> Array:
-        """(n, K) what one standard deviation of each number of a run's own makes of its weighted residuals, priced."""
+    def eliminated(self, run: int, part: Any = 1.0) -> Eliminated:
+        """How a run's own numbers, priced, are taken out of (n, ...) weighted residuals or derivatives."""
         weights = self.weights[run] * part
         priced = self.nuisance[run] / self.price[: self.nuisance[run].shape[-1]]
-        return np.asarray((priced * weights[..., None])[weights > 0])
+        return Eliminated.of((priced * weights[..., None])[weights > 0])
+
+    def whitened(self) -> list[tuple[Array, Array]]:
+        """For each run (n,) weighted residuals and (n, P) derivatives, without gaps and what belongs to the trial."""
+        rows = []
+        for run, (missed, slopes, weights) in enumerate(zip(self.missed, self.slopes, self.weights, strict=True)):
+            seen, without = weights > 0, self.eliminated(run)
+            rows.append((without((np.nan_to_num(missed) * weights)[seen]), without((slopes * weights[..., None])[seen])))
+        return rows
 
     def on_bound(self) -> tuple[str, ...]:
         """Names of parameters that ended on a bound which is not their neutral value."""
@@ -149,15 +156,3 @@ def _searched(misfit: Misfit, x: Array, spread: float, quick: bool) -> tuple[Arr
         if not own or moved < _SETTLED:
             break
     return x, answer.status > 0
-
-
-def stacked(fit: Fit, runs: Sequence[int] | None = None) -> tuple[Array, Array]:
-    """Weighted residuals (n,) and derivatives (n, P) of some runs (default: all), without gaps and what belongs to the trials."""
-    chosen = range(len(fit.residuals)) if runs is None else runs
-    rows, slopes = [], []
-    for k in chosen:
-        mask, weights = fit.weights[k] > 0, fit.weights[k]
-        basis = fit.basis(k)
-        rows.append(whitened((np.nan_to_num(fit.missed[k]) * weights)[mask], basis))
-        slopes.append(whitened((fit.slopes[k] * weights[..., None])[mask], basis))
-    return np.concatenate(rows), np.concatenate(slopes)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from hsr_pin.identification.evaluation import predict, residuals
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit, stacked
+from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.nuisance import taken_out
 from hsr_pin.identification.step import damped_step
 from hsr_pin.trajectory import Array
@@ -21,18 +23,18 @@ def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
     The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit
     is repeated, every run is simulated once more.
     """
-    values = [without(fit, run) for run in range(len(experiment.runs))]
+    rows = fit.whitened()
+    values = [without(fit, rows[:run] + rows[run + 1 :]) for run in range(len(rows))]
     missed = residuals(experiment, predict(experiment, fit.hypothesis, list(zip(experiment.runs, values, strict=True))))
     return taken_out(missed, fit.weights, fit.nuisance, experiment.lasting)
 
 
-def without(fit: Fit, run: int) -> Array:
-    """(P,) parameters fitted to all runs but one; with a single run, the hypothesis' start."""
-    others = [k for k in range(len(fit.residuals)) if k != run]
+def without(fit: Fit, others: Sequence[tuple[Array, Array]]) -> Array:
+    """(P,) parameters fitted to other runs alone, of which :meth:`Fit.whitened` tells; without any, the hypothesis' start."""
     if not others:
         return fit.hypothesis.start
     scale, (lower, upper) = fit.hypothesis.scale, fit.hypothesis.bounds
-    residual, slopes = stacked(fit, others)
+    residual, slopes = (np.concatenate(part) for part in zip(*others, strict=True))
     # along directions that the other runs cannot tell, the parameters stay where they were
     step = np.clip(damped_step(slopes * scale, residual, _DAMPING), -2.0, 2.0)
     return np.asarray(np.clip(fit.values + scale * step, lower, upper))

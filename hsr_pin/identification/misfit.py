@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import prices, taken_out, whitened
+from hsr_pin.identification.nuisance import Eliminated, prices, taken_out
 from hsr_pin.trajectory import Array
 
 #: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
@@ -37,7 +37,7 @@ class Misfit:
         self._lasting = experiment.lasting
         self._seen = [weight > 0 for weight in self.weights]
         self._at: Array | None = None
-        self._bases: list[Array] | None = None
+        self._eliminated: list[Eliminated] = []
 
     def predictions(self, x: Array) -> list[Prediction]:
         """With one-sided differences."""
@@ -53,31 +53,31 @@ class Misfit:
 
     def residual(self, x: Array) -> Array:
         """(n,) weighted, without gaps, what belongs to the trials eliminated."""
-        parts = zip(self.missed(x), self.weights, self.bases(x), self._seen, strict=True)
-        return np.concatenate([whitened((residual * weight)[seen], basis) for residual, weight, basis, seen in parts])
+        parts = zip(self.missed(x), self.weights, self._eliminated_at(x), self._seen, strict=True)
+        return np.concatenate([without((residual * weight)[seen]) for residual, weight, without, seen in parts])
 
     def jacobian(self, x: Array) -> Array:
         """(n, P) derivatives of :meth:`residual`."""
-        parts = zip(self.predictions(x), self.weights, self.bases(x), self._seen, strict=True)
-        rows = [whitened((p.slopes * w[..., None])[seen], b) for p, w, b, seen in parts if p.slopes is not None]
+        parts = zip(self.predictions(x), self.weights, self._eliminated_at(x), self._seen, strict=True)
+        rows = [without((p.slopes * w[..., None])[seen]) for p, w, without, seen in parts if p.slopes is not None]
         return np.asarray(np.concatenate(rows) * self.scale)
 
-    def bases(self, x: Array) -> list[Array]:
-        """For each run (n, K) what one standard deviation of each of its own numbers makes of the weighted residuals, priced.
-
-        As it was where :meth:`hold` was called last: were it to change from point to point, the derivatives would lack that.
-        """
-        if self._bases is None:
-            self.hold(x)
-        assert self._bases is not None
-        return self._bases
-
     def hold(self, x: Array) -> bool:
-        """Take what the numbers of the trials make of the residuals, and their prices, from here; whether there are any."""
+        """Take what the numbers of the trials make of the residuals, and their prices, from here; whether there are any.
+
+        Were it to change from point to point, the derivatives would lack that.
+        """
         price = prices(self.left(x), self.weights, self._lasting)
         parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
-        self._bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]
-        return any(basis.shape[1] for basis in self._bases)
+        bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]
+        self._eliminated = [Eliminated.of(basis) for basis in bases]
+        return any(basis.shape[1] for basis in bases)
+
+    def _eliminated_at(self, x: Array) -> list[Eliminated]:
+        """For each run how its own numbers are taken out, as :meth:`hold` found it last; found here if it never was."""
+        if not self._eliminated:
+            self.hold(x)
+        return self._eliminated
 
     def left(self, x: Array) -> list[Array]:
         """For each run (T, M, A) [m] predicted minus measured, without what belongs to the trial."""

@@ -12,6 +12,7 @@ its many samples say little (:func:`prices`); were they taken for noise, numbers
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,17 +27,38 @@ _CHANCE = 1.5
 _LASTING = 0.995
 
 
-def whitened(rows: Array, basis: Array) -> Array:
-    """Residuals or derivatives (n, ...) times the inverse root of I + basis basis^T, basis (n, K) with unit priors.
+@dataclass(frozen=True, eq=False)
+class Eliminated:
+    """What residuals or derivatives are without numbers with unit priors: times the inverse root of I + basis basis^T.
 
     Their squares add up to the least that is left when the K numbers are fitted too, the squares of these added.
+
+    Attributes:
+        directions: (n, K) orthonormal.
+        shrink: (K,) share of each that is taken away.
     """
-    if not basis.shape[1]:
-        return rows
-    u, s, _ = np.linalg.svd(basis, full_matrices=False)
-    shrink = 1 - 1 / np.sqrt(1 + s**2)
-    flat = rows.reshape(len(rows), -1)
-    return np.asarray((flat - u @ (shrink[:, None] * (u.T @ flat))).reshape(rows.shape))
+
+    directions: Array
+    shrink: Array
+
+    @classmethod
+    def of(cls, basis: Array) -> Eliminated:
+        """For what one standard deviation of each number makes, (n, K)."""
+        u, s, _ = np.linalg.svd(basis, full_matrices=False)
+        return cls(u, 1 - 1 / np.sqrt(1 + s**2))
+
+    def __call__(self, rows: Array) -> Array:
+        """(n, ...) without them."""
+        if not len(self.shrink):
+            return rows
+        flat = rows.reshape(len(rows), -1)
+        return np.asarray((flat - self.directions @ (self.shrink[:, None] * (self.directions.T @ flat))).reshape(rows.shape))
+
+    def after(self, zeros: int, rows: Array) -> Array:
+        """(n, C) of rows (n - zeros, C) that follow on so many zeros."""
+        out = -self.directions @ (self.shrink[:, None] * (self.directions[zeros:].T @ rows))
+        out[zeros:] += rows
+        return np.asarray(out)
 
 
 def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -> Array:

@@ -8,7 +8,6 @@ import numpy as np
 from scipy import stats
 
 from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.nuisance import whitened
 from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
@@ -53,8 +52,8 @@ def uncertainty(fit: Fit) -> Uncertainty:
     for run, (missed, slopes, weights) in enumerate(zip(fit.missed, fit.slopes, fit.weights, strict=True)):
         weighted, r = slopes * weights[..., None] * scale, np.nan_to_num(missed) * weights
         mask = weights > 0
-        basis = fit.basis(run)
-        weighted[mask], r[mask] = whitened(weighted[mask], basis), whitened(r[mask], basis)
+        without = fit.eliminated(run)
+        weighted[mask], r[mask] = without(weighted[mask]), without(r[mask])
         hessian += np.einsum("tmcp,tmcq->pq", weighted, weighted)
         middle += _long_run(np.einsum("tmcp,tmc->tp", weighted, r), _memory(r))
         squares, count = squares + float((r**2).sum()), count + float((weights > 0).sum())

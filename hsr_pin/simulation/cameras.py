@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,9 +31,15 @@ class Cameras:
     """
 
     def __init__(self, columns: Columns, arc_lengths: ArrayLike, beside: ArrayLike = 0.0) -> None:
-        self._reach = np.asarray(arc_lengths, dtype=float)
-        self._places = _places(columns, self._reach, beside)
+        self._columns, self._reach, self._beside = columns, np.asarray(arc_lengths, dtype=float), np.asarray(beside)
+        self._places = _places(columns, self._reach, self._beside)
         self._effects = tuple(effect for effect in columns.effects if effect.acts_through("observe"))
+
+    @cached_property
+    def first(self) -> Cameras:
+        """What is seen of the first arm alone."""
+        reach, beside = (values[:1] if values.ndim == 2 else values for values in (self._reach, self._beside))
+        return Cameras(self._columns.members(slice(0, 1)), reach, beside)
 
     @property
     def places(self) -> MarkerMap | SpaceMarkerMap:

@@ -18,41 +18,13 @@ from hsr_pin.diagnosis.change.leftover import Covariance, Rows, features, learnt
 from hsr_pin.diagnosis.change.pair import Pair
 from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.nuisance import Eliminated
 from hsr_pin.trajectory import Array
 
 #: How far the shared parameters may be from where the fit to OLD ended, over their scales.
 _WIDE = 0.3
 #: Numbers that are declared and seldom exact, and how exact: what is wrong with them is wrong in both recordings.
 DECLARED = {"mass_scale": 0.1, "torque_gain": 0.05}
-
-
-@dataclass(frozen=True, eq=False)
-class Eliminated:
-    """What whitened rows are without numbers with unit priors: (I + basis basis^T)^(-1/2), as in `nuisance.whitened`.
-
-    Attributes:
-        directions: (n, K) orthonormal.
-        shrink: (K,) share of each that is taken away.
-    """
-
-    directions: Array
-    shrink: Array
-
-    @classmethod
-    def of(cls, basis: Array) -> Eliminated:
-        """For what one standard deviation of each number makes, (n, K)."""
-        u, s, _ = np.linalg.svd(basis, full_matrices=False)
-        return cls(u, 1 - 1 / np.sqrt(1 + s**2))
-
-    def __call__(self, rows: Array) -> Array:
-        """(n, C) without them."""
-        return np.asarray(rows - self.directions @ (self.shrink[:, None] * (self.directions.T @ rows)))
-
-    def after(self, zeros: int, rows: Array) -> Array:
-        """(n, C) of rows (n - zeros, C) that follow on so many zeros."""
-        out = -self.directions @ (self.shrink[:, None] * (self.directions[zeros:].T @ rows))
-        out[zeros:] += rows
-        return np.asarray(out)
 
 
 @dataclass(frozen=True, eq=False)
