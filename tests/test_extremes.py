@@ -1,6 +1,8 @@
 """What no arm and no run can have is refused with a documented exception, in one line that says what came."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -123,3 +125,25 @@ def test_pressures_are_numbers(pressures):
 def test_a_torque_that_no_arm_bears_is_a_failure_of_the_simulation():
     with pytest.raises(SimulationFailure, match="simulation stopped"):
         simulate(torque_step(ARM, 1e308).scenario(ARM))
+
+
+HUNDREDS = """
+import resource
+resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))  # Pinocchio's data of so many joints take more
+from hsr_pin.export.mjcf import to_mjcf
+from hsr_pin.export.model import CorrectedModel
+from hsr_pin.replay.bodies import poses
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.scenario import step_scenario
+from hsr_pin.simulation.simulate import simulate
+arm = ArmSpecification(links=450)
+motion = simulate(step_scenario(arm, 0.5, duration=0.2)).trajectory
+assert poses(arm, motion.joint_angles)[0].shape[1:] == (451, 3)
+assert "joint_450" in to_mjcf(CorrectedModel(arm)).text
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are others elsewhere")
+def test_hundreds_of_links_are_simulated_drawn_and_handed_on_in_little_memory():
+    done = subprocess.run([sys.executable, "-c", HUNDREDS], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")

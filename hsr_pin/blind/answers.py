@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from hsr_pin.blind.kinds import kinds_of, names_of
-from hsr_pin.errors import InputError
+from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.output import write_text
+from hsr_pin.recordings.files import LARGEST_RESULT, read_bytes
+from hsr_pin.recordings.text import read_text
 
 FORMAT = 1
 SEAL = "SEALED.txt"
@@ -77,11 +79,11 @@ def unseal(folder: Path, file: Path) -> list[Answer]:
         InputError: they are not, or there are none.
     """
     try:
-        sealed = (folder / SEAL).read_text(encoding="utf-8")
-        content = file.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: bytes that are no text
-        received, there = getattr(error, "strerror", None) or error, getattr(error, "filename", None) or folder / SEAL
-        raise InputError("answers", expected=f"{SEAL} in the folder, and the file", received=received, file=there) from error
+        sealed = read_text(folder / SEAL, LARGEST_RESULT)
+        content = read_bytes(file, LARGEST_RESULT)
+    except RecordingError as error:
+        expected, received = f"{SEAL} in the folder, and the file", error.received or error.subject
+        raise InputError("answers", expected=expected, received=received, file=error.file) from error
     if f"{_HASH}{_digest(content)}\n" not in sealed:
         raise InputError("answers", expected=f"the hash that {SEAL} gives", received=_digest(content), file=file)
     try:

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from hsr_pin.errors import InputError
+from hsr_pin.recordings.files import LARGEST_RESULT
+from hsr_pin.recordings.text import read_text
 
 
 def read_state(file: Path, hint: str) -> dict[str, Any]:
@@ -16,9 +18,9 @@ def read_state(file: Path, hint: str) -> dict[str, Any]:
         InputError: it is none, with ``hint`` for what to do about it.
     """
     try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        document = json.loads(read_text(file, LARGEST_RESULT))
+    except (ValueError, RecursionError) as error:
+        reason = getattr(error, "received", None) or str(error)
         raise InputError("damaged", expected="what hsr-blind wrote", received=reason, hint=hint, file=file) from error
     if not isinstance(document, dict):
         kind = type(document).__name__

@@ -203,12 +203,15 @@ def _write(found: Score | ChangeScore, file: Path) -> None:
 def show_command(file: Path, **options: Any) -> None:
     """Print a score that was written with --json."""
     from hsr_pin.blind.scoring import scored
+    from hsr_pin.recordings.files import LARGEST_RESULT
+    from hsr_pin.recordings.text import read_text
 
     _check(options, [file])
     try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError("score", expected="a file that hsr-blind score --json wrote", received=error, file=file) from error
+        document = json.loads(read_text(file, LARGEST_RESULT))
+    except (ValueError, RecursionError) as error:
+        received = getattr(error, "received", None) or error
+        raise InputError("score", expected="a file that hsr-blind score --json wrote", received=received, file=file) from error
     _tell(scored(document), options)
 
 

@@ -19,13 +19,11 @@ from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.drive import Drive, checked_duration, pressure_step, torque_step
 from hsr_pin.simulation.measures import TipMeasures, measure_tip
-from hsr_pin.simulation.motion import Dynamics
+from hsr_pin.simulation.motion import Dynamics, usual
 from hsr_pin.simulation.simulate import simulate
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
 _DURATION = 3.0
-#: More links than these are simulated by the compiled loops.
-MANY_LINKS = 64
 #: How the description of every dataset that is written here begins.
 DESCRIPTION = "simulated by hsr-sim"
 
@@ -125,9 +123,8 @@ def planned(options: dict[str, Any]) -> list[Run]:
 
 
 def usual_dynamics(runs: list[Run]) -> Dynamics:
-    """Pinocchio for arms of few links; its memory grows with their cube, that of the compiled loops with their number."""
-    over_pinocchio: Dynamics = "aba" if runs[0].arm.bending == "plane" else "rnea"
-    return over_pinocchio if max(run.arm.links for run in runs) <= MANY_LINKS else "compiled"
+    """What starts soonest and bears them all."""
+    return usual(max(run.arm.links for run in runs), runs[0].arm.bending == "space")
 
 
 def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:

@@ -62,8 +62,9 @@ def _report(path: str) -> bytes:
     from pathlib import Path
 
     from hsr_pin.errors import InputError
+    from hsr_pin.recordings.files import LARGEST_RESULT, read_bytes
 
-    content = Path(path).read_bytes()
+    content = read_bytes(Path(path), LARGEST_RESULT)
     if b"<html" not in content[:2000].lower():
         raise InputError("--report", expected="a page written by hsr-diagnose --html", received="no HTML", file=path)
     return content

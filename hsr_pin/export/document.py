@@ -11,11 +11,13 @@ from typing import Any
 
 from hsr_pin.effects.catalogue import effect_named
 from hsr_pin.effects.effect import Effect
-from hsr_pin.errors import InputError
+from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.identification.arm_document import levels
 from hsr_pin.identification.hypothesis import ARM, LINKS
+from hsr_pin.recordings.files import LARGEST_RESULT
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.text import read_text
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Marker
 
@@ -71,14 +73,15 @@ def read_result(
 def _read(path: str | Path) -> dict[str, Any]:
     expected = "the JSON of hsr-fit --json or hsr-diagnose --json"
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        document = json.loads(read_text(Path(path), LARGEST_RESULT))
+    except RecordingError:
+        raise
     except json.JSONDecodeError as error:
         raise InputError(
             "not JSON", expected=expected, received=error.msg, file=path, line=error.lineno, column=error.colno
         ) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "bytes that are not UTF-8 text"
-        raise InputError("cannot read the file", expected=expected, received=reason, file=path) from error
+    except (ValueError, RecursionError) as error:  # a number of too many digits, brackets within brackets
+        raise InputError("not JSON", expected=expected, received=error, file=path) from error
     if not isinstance(document, dict) or not ("candidates" in document or "parameters" in document):
         raise InputError("not a result", expected=expected, received=type(document).__name__, file=path)
     if document.get("schema") != 1:

@@ -89,10 +89,10 @@ def _joints(model: CorrectedModel, parts: Parts) -> list[tuple[list[float], list
 
 def _rest(model: CorrectedModel) -> Array:
     """(N,) [rad] where the arm rests without a command; straight where it rests nowhere."""
-    from hsr_pin.simulation.motion import Engine
+    from hsr_pin.simulation.motion import Engine, usual
 
     columns = model.columns
-    engine = Engine(columns, "aba")
+    engine = Engine(columns, usual(columns.links, columns.space))
     nothing = np.zeros(1)
     command = engine.deliver(np.zeros((2, 1)), nothing, 1.0)
     pose, found = engine.settled(command.initial, np.ones(1, dtype=bool), np.zeros((1, columns.links)))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hsr_pin.errors import one_line
+
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
 
 
 def render(template: str, **values: Any) -> str:
@@ -18,7 +22,6 @@ def render(template: str, **values: Any) -> str:
 @lru_cache(maxsize=2)
 def _environment(escape: bool) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: `--help` does without
-    from markupsafe import Markup
 
     made = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -30,8 +33,15 @@ def _environment(escape: bool) -> Environment:
     )
     made.filters["number"] = number
     made.filters["row"] = lambda values: " ".join(map(number, values))
-    made.filters["comment"] = lambda text: Markup(str(text).replace("--", "- -"))  # XML ends a comment at two hyphens
+    made.filters["comment"] = comment
     return made
+
+
+def comment(text: object) -> Markup:
+    """A text that may stand in a comment of XML, which two hyphens would end, and which knows no control characters."""
+    from markupsafe import Markup
+
+    return Markup(re.sub("-(?=-)", "- ", one_line(text)))
 
 
 def number(value: Any) -> str:

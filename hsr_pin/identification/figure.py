@@ -52,7 +52,8 @@ def _shown(found: Identification) -> Iterator[tuple[str, Run, Array, Array]]:
 
 def _draw(axes: Axes, run: Run, marker: int, before: Array, after: Array) -> None:
     measured = run.compared[:, marker]
-    axis = int(np.argmax(np.nanmax(measured, axis=0) - np.nanmin(measured, axis=0)))
+    seen = measured[np.isfinite(measured).all(axis=1)]
+    axis = int(np.argmax(np.ptp(seen, axis=0))) if len(seen) else 0
     axes.plot(run.time, 1e3 * measured[:, axis], ".", color=_MEASURED, ms=2.5, label="measured")
     for missed, colour, dashes, label in ((before, _DECLARED, "--", "as declared"), (after, _FITTED, "-", "as fitted")):
         axes.plot(run.time, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, ls=dashes, lw=1.3, label=label)

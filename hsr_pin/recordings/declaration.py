@@ -18,6 +18,8 @@ _ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle")
 FILE_NAME = "dataset.toml"
 #: An arm outside of these lengths [m] is not measured in metres.
 SHORTEST, LONGEST = 1e-3, 50.0
+#: No arm carries more markers; what all pairs of them take grows with their square.
+MOST_MARKERS = 200
 #: What the input does from sample to sample, the default first.
 INPUTS = ("held", "interpolated")
 
@@ -117,6 +119,8 @@ def _version(top: Section) -> int:
 def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
     markers: list[Marker] = []
     taken: set[str] = set()
+    if (count := len(top.sections("marker"))) > MOST_MARKERS:
+        raise top.sections("marker")[MOST_MARKERS].fault("markers", expected=f"at most {MOST_MARKERS}", received=count)
     for section in top.sections("marker"):
         section.only("name", "arc_length", *(_MARKER_IN_SPACE if space else ()))
         name = section.text("name")

@@ -12,6 +12,8 @@ from hsr_pin.errors import RecordingError
 LARGEST = 2_000_000_000
 #: Largest declaration or mapping [bytes]: that of 50,000 trials.
 LARGEST_DOCUMENT = 8_000_000
+#: Largest result, report or score of hsr_pin that is read again [bytes].
+LARGEST_RESULT = 100_000_000
 
 _KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
 
@@ -48,7 +50,7 @@ def check_regular(path: Path, largest: int | None = LARGEST) -> int:
         raise RecordingError("cannot read the file", expected="a regular file", received=kind, hint="copy it to one", file=path)
     if largest is not None and found.st_size > largest:
         most, size = (f"{number / 1e6:,.0f} MB" for number in (largest, found.st_size))
-        hint = "split it, or export fewer frames"
+        hint = "split it, or export fewer frames" if largest == LARGEST else "is it the right one?"
         raise RecordingError("the file is too large", expected=f"at most {most}", received=size, hint=hint, file=path)
     return found.st_size
 

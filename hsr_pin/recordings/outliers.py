@@ -17,6 +17,8 @@ SMALLEST_SCALE = 1e-4
 FEWEST = 4
 #: An exchange must bring the markers this much closer to where they were than leaving them does.
 CLEARLY_CLOSER = 0.5
+#: So many pairs of markers are compared at once.
+_PAIRS = 1 << 18
 
 
 def spikes(positions: Array, threshold: float = 5.0, half_window: int = 5) -> NDArray[np.bool_]:
@@ -110,10 +112,16 @@ def _last_seen(positions: Array) -> Array:
     return np.asarray(np.take_along_axis(positions, latest[:, :, None], axis=0))
 
 
+def _nearest(places: Array) -> Array:
+    """(T, M) [m] from each of (T, M, 3) places to the nearest other one in its frame; infinite where there is none."""
+    apart = np.linalg.norm(places[:, :, None] - places[:, None], axis=3) + np.diag(np.full(places.shape[1], np.inf))
+    return np.asarray(np.nan_to_num(apart, nan=np.inf, posinf=np.inf).min(axis=2))
+
+
 def _leaps_together(last: Array) -> NDArray[np.intp]:
     """Frames in which two markers or more leap farther than half the way to their nearest neighbour."""
     markers = last.shape[1]
     leap = np.nan_to_num(np.linalg.norm(np.diff(last, axis=0), axis=2))  # (T - 1, M)
-    apart = np.linalg.norm(last[:-1, :, None] - last[:-1, None], axis=3) + np.where(np.eye(markers), np.inf, 0.0)
-    nearest = np.nan_to_num(apart, nan=np.inf, posinf=np.inf).min(axis=2)
+    block = max(1, _PAIRS // markers**2)  # frames at a time: all pairs of markers in all frames take more memory than there is
+    nearest = np.concatenate([_nearest(last[at : at + block]) for at in range(0, len(last), block)])[:-1]
     return np.flatnonzero((leap > 0.5 * nearest).sum(axis=1) >= 2) + 1

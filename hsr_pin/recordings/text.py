@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.errors import RecordingError
-from hsr_pin.recordings.delimited import number, numbers
+from hsr_pin.recordings.delimited import CHUNK, number, numbers
 from hsr_pin.recordings.files import LARGEST, read_bytes
 from hsr_pin.trajectory import Array
 
@@ -118,13 +118,13 @@ class Table:
 
 
 def _rows(text: bytes, first: int = 0) -> Iterable[tuple[int, str]]:
-    """Line and text of each line that is not blank, from the ``first`` of them on."""
+    """Line and text of each line that is not blank, from the ``first`` of them on; a longer one than :data:`CHUNK` is cut."""
     at, line, found = 0, 0, 0
     while at < len(text):
         end = text.find(b"\n", at)
         end = len(text) if end < 0 else end
         line += 1
-        content = text[at:end]
+        content = text[at : min(end, at + CHUNK)]  # no row is longer: its beginning tells what is wrong
         at = end + 1
         if content.strip(b' ,"\r\t\xef\xbb\xbf'):
             if found >= first:
@@ -139,7 +139,7 @@ def read_table(path: Path) -> Table:
         RecordingError: unreadable, no rows, a column named twice, a row of another length, or a field that is no number.
     """
     text = read_bytes(path)
-    if not text.isascii() or not text.strip():
+    if not text.isascii() or not text or text.isspace():
         _decoded(text, path)
     if b"\n" not in text:
         text = text.replace(b"\r", b"\n")

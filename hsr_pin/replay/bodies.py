@@ -72,14 +72,13 @@ def poses(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
     if arm.bending == "space":
         return _poses_in_space(arm, angles)
     model = build_model(arm).model
-    data = model.createData()
-    base = model.frames[model.getFrameId("base")].placement
-    translations, quaternions = np.empty((len(angles), arm.links + 1, 3)), np.empty((len(angles), arm.links + 1, 4))
-    for number, q in enumerate(angles):
-        pin.forwardKinematics(model, data, q)
-        for joint, pose in enumerate([base, *data.oMi.tolist()[1:]]):
-            translations[number, joint] = pose.translation
-            quaternions[number, joint] = pin.Quaternion(pose.rotation).coeffs()
+    base = model.frames[model.getFrameId("base")].placement  # Pinocchio's data of a thousand links would take 20 GB
+    turned = np.pad(np.cumsum(angles, axis=1), ((0, 0), (1, 0)))[:, :, None]
+    lengths = np.diff(arm.joint_arc_lengths, prepend=0.0) * arm.length
+    ways = lengths[:, None] * (np.cos(turned) * base.rotation[:, 2] + np.sin(turned) * base.rotation[:, 0])[:, :-1]
+    translations = base.translation + np.pad(np.cumsum(ways, axis=1), ((0, 0), (1, 0), (0, 0)))
+    x, y, z, w = pin.Quaternion(base.rotation).coeffs()
+    quaternions = np.cos(turned / 2) * np.array([x, y, z, w]) + np.sin(turned / 2) * np.array([-z, w, x, -y])  # about base y
     return translations, quaternions
 
 

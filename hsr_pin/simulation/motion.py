@@ -21,6 +21,15 @@ from hsr_pin.simulation.integrator import FIRST, LONGEST, Integrator
 from hsr_pin.trajectory import Array
 
 Dynamics = Literal["compiled", "aba", "rnea"]
+#: More links than these are simulated by the compiled loops.
+MANY_LINKS = 64
+
+
+def usual(links: int, space: bool) -> Dynamics:
+    """Pinocchio for arms of few links; its memory grows with their cube, that of the compiled loops with their number."""
+    if links > MANY_LINKS:
+        return "compiled"
+    return "rnea" if space else "aba"
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.integrator import TOLERANCE
-from hsr_pin.simulation.motion import Dynamics
+from hsr_pin.simulation.motion import Dynamics, usual
 from hsr_pin.simulation.result import SimulationResult
 from hsr_pin.simulation.scenario import Scenario
 
@@ -23,7 +23,7 @@ def simulate(
     Args:
         scenario: the arm, what drives it, how it starts.
         dynamics: "aba" or "rnea" over Pinocchio, which start at once; or "compiled", a hundred times as fast for many. Default:
-            "aba", for an arm in space "rnea".
+            "aba", for an arm in space "rnea", for more than 64 links "compiled".
         integrator: a name from ``hsr_pin.simulation.integrator``.
         tolerance: [m] of the tip, that a step may be in error by.
         step: [s] steps of at most this length in place of a tolerance.
@@ -32,6 +32,6 @@ def simulate(
     Raises:
         SimulationFailure: the arm left its bending limit, the motion diverged, or there is no pose to start from.
     """
-    dynamics = dynamics or ("rnea" if scenario.arm.bending == "space" else "aba")
+    dynamics = dynamics or usual(scenario.arm.links, scenario.arm.bending == "space")
     (result,) = simulate_batch([scenario], dynamics=dynamics, integrator=integrator, tolerance=tolerance, step=step)
     return result.raise_on_failure() if raise_on_failure else result

@@ -69,6 +69,16 @@ def test_a_diagnosis_is_handed_on(result, tmp_path, capsys):
     assert "beside it: dry_friction: its law, in arm_laws.py" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("target", ["mjcf", "urdf", "sdf"])
+def test_a_dataset_of_any_name_makes_whole_xml(target, tmp_path, capsys):
+    odd = RESULT | {"dataset": "a--->b ]]> \x1b[31m<!---- -"}
+    (tmp_path / "result.json").write_text(json.dumps(odd), encoding="utf-8")
+    arguments = ["--to", target, "-o", str(tmp_path / "arm.xml"), "--from", str(tmp_path / "result.json"), "--keq", "1.11"]
+    assert run(command, arguments) == 0
+    assert all(line.isprintable() for line in capsys.readouterr().out.splitlines())
+    ElementTree.parse(tmp_path / "arm.xml")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -129,3 +129,17 @@ def test_a_marker_that_was_seen_in_no_fitted_trial_is_a_dash(heavy_tip, tmp_path
     assert err == "" and "nan" not in out
     (line,) = (line for line in out.splitlines() if line.strip().startswith("fitted trials, tip"))
     assert line.split()[3:] == ["-"] * 4
+
+
+def test_a_marker_that_one_trial_never_shows_is_drawn_and_compared_without_it(heavy_tip, tmp_path, capsys):
+    first, *others = heavy_tip.trials[:3]
+    positions = first.trajectory.positions.copy()
+    positions[:, -1] = float("nan")
+    write_dataset(replace(heavy_tip, trials=(first, *others)), tmp_path / "old")
+    hidden = replace(first, trajectory=replace(first.trajectory, positions=positions))
+    write_dataset(replace(heavy_tip, trials=(hidden, *others)), tmp_path / "new")
+    few = ["--links", "2"]
+    assert run(fit, [str(tmp_path / "new"), *few, "--free", "keq", "--plot", str(tmp_path / "f.svg")]) == 0
+    since = ["--since", str(tmp_path / "old"), *few, "--effects", "tip_mass", "--jobs", "1"]
+    assert run(diagnose, [str(tmp_path / "new"), *since]) == 0
+    assert "nan" not in "".join(capsys.readouterr())

@@ -63,7 +63,7 @@ def test_a_page_is_served_to_this_machine_until_ctrl_c(folder, tmp_path):
         (["nowhere"], "nowhere"),
         (["FOLDER", "--links", "0"], "Invalid value for '--links'"),
         (["FOLDER", "--port", "99999"], "Invalid value for '--port'"),
-        (["FOLDER", "--report", "nowhere.html"], "nowhere.html: No such file or directory"),
+        (["FOLDER", "--report", "nowhere.html"], "nowhere.html: cannot read the file"),
         (["FOLDER", "--report", "dataset.toml"], "--report: expected a page written by hsr-diagnose --html, got no HTML"),
         (["FOLDER", "--from", "nowhere.json"], "nowhere.json: cannot read the file"),
     ],

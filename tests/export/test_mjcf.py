@@ -6,6 +6,7 @@ import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from hsr_pin.effects import EFFECTS, parse_effect
@@ -15,7 +16,10 @@ from hsr_pin.export.file import write
 from hsr_pin.export.mjcf import to_mjcf
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import sort
+from hsr_pin.export.timestep import mass_matrix
 from hsr_pin.parameters import parameter
+from hsr_pin.robot.chain import Arms, chain_of
+from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
 
 from .in_mujoco import laws_of, motion, worst_gap
@@ -282,3 +286,11 @@ def test_versions_that_are_not_known_and_names_that_make_no_module_are_refused(t
         write(to_mjcf(model("viscoelastic:ratio=0.5")), tmp_path / "my-arm.xml")
     assert list(tmp_path.iterdir()) == []
     assert importlib.util.find_spec("arm_laws") is None
+
+
+@pytest.mark.parametrize("placement", ["base", "mid", "shifted"])
+def test_the_mass_matrix_of_the_straight_arm_is_pinocchios(placement):
+    arm = ArmSpecification(links=7, placement=placement, tip_mass=0.02)
+    model = build_model(arm).model
+    upper = np.triu(pin.crba(model, model.createData(), np.zeros(7)))
+    np.testing.assert_allclose(mass_matrix(chain_of(Arms.of([arm]))), upper + np.triu(upper, 1).T, rtol=1e-12)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 
 from hsr_pin.cli.blind import command as blind
 from hsr_pin.cli.diagnose import command as diagnose
+from hsr_pin.cli.export import command as export
 from hsr_pin.cli.fit import command as fit
 from hsr_pin.cli.import_ import command as import_
 from hsr_pin.cli.replay import command as replay
 from hsr_pin.cli.sim import command as sim
+from hsr_pin.cli.view import command as view
+
+from .drafts import Draft, draft_of
 
 #: A chain of few links, and one candidate: a diagnosis takes seconds as it is.
 _FEW = ["--links", "2"]
@@ -56,6 +62,37 @@ def _checked(data: Path) -> str:
     return str(check)
 
 
+@lru_cache(maxsize=1)
+def _sound() -> Draft:
+    return draft_of("torque")
+
+
+def _other(data: Path) -> str:
+    """Recordings of the same arm without a fault."""
+    return str(_sound().write(data.parent / "sound"))
+
+
+def _mapped(data: Path) -> list[str]:
+    """A trial as a table of one's own, with a mapping of its times, markers and inputs."""
+    header = [name for name in _rows(data)[0] if name.isprintable()]
+    points = [name.removesuffix("_x") for name in header if name.endswith("_x")]
+    rows = [f"{json.dumps(name)} = {json.dumps([f'{name}_{axis}' for axis in 'xyz'])}" for name in points]
+    inputs = [f'{name} = "{name}"' for name in header if name in ("tau", "P1", "P2")]
+    parts = ["[time]", 'column = "t"', "[space]", 'up = "+z"', "[points]", *rows, *(["[input]", *inputs] if inputs else [])]
+    return [str(data / "trial_01.csv"), "--map", _written(data.parent / "map.toml", [[line] for line in parts])]
+
+
+def _found(data: Path) -> str:
+    """A result, of these recordings."""
+    numbers = {"keq_scale": 1.1, "tip_mass.mass": 0.02}
+    candidate = {"effects": ["tip_mass"], "options": {}, "parameters": {name: {"value": v} for name, v in numbers.items()}}
+    verdict = {"status": "identified", "effects": ["tip_mass"], "sentence": "tip_mass is missing from the model."}
+    result = {"schema": 1, "dataset": "x", "verdict": verdict, "candidates": [candidate]}
+    path = data.parent / "found.json"
+    path.write_text(json.dumps(result))
+    return str(path)
+
+
 #: What `hsr-import` must be told.
 _ARM = ["--mass", "0.15", "--diameter", "0.04", "--keq", "1.11", "--base", "base", "-m", "tip@0.24=Arm:tip"]
 
@@ -73,6 +110,12 @@ TABLE = (
     (1, fit, lambda data: [str(data), *_FEW, "--plot", "out.svg", "--urdf", "out.urdf", "--json", "out.json"], False),
     (1, import_, lambda data: [_captured(data), "--list"], False),
     (1, import_, lambda data: [_captured(data), "-o", "out", *_ARM], False),
+    (1, import_, lambda data: ["-o", "out", *_ARM[:-1], "tip@0.24=tip", *_mapped(data)], False),
+    (1, export, lambda data: ["--to", "mjcf", "--from", _found(data), "--dataset", str(data), "-o", "out.xml"], False),
+    (1, export, lambda data: ["--to", "urdf", "--from", _found(data), "--dataset", str(data), "-o", "out.urdf"], False),
+    *([(1, view, lambda data: [str(data), "--no-open", "--from", _found(data)], False)] if find_spec("viser") else []),
     (1, blind, lambda data: ["run", _checked(data)], False),
     (1, diagnose, lambda data: [str(data), *_ONE, "--max-effects", "1", "--json", "-"], True),
+    (1, diagnose, lambda data: [str(data), "--since", _other(data), *_ONE, "--json", "-"], True),
+    (1, diagnose, lambda data: [_other(data), "--since", str(data), *_ONE, "--json", "out.json", "--html", "out.html"], False),
 )

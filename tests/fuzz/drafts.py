@@ -15,6 +15,8 @@ from hsr_pin.simulation.simulate import simulate
 
 #: Samples of a trial and the time between them [s]: short, since there are many.
 SAMPLES, STEP = 40, 0.025
+#: What drives an arm, and whether it bends in space.
+KINDS = ("torque", "pressures", "release", "space")
 
 
 @dataclass
@@ -62,7 +64,7 @@ class Draft:
 
 def drafts() -> dict[str, Draft]:
     """By what drives them: two trials each, of an arm that carries 30 g more than is declared."""
-    return {kind: _draft(kind) for kind in ("torque", "pressures", "release")}
+    return {kind: draft_of(kind) for kind in KINDS}
 
 
 def copied(draft: Draft) -> Draft:
@@ -70,8 +72,10 @@ def copied(draft: Draft) -> Draft:
     return copy.deepcopy(draft)
 
 
-def _draft(kind: str) -> Draft:
-    generator, arm = np.random.default_rng(1), ArmSpecification(links=8, placement="mid", tip_mass=0.03)
+def draft_of(kind: str) -> Draft:
+    """One of :data:`KINDS`."""
+    generator, space = np.random.default_rng(1), {"bending": "space"} if kind == "space" else {}
+    arm = ArmSpecification(links=8, placement="mid", tip_mass=0.03, **space)
     time = np.arange(SAMPLES) * STEP
     tables, trials = {}, []
     for number, torque in enumerate((0.4, -0.6) if kind != "pressures" else (0.3, 0.6), 1):
@@ -79,10 +83,13 @@ def _draft(kind: str) -> Draft:
             command, start = np.zeros(SAMPLES), Settled(torque)
         else:
             command, start = np.where(time < 0.1 - 1e-9, 0.0, torque), Settled(0.0)
+        if space:
+            command = np.stack([command, 0.5 * command], axis=1)
         motion = simulate(Scenario(arm, time, command, start)).trajectory
         seen = motion.positions + 2e-4 * generator.standard_normal(motion.positions.shape)
-        inputs = {"release": [], "torque": [("tau", command)]}.get(kind)
-        if inputs is None:
+        names = {"torque": ["tau"], "space": ["tau_x", "tau_y"]}.get(kind, [])
+        inputs = list(zip(names, np.atleast_2d(command.T), strict=False))
+        if kind == "pressures":
             pressures = PAPER.pressures_for_torque(1.11, command)
             inputs = [("P1", pressures[:, 0]), ("P2", pressures[:, 1])]
         header = ["t", *(name for name, _ in inputs), *(f"{m.name}_{axis}" for m in motion.markers for axis in "xyz")]
@@ -91,8 +98,14 @@ def _draft(kind: str) -> Draft:
         tables[f"trial_{number:02d}.csv"] = [header, *rows]
         trials.append({"file": f'"trial_{number:02d}.csv"', "keq": "1.11", "damping": "0.05"})
     return Draft(
-        top={"format": "1", "name": f'"{kind}"', "description": '"one line"'},
-        robot={"length": "0.24", "mass": "0.15", "diameter": "0.04", "mount": '"hanging"'},
+        top={"format": "2" if space else "1", "name": f'"{kind}"', "description": '"one line"'},
+        robot={
+            "length": "0.24",
+            "mass": "0.15",
+            "diameter": "0.04",
+            "mount": '"hanging"',
+            **({"bending": '"space"'} if space else {}),
+        },
         markers=[{"name": f'"{m.name}"', "arc_length": f"{m.arc_length}"} for m in motion.markers],
         trials=trials,
         tables=tables,

@@ -1,12 +1,14 @@
 """What is sent to the viewer puts every body and marker where the simulation has it."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import umsgpack
 
 from hsr_pin.replay.animation import RATE, draw
 from hsr_pin.replay.bodies import bodies, poses
 from hsr_pin.replay.viewer import Visualizer
+from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.urdf import arm_to_urdf
 
@@ -117,3 +119,16 @@ def test_runs_stand_beside_each_other_and_share_one_clock(run_of, drawn):
 def test_a_very_long_run_has_a_bounded_number_of_frames(run_of, drawn):
     _, tracks = drawn([run_of(ArmSpecification(links=1), duration=60.0)])
     assert max(times[-1] for times, _ in tracks.values()) == pytest.approx(60.0, abs=0.05)
+
+
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+def test_poses_are_those_of_pinocchio(mount):
+    arm = ArmSpecification(links=5, mount=mount, tilt=0.3)
+    angles = np.random.default_rng(0).normal(size=(3, 5))
+    model = build_model(arm).model
+    data, base = model.createData(), model.frames[model.getFrameId("base")].placement
+    for q, places, turns in zip(angles, *poses(arm, angles), strict=True):
+        pin.forwardKinematics(model, data, q)
+        for wanted, place, turn in zip([base, *data.oMi.tolist()[1:]], places, turns, strict=True):
+            np.testing.assert_allclose(place, wanted.translation, atol=1e-14)
+            np.testing.assert_allclose(pin.Quaternion(turn).matrix(), wanted.rotation, atol=1e-14)

@@ -69,7 +69,8 @@ class Pair:
     @cached_property
     def motion(self) -> tuple[float, ...]:
         """For each run how much the arm moves in it, over what it does in OLD's: RMS distance from its mean place."""
-        sizes = [float(np.sqrt(np.nanmean(np.nanvar(run.compared, axis=0)))) for run in self.experiment.runs]
+        seen = (run.compared[:, np.isfinite(run.compared).any(axis=(0, 2))] for run in self.experiment.runs)
+        sizes = [float(np.sqrt(np.mean(np.nanvar(places, axis=0)))) for places in seen]
         usual = float(np.sqrt(np.mean(np.square([sizes[k] for k in self.old_runs]))))
         return tuple(float(np.clip(size / usual, *_MOTION)) for size in sizes)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.declaration import MOST_MARKERS
 from hsr_pin.recordings.grid import on_even_grid
 from hsr_pin.recordings.importers.alignment import mount_of
 from hsr_pin.recordings.importers.bodies import Body, choose, every_point, matches
@@ -91,6 +92,9 @@ def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
         bodies += tuple(body for body in every_point(capture) if not taken.intersection(body.sources))
     if not bodies:
         raise RecordingError("no named marker was seen", hint="choose points with --marker", file=capture.path)
+    if len(bodies) > MOST_MARKERS:
+        expected, hint = f"at most {MOST_MARKERS} markers", "choose points with --marker"
+        raise RecordingError("points", expected=expected, received=len(bodies), hint=hint, file=capture.path)
     if settings.origin is not None or any(body.arc_length == 0 for body in bodies):
         return bodies
     return tuple(replace(body, arc_length=0.0) if body.name.lower() in BASE_NAMES else body for body in bodies)

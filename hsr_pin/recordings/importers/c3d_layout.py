@@ -67,7 +67,7 @@ def layout_of(data: bytes, parameters: Parameters, path: Path) -> Layout:
         for start in dict.fromkeys(starts)
         for count in counts
         for channels in analogs
-        for number in frames or [max(0, len(data) - start) // Layout(start, count, channels, 0, scale < 0, 1).stride]
+        for number in frames or [max(1, (len(data) - start) // Layout(start, count, channels, 0, scale < 0, 1).stride)]
     ]
     if not shapes:
         raise RecordingError(

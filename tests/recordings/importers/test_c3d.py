@@ -168,6 +168,14 @@ def test_a_file_that_is_cut_is_refused_in_plain_words(tmp_path, share):
         read(tmp_path, content[: int(share * len(content))])
 
 
+def test_a_file_without_room_for_one_frame_is_cut(tmp_path):
+    content = bytearray(8192)
+    struct.pack_into("<BBHHHHHfHHf", content, 0, 2, 80, 65535, 0, 1, 65535, 10, -1.0, 3, 1, 100.0)
+    content[512:516] = bytes([1, 80, 1, 84])
+    with pytest.raises(RecordingError, match="cut short: expected all frames, got 0 of 1 frames"):
+        read(tmp_path, bytes(content))
+
+
 def test_a_small_file_that_wants_gigabytes_is_refused_at_once(tmp_path):
     content = bytearray(file_of(motion(), frames=FRAMES))
     content[2:6] = struct.pack("<2H", 65535, 65535)  # points and analog samples
