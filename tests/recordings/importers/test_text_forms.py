@@ -188,6 +188,25 @@ def test_qualisys_columns_without_names_are_told_from_how_they_look(tmp_path, wr
     assert np.abs(capture.time - np.arange(60) / 120).max() < 1e-5
 
 
+@pytest.mark.parametrize("between", ["", "\t"], ids=["nothing", "an empty column"])
+@pytest.mark.parametrize("lead", [False, True], ids=["bare", "frame and time"])
+def test_qualisys_bodies_are_found_with_or_without_a_column_between_them(tmp_path, points, between, lead):
+    names, positions = points
+    text = f"NO_OF_FRAMES\t{len(positions)}\nNO_OF_BODIES\t3\nFREQUENCY\t120\nDATA_INCLUDED\t6D\nBODY_NAMES\t" + "\t".join(names)
+    text += "\n" + "Frame\tTime\t" * lead + "\t".join([" X", " Y", " Z", *(f" Rot[{n}]" for n in range(13))]) + "\n"
+    for n, frame in enumerate(1000 * np.nan_to_num(positions)):
+        bodies = ["\t".join(f"{value:.5f}" for value in [*place, *range(1, 14)]) for place in frame]
+        text += f"{n + 1}\t{n / 120:.5f}\t" * lead + f"\t{between}".join(bodies) + "\t\n"
+    (tmp_path / "take").write_text(text, encoding="utf-8")
+    capture = read_capture(tmp_path / "take")
+    assert capture.names == names
+    assert np.array_equal(np.isnan(capture.positions), np.isnan(positions))
+    assert np.nanmax(np.abs(capture.positions - positions)) < 1e-6
+    (tmp_path / "take").write_text(text.replace("\t13.00000\t", "\t"), encoding="utf-8")
+    with pytest.raises(RecordingError, match=r"columns: expected 16 columns for each of 3 bodies, got 4[57] in all"):
+        read_capture(tmp_path / "take")
+
+
 def test_a_first_line_of_megabytes_is_read(tmp_path, writers, points):
     names, positions = points
     writers["nexus"](tmp_path / "take", [f"{name}{'x' * 700_000}" for name in names], positions)
