@@ -8,13 +8,15 @@ takes gigabytes or ends the process. Here the size of the file has the last word
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.files import read_bytes
-from hsr_pin.recordings.importers.c3d_layout import layout_of, positions_of
 from hsr_pin.recordings.importers.c3d_parameters import BLOCK, Parameters, floats, read_parameters
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
 from hsr_pin.recordings.importers.up import Up
@@ -25,6 +27,10 @@ MAGIC = 0x50
 CUT_UNITS = {"mete": "meters", "mill": "millimeters"}
 #: Largest file [bytes].
 LARGEST = 1_000_000_000
+#: Scales that differ by less than this share are the same.
+SAME_SCALE = 1e-3
+#: The last frame of a recording too long for its header.
+TOO_LONG = 0xFFFF
 #: Points that are no places, as Vicon names them.
 NO_PLACES = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 #: Which axis systems have upwards, by a word in their name. POINT:Y_SCREEN does not tell: Qualisys and ART write what is not up.
@@ -37,6 +43,32 @@ CONVENTIONS = {
     "charnwood": ("+z", "Codamotion"),
     "optitrack": ("+y", "Motive"),
 }
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the points are.
+
+    Attributes:
+        start: of the first frame [bytes].
+        points: in a frame.
+        analog: samples of analog channels after them.
+        frames: of them.
+        real: numbers are of 32 bits; else of 16, to be scaled.
+        scale: units of length for 1.
+    """
+
+    start: int
+    points: int
+    analog: int
+    frames: int
+    real: bool
+    scale: float
+
+    @property
+    def stride(self) -> int:
+        """From frame to frame [bytes]."""
+        return (4 * self.points + self.analog) * (4 if self.real else 2)
 
 
 def is_c3d(head: bytes) -> bool:
@@ -60,7 +92,7 @@ def read_c3d(path: Path, unit: str | None = None) -> Capture:
     except (ValueError, IndexError, struct.error) as error:
         hint = "export it anew"
         raise RecordingError("not a C3D file that can be read: damaged", received=error, hint=hint, file=path) from error
-    layout = layout_of(data, parameters, path)
+    layout = _layout(data, parameters, path)
     rate = parameters.number("POINT", "RATE") or float(floats(data[20:24], parameters.processor)[0])
     if not (rate > 0 and np.isfinite(rate)):
         raise RecordingError("POINT:RATE", expected="a number of Hz", received=rate, hint="export it anew", file=path)
@@ -70,13 +102,11 @@ def read_c3d(path: Path, unit: str | None = None) -> Capture:
     labels = [label or f"point {index + 1}" for index, label in enumerate(labels)]
     labels += [f"point {index + 1}" for index in range(len(labels), layout.points)]
     places = _places(parameters, labels)
-    positions, all_marked = positions_of(data, layout, parameters.processor)
+    positions, all_marked = _positions(data, layout, parameters.processor)
     positions = positions[:, places] * metres(said, None if unit else path)
     notes = [f"imported from {path.name} (C3D, {said}, {rate:g} Hz)"]
     if all_marked:
         notes.append("every point of the file is marked as not seen (as Simi does): all were taken as seen")
-    if len(data) - layout.start - layout.frames * layout.stride >= BLOCK:
-        notes.append("the file is longer than its frames; they were read so that points move steadily")
     if len(places) < layout.points:
         notes.append(f"{layout.points - len(places)} angles, forces and other outputs of a model were left out")
     return capture(
@@ -89,6 +119,110 @@ def read_c3d(path: Path, unit: str | None = None) -> Capture:
         unit=said,
         notes=notes,
     )
+
+
+def _layout(data: bytes, parameters: Parameters, path: Path) -> Layout:
+    """What the header, the parameters and the size of the file agree on."""
+    order, processor = parameters.order, parameters.processor
+    if len(data) < BLOCK:
+        raise RecordingError("the file is cut short", expected="a header of 512 bytes", received=len(data), file=path)
+    points, analog, first, last = struct.unpack_from(f"{order}4H", data, 2)
+    block, samples = struct.unpack_from(f"{order}2H", data, 16)
+    scale = _scale(float(floats(data[12:16], processor)[0]), parameters.number("POINT", "SCALE"), path)
+    used = parameters.number("POINT", "USED")
+    frames = _frames(parameters, last - first + 1 if last != TOO_LONG else 0)
+    analogs = _analogs(parameters, analog, samples)
+    starts = [(start - 1) * BLOCK for start in (block, int(parameters.number("POINT", "DATA_START") or 0)) if start > 1]
+    counts = [int(count) for count in dict.fromkeys((points, used)) if count]
+    shapes = [
+        Layout(start, count, channels, number, scale < 0, abs(scale))
+        for start in dict.fromkeys(starts)
+        for count in counts
+        for channels in analogs
+        for number in frames or [max(1, (len(data) - start) // Layout(start, count, channels, 0, scale < 0, 1).stride)]
+    ]
+    if not shapes:
+        raise RecordingError(
+            "no marker in the file", expected="points", received=f"{points} points", hint="export them too", file=path
+        )
+    left = [len(data) - shape.start - shape.frames * shape.stride for shape in shapes]
+    fitting = next((shape for shape, rest in zip(shapes, left, strict=True) if 0 <= rest < BLOCK), None)
+    if fitting is not None:
+        return fitting
+    if len({(shape.start, shape.stride) for shape in shapes}) == 1 and max(left) >= 0:
+        return shapes[max(range(len(left)), key=lambda index: (left[index] >= 0, -left[index]))]
+    raise _does_not_fit(shapes, left, len(data), path)
+
+
+def _scale(header: float, parameter: float | None, path: Path) -> float:
+    """Units of length for 1, negative where numbers are of 32 bits: the header and the parameter must agree on what matters."""
+    hint = "export it anew, with numbers of 32 bits if there is a choice"
+    scale = header if parameter is None else parameter
+    if not np.isfinite(scale) or scale == 0:
+        raise RecordingError("POINT:SCALE", expected="a number, not zero", received=scale, hint=hint, file=path)
+    other_kind = (header < 0) != (scale < 0)
+    if np.isfinite(header) and header != 0 and (other_kind or (scale > 0 and abs(header - scale) > SAME_SCALE * scale)):
+        expected, received = f"{header:.6g}, as in the header", f"{scale:.6g}"
+        raise RecordingError("POINT:SCALE", expected=expected, received=received, hint=hint, file=path)
+    return scale
+
+
+def _does_not_fit(shapes: list[Layout], left: list[int], size: int, path: Path) -> RecordingError:
+    shape = shapes[0]
+    if max(left) < 0:
+        there = max(0, size - shape.start) // shape.stride
+        received, hint = f"{there} of {shape.frames} frames", "copy or export it anew"
+        return RecordingError("the file is cut short", expected="all frames", received=received, hint=hint, file=path)
+    return RecordingError(
+        "the layout of the file is in doubt",
+        expected=f"{size} bytes",
+        received=" or ".join(str(one.start + one.frames * one.stride) for one in shapes[:4]),
+        hint="its header and its parameters contradict each other on points or analog channels; export it anew",
+        file=path,
+    )
+
+
+def _frames(parameters: Parameters, header: int) -> list[int]:
+    """How many there may be, what is most to be trusted first."""
+    found = []
+    start, end = (parameters.words("TRIAL", f"ACTUAL_{word}_FIELD") for word in ("START", "END"))
+    if len(start) == len(end) == 2:
+        found.append(end[0] + (end[1] << 16) - start[0] - (start[1] << 16) + 1)
+    for name in ("LONG_FRAMES", "FRAMES"):
+        number = parameters.number("POINT", name)
+        if number is not None and np.isfinite(number) and abs(number) < 1e9:
+            found.append(int(number) & 0xFFFF if number < 0 else int(number))
+    return [number for number in dict.fromkeys([header, *found]) if number > 0 and number != TOO_LONG]
+
+
+def _analogs(parameters: Parameters, header: int, samples: int) -> list[int]:
+    """How many analog samples a frame may have: as the header says, or as the parameters do."""
+    used = parameters.number("ANALOG", "USED") or 0.0
+    rates = parameters.number("ANALOG", "RATE"), parameters.number("POINT", "RATE")
+    found = [header, int(used) * samples]
+    if all(rate is not None and np.isfinite(rate) and rate > 0 for rate in rates):
+        found.append(int(used) * round((rates[0] or 0.0) / (rates[1] or 1.0)))
+    return [number for number in dict.fromkeys(found) if 0 <= number < 1 << 20]
+
+
+def _positions(data: bytes, layout: Layout, processor: int) -> tuple[NDArray[np.float64], bool]:
+    """(T, K, 3) [as the file has it]; NaN where a point was not seen. And whether all are marked so, and taken anyway."""
+    width = 4 * layout.points
+    raw = data[layout.start : layout.start + layout.frames * layout.stride]
+    if layout.real:
+        values: NDArray[Any] = floats(raw, processor).reshape(layout.frames, -1)[:, :width]
+        scale = 1.0
+    else:
+        values = np.frombuffer(raw, ">i2" if processor == 86 else "<i2").reshape(layout.frames, -1)[:, :width]
+        scale = layout.scale
+    values = values.reshape(layout.frames, layout.points, 4)
+    with np.errstate(invalid="ignore"):  # damaged numbers
+        positions = values[:, :, :3].astype(np.float64) * scale
+    marked = values[:, :, 3] < 0
+    all_marked = bool(marked.all()) and bool(values[:, :, :3].any())
+    unseen = ~np.isfinite(positions).all(axis=2) | (np.abs(positions) > 1e9).any(axis=2)
+    positions[unseen if all_marked else unseen | marked] = np.nan
+    return positions, all_marked
 
 
 def _places(parameters: Parameters, labels: list[str]) -> list[int]:

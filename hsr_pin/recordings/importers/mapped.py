@@ -7,6 +7,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
@@ -19,6 +20,8 @@ from hsr_pin.trajectory import Array
 
 #: Lines of units and the like below the names are passed over, up to so many.
 BELOW_NAMES = 10
+#: Rows whose time is that of the row before are left out, if they are no larger a share than this.
+STANDING = 0.1
 #: What may stand before the names.
 COMMENT = ("#", "%")
 
@@ -44,9 +47,15 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
     used = [place.column for place in places if isinstance(place.column, int)]
     rows = _body(sheet, header, [*clock, *frame, *used][0] if mapping.time is None or mapping.time.form is None else used[0])
     stamps, values = _values(sheet, rows, mapping.time, clock, [*frame, *used], ["frame"] * len(frame))
-    time, note = _time(sheet, rows, stamps, values[:, 0] if frame else None, mapping)
+    notes = [f"imported from {path.name} by {mapping.path.name} ({unit or mapping.unit})"]
+    if stamps is not None:
+        kept = _in_order(sheet, rows, stamps)
+        stamps, values = stamps[kept], values[kept]
+        if len(stamps) < len(rows):
+            notes.append(f"{len(rows) - len(stamps)} rows with the time of the row before were left out")
+    time, note = _time(stamps, values[:, 0] if frame else None, len(values), mapping)
     found = iter(values[:, len(frame) :].T)
-    nothing = np.zeros(len(rows))
+    nothing = np.zeros(len(values))
     columns = [nothing if place.column is None else place.sign * next(found) for place in places]
     said = unit or mapping.unit
     return capture(
@@ -54,11 +63,11 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
         f"table, by {mapping.path.name}",
         time,
         [name for name, _ in mapping.points],
-        np.stack(columns, axis=1).reshape(len(rows), len(mapping.points), 3),
+        np.stack(columns, axis=1).reshape(len(values), len(mapping.points), 3),
         up=mapping.known_up,
         unit=said,
         factor=metres(unit) if unit else mapping.factor,
-        notes=[f"imported from {path.name} by {mapping.path.name} ({said})", *([note] if note else [])],
+        notes=[*notes, *([note] if note else [])],
         encoding=sheet.encoding,
     )
 
@@ -93,7 +102,7 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     else:
         hint = f"say it in {mapping.path.name}: [input] time"
         raise sheet.fault(max(header, 0), 0, "no time of the commands", expected="a column of times", hint=hint)
-    _check_order(sheet, rows, stamps)
+    given &= _in_order(sheet, rows, stamps)
     return CommandRows(path, stamps[given], tuple(name for name, _ in wanted.columns), commands[given])
 
 
@@ -185,19 +194,26 @@ def _calendar(sheet: Sheet, rows: range, column: int, form: str) -> Array:
     return stamps
 
 
-def _time(sheet: Sheet, rows: range, stamps: Array | None, frames: Array | None, mapping: TableMapping) -> tuple[Array, str]:
-    if stamps is not None:
-        _check_order(sheet, rows, stamps)
+def _time(stamps: Array | None, frames: Array | None, rows: int, mapping: TableMapping) -> tuple[Array, str]:
     if stamps is None:
-        frames = np.arange(len(rows), dtype=float) if frames is None else frames
+        frames = np.arange(rows, dtype=float) if frames is None else frames
         return (frames - frames[0]) / (mapping.rate or 1.0), ""
     return (stamps, "") if frames is None else frame_times(frames, mapping.rate, stamps)
 
 
-def _check_order(sheet: Sheet, rows: range, stamps: Array) -> None:
-    wrong = np.flatnonzero(np.diff(stamps) <= 0)
+def _in_order(sheet: Sheet, rows: range, stamps: Array) -> NDArray[np.bool_]:
+    """(T,) whether each row comes after the one before: of two with one time, the first.
+
+    Raises:
+        RecordingError: time goes back, or stands still in more than a few rows.
+    """
+    steps = np.diff(stamps)
+    wrong = np.flatnonzero(steps < 0)
+    if not wrong.size and np.sum(steps == 0) > STANDING * len(stamps):
+        wrong = np.flatnonzero(steps == 0)
     if wrong.size:
         row, before = rows[int(wrong[0]) + 1], stamps[int(wrong[0])]
-        expected, received = f"more than {before:.9g} s, the time before it", f"{stamps[int(wrong[0]) + 1]:.9g} s"
+        expected, received = f"more than {before:.16g} s, the time before it", f"{stamps[int(wrong[0]) + 1]:.16g} s"
         hint = "take double rows away, or give a frame column and the rate"
         raise sheet.fault(row, 0, "time", expected=expected, received=received, hint=hint)
+    return np.concatenate([[True], steps > 0])

@@ -2,7 +2,8 @@
 
 Lines of a key and its values (``NO_OF_FRAMES``, ``FREQUENCY``, ``DATA_INCLUDED``, ``MARKER_NAMES`` or ``BODY_NAMES``, ...),
 perhaps a line of columns (``Frame Time arm X arm Y ...``), then frames: their number and time if asked for, three columns for
-each marker, or sixteen for each body. In millimetres always; z is up unless somebody turned the axes.
+each marker, or sixteen for each body, and perhaps an empty one between bodies. In millimetres always; z is up unless somebody
+turned the axes.
 """
 
 from __future__ import annotations
@@ -54,6 +55,8 @@ def read_qualisys(path: Path, unit: str | None = None) -> Capture:
     rows = range(max(keys.values()) + 1, len(sheet))
     rate = positive(sheet.field(keys.get("FREQUENCY", len(sheet)), 1))
     before = _before(sheet, keys, rows, rate)
+    if kind == "6D":
+        width = _width(sheet, rows, len(before), len(names))
     columns = [len(before) + width * place + axis for place in range(len(names)) for axis in range(3)]
     values = sheet.numbers(rows, [*range(len(before)), *columns], before)
     stated = keys.get("NO_OF_FRAMES", len(sheet))
@@ -96,6 +99,22 @@ def _before(sheet: Sheet, keys: dict[str, int], rows: range, rate: float | None)
         if rate and place < 2 and np.all(np.abs(steps[:, place] - 1 / rate) < 1e-3 / rate + 2e-5):
             titles.append("time")
     return [title for title in titles if title in ("frame", "time")]
+
+
+def _width(sheet: Sheet, rows: range, before: int, bodies: int) -> int:
+    """From body to body: their columns, and an empty one between them if the rows are so long.
+
+    Raises:
+        RecordingError: they are neither.
+    """
+    alone = KINDS["6D"][1]
+    filled = [max((n for n, field in enumerate(sheet.row(row), 1) if field), default=0) for row in rows[:LOOK]]
+    long = max(filled, default=0) - before
+    for width in (alone, alone + 1):
+        if long == width * bodies - (width - alone):
+            return width
+    expected, received = f"{alone} columns for each of {bodies} bodies", f"{long} in all"
+    raise sheet.fault(rows[0], 0, "columns", expected=expected, received=received, hint="export 6D data anew, all of its columns")
 
 
 def _time(sheet: Sheet, keys: dict[str, int], values: Array, before: list[str], rate: float | None) -> tuple[Array, str]:

@@ -34,7 +34,7 @@ def text(path):
 
 
 def c3d(path):
-    """By ezc3d; by the header alone where ezc3d fails, or reads garbage (steps ten times as long)."""
+    """By ezc3d; by the header alone where ezc3d fails, or reads garbage (steps three times as long)."""
     data = path.read_bytes()
     processor = data[(data[0] - 1) * 512 + 3]
     order = ">" if processor == 86 else "<"
@@ -55,7 +55,7 @@ def c3d(path):
         seen = content["data"]["meta_points"]["residuals"][0].T[:, :, None] >= 0
         theirs = np.where(seen | ~seen.any(), theirs, np.nan)
     nothing = theirs is None or not np.isfinite(theirs).any()
-    if plain is not None and (nothing or typical(theirs) > 10 * typical(plain) > 0):
+    if plain is not None and (nothing or typical(theirs) > 3 * typical(plain) > 0):
         return None, plain, None
     rate = content["parameters"]["POINT"].get("RATE", {"value": [0]})["value"]
     names = [name.strip() for name in content["parameters"]["POINT"]["LABELS"]["value"]]
@@ -82,8 +82,9 @@ def by_ezc3d(path):
 
 
 def typical(positions):
+    """The mean step: still channels that are read as points have a small median, but leaps between them."""
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=2)
-    return np.median(steps[np.isfinite(steps)]) if np.isfinite(steps).any() else 0.0
+    return np.mean(steps[np.isfinite(steps)]) if np.isfinite(steps).any() else 0.0
 
 
 def trc(path):
@@ -99,11 +100,19 @@ def qualisys(path):
     top = next(n for n, line in enumerate(lines) if line.startswith(("MARKER_NAMES", "BODY_NAMES")))
     names = [name for name in lines[top].split("\t")[1:] if name]
     rate = next(float(line.split("\t")[1]) for line in lines if line.startswith("FREQUENCY"))
-    width = 3 if lines[top].startswith("M") else 16
+    if lines[top].startswith("B"):
+        return names, *bodies_of(lines[top + 1 :], len(names), rate)
     body = padded([numbers(line.split("\t")) for line in lines[top + 1 :] if numbers(line.split("\t")[:1])[0] > -1e9])
     lead = 2 if any(line.startswith("Frame\tTime") for line in lines[top : top + 3]) else 0
-    places = np.stack([body[:, lead + width * n : lead + width * n + 3] for n in range(len(names))], axis=1)
+    places = np.stack([body[:, lead + 3 * n : lead + 3 * n + 3] for n in range(len(names))], axis=1)
     return names, places, np.arange(len(body)) / rate
+
+
+def bodies_of(lines, count, rate):
+    """Sixteen numbers each, which an empty column may part."""
+    rows = [[field for field in numbers(line.split("\t")) if np.isfinite(field)] for line in lines]
+    rows = np.array([row[-16 * count :] for row in rows if len(row) >= 16 * count])
+    return rows.reshape(len(rows), count, 16)[:, :, :3], np.arange(len(rows)) / rate
 
 
 def vicon(path):
@@ -161,7 +170,13 @@ def mapped(path, mapping):
         return (-1 if turned else 1) * body[:, names.index(place.column.removeprefix("-") if turned else place.column)]
 
     places = np.stack([np.stack([track(place) for place in triple], axis=1) for _, triple in mapping.points], axis=1)
-    return [name for name, _ in mapping.points], places, None
+    names_of_points = [name for name, _ in mapping.points]
+    if mapping.time is None or mapping.time.form is not None:
+        return names_of_points, places, None
+    columns = [one - 1 if isinstance(one, int) else names.index(one) for one in mapping.time.columns]
+    stamps = sum(factor * body[:, column] for factor, column in zip(mapping.time.factors, columns, strict=True))
+    new = np.concatenate([[True], np.diff(stamps) > 0])
+    return names_of_points, places[new], stamps[new]
 
 
 def bag(path, mapping, clock):

@@ -137,6 +137,18 @@ def test_the_size_decides_where_the_file_contradicts_itself(tmp_path, options):
     assert same(read(tmp_path, file_of(motion(), **options)), motion()) < 1e-7
 
 
+def test_points_that_are_all_marked_as_not_seen_are_taken_with_a_word(tmp_path):
+    """Simi marks every point so."""
+    places = np.nan_to_num(motion(), nan=50.0)
+    content = bytearray(file_of(places))
+    start = (struct.unpack_from("<H", content, 16)[0] - 1) * 512
+    for quad in range(places.shape[0] * places.shape[1]):
+        content[start + 16 * quad + 12 : start + 16 * quad + 16] = struct.pack("<f", -1)
+    capture = read(tmp_path, bytes(content))
+    assert same(capture, places) < 1e-7
+    assert any("marked as not seen" in note for note in capture.notes)
+
+
 def test_a_file_that_no_layout_fits_is_refused(tmp_path):
     content = file_of(motion(), analog=5, samples=7, said_analog=3, parameters={("ANALOG", "RATE"): ("f4", [500.0])})
     with pytest.raises(RecordingError, match=r"layout of the file is in doubt.*export it anew"):

@@ -1,6 +1,7 @@
 """Any table comes in with a mapping of a few lines, and a mapping that is wrong says where."""
 
 import re
+from datetime import datetime, timezone
 from pathlib import Path
 
 import numpy as np
@@ -173,6 +174,7 @@ WRONG = {
     "two coordinates": ('["bx", "by", "bz"]', '["bx", "by"]', "three columns"),
     "no coordinates": ('["bx", "by", "bz"]', '["", "", ""]', "three columns"),
     "a number beyond the last": ('["bx", "by", "bz"]', "[2, 3, 99]", "column 99: expected 1 to 38"),
+    "two columns and one unit": ('column = "stamp"', 'column = ["stamp", "bx"]', "a unit for each of 2 columns"),
     "no time": ('column = "stamp"\nunit = "ms"', "", "a column of times, or a rate"),
     "no axis": ('up = "+z"', 'up = "north"', "+x, -x, +y, -y, +z or -z"),
     "one pressure": ('P2 = "right [kPa]"', "", "P1 and P2, or tau"),
@@ -193,12 +195,91 @@ def test_a_wrong_mapping_says_where(log, old, new, said):
     assert caught.value.line is not None or "milliseconds" in said
 
 
-def test_a_time_that_stands_still_is_named_with_its_line(log):
-    path, mapping, _ = log
+def restamped(path, rows):
+    """The log with the time of the row before in some rows."""
     lines = path.read_text(encoding="utf-8").split("\n")
-    lines[9] = ",".join([lines[8].split(",")[0], *lines[9].split(",")[1:]])
+    for row in rows:
+        lines[row] = ",".join([lines[row - 1].split(",")[0], *lines[row].split(",")[1:]])
     path.write_text("\n".join(lines), encoding="utf-8")
+
+
+def test_rows_with_the_time_of_the_row_before_are_left_out_with_a_word(log):
+    path, mapping, lab = log
+    restamped(path, range(9, 300, 30))
+    made = import_recordings([path], settings(mapping)).dataset.trials[0].trajectory
+    assert any("10 rows with the time of the row before were left out" in note for note in made.notes)
+    assert len(made.time) == len(lab.time)
+    gaps = np.isnan(made.positions).any(axis=(1, 2))
+    assert gaps.sum() <= 10
+    assert np.abs((made.positions - lab.world[:, [0, 2]])[~gaps]).max() < 2e-6
+    assert np.allclose(made.pressures[~gaps, 1], (1.2 + 0.5 * lab.torque)[~gaps])
+
+
+def test_a_time_that_often_stands_still_or_goes_back_is_named_with_its_line(log):
+    path, mapping, _ = log
+    restamped(path, range(9, 300, 4))
     with pytest.raises(RecordingError, match=r"log\.csv:10:1: time: expected more than .* take double rows away"):
+        read_capture(path, None, read_mapping(mapping))
+    lines = path.read_text(encoding="utf-8").split("\n")
+    path.write_text("\n".join([*lines[:8], lines[9], lines[8], *lines[10:]]), encoding="utf-8")
+    with pytest.raises(RecordingError, match=r"log\.csv:\d+:1: time: expected more than .* take double rows away"):
+        read_capture(path, None, read_mapping(mapping))
+
+
+DATES = {
+    "seconds and nanoseconds": (
+        lambda t: f"{int(t)},{round(1e9 * (t - int(t)))}",
+        "secs,nsecs",
+        'column = ["secs", "nsecs"]\nunit = ["s", "ns"]',
+    ),
+    "a date": (
+        lambda t: datetime.fromtimestamp(t, timezone.utc).strftime("%Y/%m/%d %H:%M:%S.%f") + ",0",
+        "when,",
+        'column = "when"\nformat = "%Y/%m/%d %H:%M:%S.%f"',
+    ),
+    "a time of day": (
+        lambda t: datetime.fromtimestamp(t, timezone.utc).strftime("%H:%M:%S.%f") + ",0",
+        "when,",
+        'column = "when"\nformat = "%H:%M:%S.%f"',
+    ),
+}
+
+
+@pytest.mark.parametrize("printed, names, clock", DATES.values(), ids=list(DATES))
+def test_times_may_stand_in_two_columns_or_be_dates(log, printed, names, clock):
+    path, mapping, lab = log
+    plain = read_capture(path, None, read_mapping(mapping)).positions
+    header, *rows = path.read_text(encoding="utf-8").strip().split("\n")
+    rows = [f"{printed(1.7e9 + t)},{row.split(',', 1)[1]}" for t, row in zip(lab.time, rows, strict=True)]
+    path.write_text("\n".join([f"{names},{header.split(',', 1)[1]}", *rows]) + "\n", encoding="utf-8")
+    change(mapping, 'column = "stamp"\nunit = "ms"', clock)
+    capture = read_capture(path, None, read_mapping(mapping))
+    assert np.array_equal(capture.positions, plain)
+    assert np.abs(capture.time - lab.time).max() < 2e-6
+    made = import_recordings([path], settings(mapping)).dataset.trials[0].trajectory
+    assert np.allclose(made.pressures[:, 1], 1.2 + 0.5 * lab.torque)
+
+
+def test_a_date_of_another_form_is_named_with_its_line(log):
+    path, mapping, _ = log
+    change(mapping, 'unit = "ms"', 'format = "%H:%M"')
+    with pytest.raises(RecordingError, match=r"log\.csv:2:1: time: expected as %H:%M, got"):
+        read_capture(path, None, read_mapping(mapping))
+
+
+def test_the_unit_of_length_may_be_the_pixel_of_a_camera(log):
+    path, mapping, _ = log
+    plain = read_capture(path, None, read_mapping(mapping)).positions
+    change(mapping, 'unit = "mm"', "unit = 0.0005")
+    capture = read_capture(path, None, read_mapping(mapping))
+    assert np.allclose(capture.positions, 0.5 * plain)
+    assert capture.unit == "0.0005 m"
+
+
+def test_points_of_a_table_need_a_clock(log):
+    path, mapping, _ = log
+    change(mapping, '[time]\ncolumn = "stamp"\nunit = "ms"\n', "")
+    with pytest.raises(RecordingError, match=r"map\.toml:1:1: no time: expected \[time\] with a column of times, or a rate"):
         read_capture(path, None, read_mapping(mapping))
 
 
@@ -210,7 +291,7 @@ def test_a_table_without_a_mapping_is_told_of_it(log):
 def test_the_mappings_of_the_guide_are_mappings(tmp_path):
     guide = (Path(__file__).resolve().parents[3] / "docs" / "importing.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     for block in blocks:
         assert len(block.splitlines()) <= 20
         (tmp_path / "map.toml").write_text(block, encoding="utf-8")

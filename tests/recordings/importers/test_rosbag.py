@@ -135,6 +135,94 @@ def test_a_topic_or_field_that_is_not_there_is_named(bag, tmp_path, field, said)
         import_recordings([bag[0]], ImportSettings(**given, mapping=read_mapping(tmp_path / "map.toml")))
 
 
+FIELDS = """\
+[space]
+up = "+z"
+[points]
+base = ["/base:pose.position.x", "/base:pose.position.y", "/base:pose.position.z"]
+mid = ["/markers:markers[ns=mid].pose.position.x", "-/markers:markers[ns=mid].pose.position.z", ""]
+tip = ["/tip:point.x", "/tip:point.y", "/tip:point.z"]
+"""
+
+
+def test_a_mapping_names_the_fields_of_any_messages(bag, tmp_path):
+    path, lab = bag
+    (tmp_path / "map.toml").write_text(FIELDS, encoding="utf-8")
+    named, plain = read_capture(path, None, read_mapping(tmp_path / "map.toml")), read_capture(path)
+    assert named.names == ("base", "mid", "tip")
+    assert (named.up.axis, named.start) == ("+z", plain.start)
+    found = {name: plain.positions[:, plain.names.index(name)] for name in plain.names}
+    assert np.array_equal(named.positions[:, 0], found["/base"])
+    assert np.allclose(named.positions[:, 1], np.stack([*lab.positions[:, 1, [0, 2]].T * [[1], [-1]], 0 * lab.time], axis=1))
+    assert np.array_equal(named.positions[:, 2], found["/tip"], equal_nan=True)
+
+
+def test_messages_of_one_kind_are_chosen_from_a_topic(tmp_path):
+    """As a laboratory streams the markers of an arm: all on one topic, told from each other by a number."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    types, kind = store.types, "visualization_msgs/msg/Marker"
+    with Writer(tmp_path / "run.bag") as writer:
+        topic = writer.add_connection("/one", kind, typestore=store)
+        for n in range(20):
+            at, header = headers(types, n / 50)
+            place = types["geometry_msgs/msg/Point"](float(n), 2.0, 3.0)
+            marker = blank_marker(types, types[kind], header, types["geometry_msgs/msg/Pose"](place, quaternion(types)))
+            marker.id = n % 2
+            writer.write(topic, at, store.serialize_ros1(marker, kind))
+    text = '[points]\ntip = ["/one:[id=1].pose.position.x", "/one:[id=1].pose.position.y", "/one:[id=1].pose.position.z"]\n'
+    (tmp_path / "map.toml").write_text(text, encoding="utf-8")
+    capture = read_capture(tmp_path / "run.bag", None, read_mapping(tmp_path / "map.toml"))
+    assert capture.positions[:, 0, 0].tolist() == list(range(1, 20, 2))
+    assert np.allclose(capture.time, np.arange(10) / 25, atol=1e-8)
+    for old, new, said in (("id=1", "ID=1", "did you mean 'id'?"), ("id=1", "id=7", "'tip' in /one: expected messages with")):
+        (tmp_path / "map.toml").write_text(text.replace(old, new), encoding="utf-8")
+        with pytest.raises(RecordingError) as caught:
+            read_capture(tmp_path / "run.bag", None, read_mapping(tmp_path / "map.toml"))
+        assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "old, new, said",
+    [
+        ("/base:pose.position.y", "/tip:point.y", "point 'base': expected fields of one topic, got /base and /tip"),
+        ("/base:pose.position.y", "/bas:pose.position.y", "fields of one topic"),
+        ("/base:pose.position.y", "/base:pose.position.w", "no field 'pose.position.w' in /base"),
+        ("/base:pose.position.y", "/base:pose.position", "field 'pose.position' of /base: expected a number"),
+        ("/base:pose.position.y", "/base:pose position", "expected topic:field"),
+    ],
+)
+def test_a_wrong_field_of_a_point_is_named(bag, tmp_path, old, new, said):
+    text = FIELDS
+    assert old in text
+    (tmp_path / "map.toml").write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(RecordingError) as caught:
+        read_capture(bag[0], None, read_mapping(tmp_path / "map.toml"))
+    assert said in str(caught.value)
+
+
+def test_the_first_messages_of_transforms_are_read_too(tmp_path):
+    """The type tf/tfMessage, which bags of the first years of ROS 1 have."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf/msg/tfMessage"))
+    types = store.types
+    with Writer(tmp_path / "run.bag") as writer:
+        topic = writer.add_connection("/tf", "tf/msg/tfMessage", typestore=store)
+        for n in range(5):
+            at, header = headers(types, n / 50)
+            place = types["geometry_msgs/msg/Transform"](types["geometry_msgs/msg/Vector3"](0.1 * n, 2.0, 3.0), quaternion(types))
+            one = types["geometry_msgs/msg/TransformStamped"](header, "tip", place)
+            writer.write(topic, at, store.serialize_ros1(types["tf/msg/tfMessage"]([one]), "tf/msg/tfMessage"))
+    capture = read_capture(tmp_path / "run.bag")
+    assert capture.names == ("/tf/tip",)
+    assert np.allclose(capture.positions[:, 0, 0], 0.1 * np.arange(5))
+
+
 def test_a_damaged_bag_is_refused_in_one_line(bag):
     path, _ = bag
     file = path if path.is_file() else next(path.glob("*.db3"))

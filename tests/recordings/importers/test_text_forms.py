@@ -38,14 +38,17 @@ FORMS = {
 
 
 @pytest.mark.parametrize("form", FORMS.values(), ids=list(FORMS))
-@pytest.mark.parametrize("system", ["nexus", "tracker", "old nexus"])
+@pytest.mark.parametrize("system", ["nexus", "tracker", "old nexus", "motive", "legacy motive"])
 def test_the_form_of_a_text_does_not_matter(tmp_path, writers, points, system, form):
     names, positions = points
     writers[system](tmp_path / "plain", names, positions)
-    (tmp_path / "take").write_bytes(form((tmp_path / "plain").read_text(encoding="utf-8-sig")))
+    text = (tmp_path / "plain").read_text(encoding="utf-8-sig")
+    if '"' in text and form is FORMS["every field quoted"]:
+        pytest.skip("some fields of it are quoted already")
+    (tmp_path / "take").write_bytes(form(text))
     plain, capture = read_capture(tmp_path / "plain"), read_capture(tmp_path / "take")
     assert np.array_equal(capture.positions, plain.positions, equal_nan=True)
-    assert np.array_equal(capture.time, plain.time)
+    assert np.allclose(capture.time, plain.time, rtol=0, atol=1e-12)
     assert capture.names in (plain.names, tuple(name.replace("Arm:mid", "Ärmel:mid") for name in plain.names))
 
 
@@ -85,6 +88,30 @@ def test_a_last_line_that_is_cut_is_no_position(tmp_path, writers, points, syste
         read_capture(tmp_path / "take")
 
 
+def test_trajectories_that_end_sooner_than_the_devices_before_them_were_cut(tmp_path, writers, points):
+    names, positions = points
+    writers["nexus"](tmp_path / "take", names, positions, first_frame=1)
+    text = (tmp_path / "take").read_text(encoding="utf-8-sig")
+    devices = text.replace("1,0,5.5\n1,1,5.6\n", "".join(f"{n},{m},5.5\n" for n in range(1, 61) for m in range(2)))
+    assert len(devices) > len(text)
+    (tmp_path / "take").write_text(devices, encoding="utf-8")
+    assert len(read_capture(tmp_path / "take").time) == 60
+    (tmp_path / "take").write_text("\n".join(devices.split("\n")[:-9]) + "\n", encoding="utf-8")
+    with pytest.raises(RecordingError, match="cut short: expected frames up to 60, as Devices has them, got 52"):
+        read_capture(tmp_path / "take")
+
+
+def test_a_last_line_without_the_tab_that_ends_the_others_is_whole(tmp_path):
+    """As OpenSim's own examples have it."""
+    lines = ["PathFileType\t4\t(X/Y/Z)\ta.trc", "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits", "10\t10\t3\t1\tm"]
+    lines += ["Frame#\tTime\ta", "\t\tX1\tY1\tZ1", "", "1\t0\t1\t2\t3\t", "2\t0.1\t1\t2\t3\t", "3\t0.2\t1\t2\t3"]
+    (tmp_path / "take").write_text("\n".join(lines), encoding="utf-8")
+    assert np.array_equal(read_capture(tmp_path / "take").positions, [[[1, 2, 3]]] * 3)
+    (tmp_path / "take").write_text("\n".join(lines)[:-2], encoding="utf-8")
+    with pytest.raises(RecordingError, match="cut short"):
+        read_capture(tmp_path / "take")
+
+
 def test_a_last_line_without_end_that_is_whole_is_read(tmp_path, writers, points):
     writers["nexus"](tmp_path / "take", *points)
     whole = read_capture(tmp_path / "take").positions
@@ -101,6 +128,14 @@ def test_times_rounded_to_milliseconds_come_from_the_frames(rate):
         tolerance = 1e-12 if known else 2e-6  # without the rate it is fitted
         assert np.abs((time - time[0]) - exact).max() < tolerance * max(1, exact[-1])
         assert ("rounded" in note) == (rate != 100)
+
+
+def test_a_few_coarse_times_cannot_tell_another_rate():
+    """A file of OpenSim says 60 Hz above two frames at 0 and 0.1 s."""
+    for stamps in ([0.0, 0.1], [3.0, 3.1, 3.2, 3.3]):
+        time, note = frame_times(np.arange(1.0, len(stamps) + 1), 60.0, np.array(stamps))
+        assert time.tolist() == stamps
+        assert note == ""
 
 
 def test_times_of_full_precision_stay_and_frames_that_do_not_keep_step_are_left_aside():
@@ -151,6 +186,25 @@ def test_qualisys_columns_without_names_are_told_from_how_they_look(tmp_path, wr
     assert np.array_equal(np.isnan(capture.positions), np.isnan(positions))
     assert np.nanmax(np.abs(capture.positions - positions)) < 1e-6
     assert np.abs(capture.time - np.arange(60) / 120).max() < 1e-5
+
+
+@pytest.mark.parametrize("between", ["", "\t"], ids=["nothing", "an empty column"])
+@pytest.mark.parametrize("lead", [False, True], ids=["bare", "frame and time"])
+def test_qualisys_bodies_are_found_with_or_without_a_column_between_them(tmp_path, points, between, lead):
+    names, positions = points
+    text = f"NO_OF_FRAMES\t{len(positions)}\nNO_OF_BODIES\t3\nFREQUENCY\t120\nDATA_INCLUDED\t6D\nBODY_NAMES\t" + "\t".join(names)
+    text += "\n" + "Frame\tTime\t" * lead + "\t".join([" X", " Y", " Z", *(f" Rot[{n}]" for n in range(13))]) + "\n"
+    for n, frame in enumerate(1000 * np.nan_to_num(positions)):
+        bodies = ["\t".join(f"{value:.5f}" for value in [*place, *range(1, 14)]) for place in frame]
+        text += f"{n + 1}\t{n / 120:.5f}\t" * lead + f"\t{between}".join(bodies) + "\t\n"
+    (tmp_path / "take").write_text(text, encoding="utf-8")
+    capture = read_capture(tmp_path / "take")
+    assert capture.names == names
+    assert np.array_equal(np.isnan(capture.positions), np.isnan(positions))
+    assert np.nanmax(np.abs(capture.positions - positions)) < 1e-6
+    (tmp_path / "take").write_text(text.replace("\t13.00000\t", "\t"), encoding="utf-8")
+    with pytest.raises(RecordingError, match=r"columns: expected 16 columns for each of 3 bodies, got 4[57] in all"):
+        read_capture(tmp_path / "take")
 
 
 def test_a_first_line_of_megabytes_is_read(tmp_path, writers, points):
