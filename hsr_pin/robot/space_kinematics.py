@@ -102,7 +102,7 @@ class SpaceMarkerMap:
 
     def jacobian(self, joint_angles: Array) -> Array:
         """(M, 3, 3 N) [m/rad] derivatives of the positions of one arm to its coordinates (3 N,) [rad]."""
-        return self.sways(joint_angles[None], np.eye(len(joint_angles)))[0]
+        return np.asarray(self.sways(joint_angles[None], np.eye(len(joint_angles)))[0])
 
     def _turned(self, frames: Array, vectors: Array) -> Array:
         """(..., M, 3) vectors (C, M, 3) of the markers' links, in the world."""
