@@ -1,6 +1,9 @@
-"""Print the catalogue of effects as a Markdown table."""
+"""Print the catalogue of effects as Markdown tables: of any arm, and of arms in space alone."""
+
+from collections.abc import Iterable
 
 from hsr_pin.effects import EFFECTS, Effect
+from hsr_pin.effects.spatial import SPATIAL
 
 HEADER = "| name | what the nominal model lacks | typical cause | parameters |\n|---|---|---|---|\n"
 
@@ -14,10 +17,12 @@ def row(effect: type[Effect]) -> str:
     return f"| `{effect.name}` | {effect.lacks} | {effect.cause} | {', '.join(words)} |\n"
 
 
-def table() -> str:
-    """The whole table, in the order of the catalogue."""
-    return HEADER + "".join(row(effect) for effect in EFFECTS.values())
+def table(effects: Iterable[type[Effect]]) -> str:
+    """A whole table, in the order of the catalogue."""
+    return HEADER + "".join(map(row, effects))
 
 
 if __name__ == "__main__":
-    print(table(), end="")
+    print(table(EFFECTS.values()))
+    print("Arms in space alone have:\n")
+    print(table(SPATIAL.values()), end="")

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import solve_discrete_are
 
 from hsr_pin.control.dynamics import ArmDynamics
@@ -23,8 +25,11 @@ class Controller(ABC):
     """A law of feedback."""
 
     @abstractmethod
-    def torque(self, k: int, q: Array, v: Array) -> float:
-        """The command u [N m] from sample ``k`` of the reference to the next, at angles q (N,) [rad] and rates v (N,) [rad/s]."""
+    def torque(self, k: int, q: Array, v: Array) -> Any:
+        """The command u [N m] from sample ``k`` of the reference to the next, at angles q (N,) [rad] and rates v (N,) [rad/s].
+
+        In space u is (2,); q and v are (N, 3).
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +38,8 @@ class OpenLoop(Controller):
 
     reference: Reference
 
-    def torque(self, k: int, q: Array, v: Array) -> float:
-        return float(self.reference.torque[k])
+    def torque(self, k: int, q: Array, v: Array) -> Any:
+        return _told(self.reference.torque[k])
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +60,9 @@ class FeedforwardPD(Controller):
     kp: float
     kd: float
 
-    def torque(self, k: int, q: Array, v: Array) -> float:
-        b, r = self.dynamics.b, self.reference
-        return float(r.torque[k] + self.kp * (b @ (r.q[k] - q)) + self.kd * (b @ (r.v[k] - v)))
+    def torque(self, k: int, q: Array, v: Array) -> Any:
+        b, r = self.dynamics.b.T, self.reference
+        return _told(r.torque[k] + self.kp * (b @ (r.q[k] - np.ravel(q))) + self.kd * (b @ (r.v[k] - np.ravel(v))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +85,8 @@ class ComputedTorque(Controller):
     reference: Reference
     frequency: float
 
-    def torque(self, k: int, q: Array, v: Array) -> float:
-        r, w = self.reference, self.frequency
+    def torque(self, k: int, q: Array, v: Array) -> Any:
+        r, w, q, v = self.reference, self.frequency, np.ravel(q), np.ravel(v)
         return self.dynamics.uniform(self.dynamics.inverse(q, v, r.a[k] + 2 * w * (r.v[k] - v) + w * w * (r.q[k] - q)))
 
 
@@ -91,26 +96,33 @@ class LQR(Controller):
 
     Attributes:
         reference: what to follow.
-        gain: (2N,) [Nm/rad] and [Nm s/rad].
+        gain: (2N,) [Nm/rad] and [Nm s/rad]; in space (2, 6N).
     """
 
     reference: Reference
     gain: Array
 
-    def torque(self, k: int, q: Array, v: Array) -> float:
+    def torque(self, k: int, q: Array, v: Array) -> Any:
         r = self.reference
-        return float(r.torque[k] - self.gain @ np.concatenate([q - r.q[k], v - r.v[k]]))
+        return _told(r.torque[k] - self.gain @ np.concatenate([np.ravel(q) - r.q[k], np.ravel(v) - r.v[k]]))
 
 
-def lqr_gain(dynamics: ArmDynamics, torque: float, dt: float, tip_error: float = 2e-3, effort: float = 0.1) -> Array:
-    """(2N,) the gain of least cost sum (tip error / tip_error)^2 + (torque / effort)^2 about the rest pose of a torque.
+def _told(torque: Any) -> Any:
+    """A number, or two."""
+    return float(torque) if np.ndim(torque) == 0 else torque
+
+
+def lqr_gain(dynamics: ArmDynamics, torque: ArrayLike, dt: float, tip_error: float = 2e-3, effort: float = 0.1) -> Array:
+    """(2N,), in space (2, 6N), the gain about the rest pose of a torque.
+
+    Of least cost sum (tip error / tip_error)^2 + (torque / effort)^2.
 
     The command is held over each step, so the gain is that of the discrete Riccati equation: G. F. Franklin, J. D. Powell,
     M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998).
 
     Args:
         dynamics: the model.
-        torque: [N m] of the pose.
+        torque: [N m] of the pose, in space (2,).
         dt: [s] between commands.
         tip_error: [m] that is as bad as
         effort: a torque of this size [N m] beside the feedforward.
@@ -122,7 +134,11 @@ def lqr_gain(dynamics: ArmDynamics, torque: float, dt: float, tip_error: float =
         raise InputError("lqr", expected="dt, tip_error and effort above zero", received=f"{dt}, {tip_error}, {effort}")
     q = static_pose(dynamics, torque)
     linear = dynamics.linearise(q, torque).discrete(dt)
-    J = np.hstack([dynamics.tip_jacobian(q), np.zeros((3, dynamics.links))]) / tip_error
-    Q, R = J.T @ J, np.array([[1 / effort**2]])
-    P = solve_discrete_are(linear.A, linear.B, Q, R)
-    return np.asarray(np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)[0])
+    J = np.hstack([dynamics.tip_jacobian(q), np.zeros((3, len(q)))]) / tip_error
+    free = np.tile(dynamics.moves, 2)  # what does not move needs no gain
+    A, B, J = linear.A[np.ix_(free, free)], linear.B[free], J[:, free]
+    Q, R = J.T @ J, np.eye(B.shape[1]) / effort**2
+    P = solve_discrete_are(A, B, Q, R)
+    gain = np.zeros((B.shape[1], len(free)))
+    gain[:, free] = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
+    return gain if dynamics.columns.space else gain[0]

@@ -1,25 +1,25 @@
 """What a controller asks of the model, by the paper's symbols: M(q) a + C(q, v) v + G(q) = b u - K q - D v.
 
 q (N,) [rad], v (N,) [rad/s], a (N,) [rad/s^2] are the joints' angles, rates and accelerations; u [N m] is the one input, the
-torque of the muscles, which acts on every joint (b = 1, unless an effect says otherwise). Rigid bodies are Pinocchio's:
-R. Featherstone, Rigid Body Dynamics Algorithms, Springer (2008); derivatives: J. Carpentier, N. Mansard, Analytical derivatives
-of rigid body dynamics algorithms, RSS (2018).
+torque of the muscles, which acts on every joint (b = 1, unless an effect says otherwise). Of an arm in space N stands for its
+3 N coordinates (towards x, towards y and twist of each joint, as a row or (N, 3)), u has two components, and b is (3 N, 2).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from hsr_pin.control.bodies import Bodies, Hinged, Spherical
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
-from hsr_pin.robot.model import build_model
-from hsr_pin.robot.specification import ArmSpecification, in_plane
+from hsr_pin.robot.space_kinematics import SpaceMarkerMap, space_marker_map
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
@@ -35,7 +35,7 @@ class Linearisation:
 
     Attributes:
         A: (2N, 2N).
-        B: (2N, 1).
+        B: (2N, 1); in space (2N, 2).
         joints: (2N, N) likewise for torques [N m] at each joint alone; B = joints b.
         rate: (2N,) dx/dt at the pose itself; zero in an equilibrium.
     """
@@ -52,7 +52,8 @@ class Linearisation:
         """
         n, inputs = len(self.A), np.column_stack([self.B, self.joints, self.rate])
         block = _exponential(dt * np.vstack([np.hstack([self.A, inputs]), np.zeros((inputs.shape[1], n + inputs.shape[1]))]))
-        return Linearisation(block[:n, :n], block[:n, n : n + 1], block[:n, n + 1 : -1], block[:n, -1])
+        first = n + self.B.shape[1]
+        return Linearisation(block[:n, :n], block[:n, n:first], block[:n, first:-1], block[:n, -1])
 
 
 class ArmDynamics:
@@ -68,10 +69,12 @@ class ArmDynamics:
         arm: the arm with what they make of its bodies.
         K: (N,) [Nm/rad] springs.
         D: (N,) [Nm s/rad] dampers.
-        b: (N,) share of the torque that arrives at each joint.
+        b: (N,) share of the torque that arrives at each joint; in space (3 N, 2).
+        moves: (N,) which coordinates do: in space not a twist that is infinitely stiff.
 
     Raises:
-        InputError: an effect acts elsewhere (has a memory, is not linear, or is on the command or the markers).
+        InputError: an effect acts elsewhere (has a memory, is not linear, or is on the command or the markers), or the arm has
+            sections.
     """
 
     def __init__(self, arm: ArmSpecification, effects: Sequence[Effect] = ()) -> None:
@@ -79,13 +82,25 @@ class ArmDynamics:
         if strange:
             expected = f"known ones that act through {', '.join(_KNOWABLE)} only"
             raise InputError("effects", expected=expected, received=", ".join(strange))
-        scenario = Scenario(in_plane(arm, "controllers"), np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
-        self.columns = columns = Columns.of([scenario])
+        if len(arm.sections) > 1:
+            raise InputError("sections", expected="one torque for the whole arm", received=len(arm.sections))
+        space = arm.bending == "space"
+        still = np.zeros((2, 2) if space else 2)
+        self.columns = columns = Columns.of([Scenario(arm, np.array([0.0, 1.0]), still, effects=tuple(effects))])
         self.nominal, self.effects = arm, tuple(effects)
         self.arm = columns.arms.specification(0)
-        self.K, self.D, self.b = (rows[0].copy() for rows in (columns.arrays.spring, columns.arrays.damper, columns.arrays.share))
-        self._model = build_model(self.arm).model.copy()
-        self._data = self._model.createData()
+        rows = columns.arrays
+        self.K, self.D, self.b = (each[0].copy() for each in (rows.spring, rows.damper, rows.share))
+        self.moves = np.ones(len(self.K), dtype=bool)
+        self._bodies: Bodies
+        if space:
+            self.moves = np.isfinite(np.column_stack([self.K, self.K, rows.twist[0]])).ravel()
+            self.K = np.nan_to_num(np.column_stack([self.K, self.K, rows.twist[0]]), posinf=0.0).ravel()
+            self.D = np.nan_to_num(np.column_stack([self.D, self.D, rows.twist_damper[0]]), posinf=0.0).ravel()
+            self.b = np.kron(self.b[:, None], np.eye(3, 2))
+            self._bodies = Spherical(columns, self.moves)
+        else:
+            self._bodies = Hinged(columns)
         self._tip = self.markers([self.arm.length])
 
     @property
@@ -95,47 +110,52 @@ class ArmDynamics:
 
     def M(self, q: ArrayLike) -> Array:
         """(N, N) [kg m^2] mass matrix, by the composite-rigid-body algorithm."""
-        upper = np.triu(pin.crba(self._model, self._data, self._vector("q", q)))
-        return np.asarray(upper + np.triu(upper, 1).T)
+        return self._bodies.mass(self._vector("q", q))
 
     def C(self, q: ArrayLike, v: ArrayLike) -> Array:
         """(N, N) [kg m^2/s] Coriolis and centrifugal terms as the matrix for which dM/dt - 2 C is skew."""
-        return np.array(pin.computeCoriolisMatrix(self._model, self._data, self._vector("q", q), self._vector("v", v)))
+        return self._bodies.coriolis(self._vector("q", q), self._vector("v", v))
 
     def G(self, q: ArrayLike) -> Array:
         """(N,) [N m] gravity."""
-        return np.array(pin.computeGeneralizedGravity(self._model, self._data, self._vector("q", q)))
+        still = np.zeros(len(self.K))
+        return self._bodies.torques(self._vector("q", q), still, still)
 
     def inverse(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """(N,) [N m] what the muscles must deliver at each joint for the acceleration ``a``: RNEA plus springs and dampers."""
         q, v = self._vector("q", q), self._vector("v", v)
-        return np.asarray(pin.rnea(self._model, self._data, q, v, self._vector("a", a)) + self.K * q + self.D * v)
+        return np.asarray(self._bodies.torques(q, v, self._vector("a", a)) + self.K * q + self.D * v)
 
-    def uniform(self, torques: ArrayLike) -> float:
-        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]."""
+    def uniform(self, torques: ArrayLike) -> Any:
+        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]; in space (2,)."""
+        if self.b.ndim > 1:
+            return np.linalg.solve(self.b.T @ self.b, self.b.T @ np.asarray(torques))
         return float(self.b @ np.asarray(torques) / (self.b @ self.b))
 
-    def forward(self, q: ArrayLike, v: ArrayLike, u: float) -> Array:
-        """(N,) [rad/s^2] the accelerations under the torque u [N m], by ABA."""
+    def forward(self, q: ArrayLike, v: ArrayLike, u: ArrayLike) -> Array:
+        """(N,) [rad/s^2] the accelerations under the torque u [N m], by ABA; in space by M^-1."""
         q, v = self._vector("q", q), self._vector("v", v)
-        return np.array(pin.aba(self._model, self._data, q, v, self.b * u - self.K * q - self.D * v))
+        return self._bodies.accelerations(q, v, self._applied(q, v, u))
 
-    def linearise(self, q: ArrayLike, u: float, v: ArrayLike | None = None) -> Linearisation:
-        """The motion near a pose q under u [N m]: Pinocchio's analytic derivatives of ABA, springs and dampers added.
+    def linearise(self, q: ArrayLike, u: ArrayLike, v: ArrayLike | None = None) -> Linearisation:
+        """The motion near a pose q under u [N m]: analytic derivatives of ABA (in space differences), springs and dampers added.
 
         Args:
             q: (N,) [rad].
-            u: [N m].
+            u: [N m], in space (2,).
             v: (N,) [rad/s]; default: at rest.
         """
-        q, v = self._vector("q", q), self._vector("v", np.zeros(self.links) if v is None else v)
-        derivatives = pin.computeABADerivatives(self._model, self._data, q, v, self.b * u - self.K * q - self.D * v)
-        a_q, a_v, a_tau = (np.array(part) for part in derivatives)
-        a_tau = np.triu(a_tau) + np.triu(a_tau, 1).T
-        n = self.links
+        q, v = self._vector("q", q), self._vector("v", np.zeros(len(self.K)) if v is None else v)
+        a_q, a_v, a_tau, a = self._bodies.derivatives(q, v, self._applied(q, v, u))
+        n = len(self.K)
         A = np.block([[np.zeros((n, n)), np.eye(n)], [a_q - a_tau * self.K, a_v - a_tau * self.D]])
         joints = np.vstack([np.zeros((n, n)), a_tau])
-        return Linearisation(A, joints @ self.b[:, None], joints, np.concatenate([v, np.array(self._data.ddq)]))
+        return Linearisation(A, joints @ self.b.reshape(n, -1), joints, np.concatenate([v, a]))
+
+    def _applied(self, q: Array, v: Array, u: ArrayLike) -> Array:
+        """(N,) [N m] at the joints, beside what the bodies take."""
+        drive = self.b @ np.asarray(u, dtype=float) if self.b.ndim > 1 else self.b * u
+        return np.asarray(drive - self.K * q - self.D * v)
 
     def tip(self, q: ArrayLike) -> Array:
         """(..., 3) [m] where the tip is in the world frame, for q (..., N)."""
@@ -145,14 +165,16 @@ class ArmDynamics:
         """(3, N) [m/rad] d tip / dq."""
         return np.asarray(self._tip.jacobian(self._vector("q", q))[0])
 
-    def markers(self, arc_lengths: ArrayLike) -> MarkerMap:
+    def markers(self, arc_lengths: ArrayLike) -> MarkerMap | SpaceMarkerMap:
         """Positions and Jacobians of the points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
-        return marker_map(self.arm, arc_lengths)
+        return space_marker_map(self.arm, arc_lengths) if self.columns.space else marker_map(self.arm, arc_lengths)
 
     def _vector(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=float)
-        if array.shape != (self.links,) or not np.isfinite(array).all():
-            raise InputError(name, expected=f"{self.links} finite numbers", received=array)
+        if self.columns.space and array.shape == (self.links, 3):
+            array = array.ravel()
+        if array.shape != (len(self.K),) or not np.isfinite(array).all():
+            raise InputError(name, expected=f"{len(self.K)} finite numbers", received=array)
         return array
 
 

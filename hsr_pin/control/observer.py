@@ -19,7 +19,7 @@ from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.control.fleet import ArmFleet
 from hsr_pin.control.reach import static_pose
 from hsr_pin.errors import InputError
-from hsr_pin.robot.specification import RANGES
+from hsr_pin.robot.specification import RANGES, in_plane
 from hsr_pin.trajectory import Array, Marker, read_only
 
 #: Steps of the prediction are at most this long [s].
@@ -72,6 +72,7 @@ class Observer:
     ) -> None:
         if not min(dt, noise, joint_torque, drift) > 0 or not markers:
             raise InputError("observer", expected="markers; dt, noise, joint_torque and drift above zero", received=len(markers))
+        in_plane(dynamics.nominal, "an observer")
         self.dynamics, self.markers, self.dt = dynamics, tuple(markers), dt
         self._noise, self._joint_torque, self._drift = noise, joint_torque, drift
         self._places = dynamics.markers([marker.arc_length for marker in markers])

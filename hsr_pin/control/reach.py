@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.errors import InputError
@@ -14,6 +15,8 @@ from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.trajectory import Array
 
+#: Torques in space at which tips are looked at: sizes, and sides.
+_RINGS, _SIDES = 6, 12
 #: Torques at which the curve is looked at before the nearest stretch of it is searched.
 _LOOKS = 33
 
@@ -23,20 +26,20 @@ class Rest:
     """The arm at rest.
 
     Attributes:
-        torque: u [N m] that holds it.
-        q: (N,) [rad].
+        torque: u [N m] that holds it; in space (2,).
+        q: (N,) [rad]; in space (3 N,).
         tip: (3,) [m] in the world frame.
         distance: [m] of the tip from what was asked for; 0 where no point was.
     """
 
-    torque: float
+    torque: Any
     q: Array
     tip: Array
     distance: float = 0.0
 
 
 def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
-    """(..., N) [rad] where the arm rests under constant torques (...) [N m].
+    """(..., N) [rad] where the arm rests under constant torques (...) [N m]; in space (..., 3 N) under (..., 2).
 
     Raises:
         InputError: a torque that is none, or under which there is no equilibrium.
@@ -44,11 +47,15 @@ def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
     torques = np.asarray(torque, dtype=float)
     if not np.isfinite(torques).all():
         raise InputError("torque", expected="finite [N m]", received=torque)
-    return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, dynamics.links)
+    if dynamics.columns.space:
+        if torques.shape[-1:] != (2,):
+            raise InputError("torque", expected="two components [N m]", received=f"shape {torques.shape}")
+        torques = torques[..., 0] + 1j * torques[..., 1]
+    return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, -1)
 
 
 def static_poses(columns: Columns, torque: Array) -> Array:
-    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m].
+    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m]; in space (T, B, 3 N), torques complex.
 
     Raises:
         InputError: a torque under which there is no equilibrium.
@@ -56,9 +63,9 @@ def static_poses(columns: Columns, torque: Array) -> Array:
     engine, wanted, straight = (
         Engine(columns, "compiled"),
         np.ones(len(columns), dtype=bool),
-        np.zeros((len(columns), columns.links)),
+        np.zeros((len(columns), columns.coordinates)),
     )
-    poses = np.empty((*torque.shape, columns.links))
+    poses = np.empty((*torque.shape, columns.coordinates))
     for row, pose in zip(torque, poses, strict=True):
         pose[:], found = engine.settled(row, wanted, straight)
         if not found.all():
@@ -66,8 +73,8 @@ def static_poses(columns: Columns, torque: Array) -> Array:
     return poses
 
 
-def rest_under(dynamics: ArmDynamics, torque: float) -> Rest:
-    """The arm at rest under a torque [N m].
+def rest_under(dynamics: ArmDynamics, torque: ArrayLike) -> Rest:
+    """The arm at rest under a torque [N m], in space (2,).
 
     Raises:
         InputError: as :func:`static_pose`.
@@ -81,8 +88,8 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
 
     Args:
         dynamics: the arm.
-        position: (3,) or (2,) [m], x and z, in the world frame; a y is left out.
-        torque_range: lowest and highest torque [N m].
+        position: (3,) or (2,) [m], x and z, in the world frame; a y is left out. In space (3,).
+        torque_range: lowest and highest torque [N m]; in space the highest is the largest size.
 
     Raises:
         InputError: a position that is none, an empty range, or torques in it that the arm cannot rest under.
@@ -90,10 +97,12 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
     point = np.asarray(position, dtype=float)
     if point.shape not in ((2,), (3,)) or not np.isfinite(point).all():
         raise InputError("tip position", expected="x and z, or x, y and z [m]", received=position)
-    wanted = point[[0, -1]]
     low, high = torque_range
     if not low < high:
         raise InputError("torque range", expected="a lowest and a higher torque [N m]", received=torque_range)
+    if dynamics.columns.space:
+        return _rest_in_space(dynamics, point, high)
+    wanted = point[[0, -1]]
     torques = np.linspace(low, high, _LOOKS)
     distances = np.linalg.norm(dynamics.tip(static_pose(dynamics, torques))[:, [0, 2]] - wanted, axis=1)
     nearest = int(np.argmin(distances))
@@ -111,8 +120,31 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
     return Rest(best, found.q, found.tip, float(np.linalg.norm(found.tip[[0, 2]] - wanted)))
 
 
-def compliance(dynamics: ArmDynamics, q: Array, torque: float) -> Array:
-    """(N,) [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
+def _rest_in_space(dynamics: ArmDynamics, point: Array, largest: float) -> Rest:
+    """As :func:`rest_at_tip`, over torques to all sides: by sequential quadratic programming from the nearest of some."""
+    if point.shape != (3,) or not largest > 0:
+        raise InputError("tip position", expected="x, y and z [m], and torques above zero", received=f"{point}, {largest}")
+    sizes, sides = np.meshgrid(np.linspace(0.0, largest, _RINGS), 2 * np.pi / _SIDES * np.arange(_SIDES), indexing="ij")
+    grid = np.stack([sizes * np.cos(sides), sizes * np.sin(sides)], axis=-1).reshape(-1, 2)
+    distances = np.linalg.norm(dynamics.tip(static_pose(dynamics, grid)) - point, axis=1)
+
+    def half_square(u: Array) -> tuple[float, Array]:
+        q = static_pose(dynamics, u)
+        away = dynamics.tip(q) - point
+        slope = dynamics.tip_jacobian(q) @ compliance(dynamics, q, u)
+        return 0.5e4 * float(away @ away), 1e4 * np.asarray(away @ slope)
+
+    within = {"type": "ineq", "fun": lambda u: largest**2 - u @ u, "jac": lambda u: -2 * u}
+    answer = minimize(half_square, grid[np.argmin(distances)], jac=True, method="SLSQP", constraints=[within], tol=1e-14)
+    best = answer.x * min(1.0, largest / max(float(np.linalg.norm(answer.x)), 1e-300))
+    found = rest_under(dynamics, best)
+    return Rest(best, found.q, found.tip, float(np.linalg.norm(found.tip - point)))
+
+
+def compliance(dynamics: ArmDynamics, q: Array, torque: ArrayLike) -> Array:
+    """(N,), in space (3 N, 2), [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
     linear = dynamics.linearise(q, torque)
-    n = dynamics.links
-    return np.asarray(-np.linalg.solve(linear.A[n:, :n], linear.B[n:, 0]))
+    n, free = len(q), dynamics.moves
+    change = np.zeros((n, linear.B.shape[1]))
+    change[free] = -np.linalg.solve(linear.A[n:, :n][np.ix_(free, free)], linear.B[n:][free])
+    return change if dynamics.columns.space else change[:, 0]

@@ -22,8 +22,8 @@ class Reference:
     Attributes:
         time: (T,) [s] evenly spaced.
         tip: (T, 3) [m] in the world frame.
-        q, v, a: (T, N) [rad], [rad/s], [rad/s^2].
-        torque: (T,) [N m] feedforward: the uniform torque nearest to what inverse dynamics asks for.
+        q, v, a: (T, N) [rad], [rad/s], [rad/s^2]; in space (T, 3 N).
+        torque: (T,) [N m], in space (T, 2), feedforward: the uniform torque nearest to what inverse dynamics asks for.
     """
 
     time: Array
@@ -44,13 +44,13 @@ class Reference:
 
 
 def reference_from_torque(dynamics: ArmDynamics, time: ArrayLike, torque: ArrayLike) -> Reference:
-    """Through the rest poses of a torque (T,) [N m] that varies smoothly over time (T,) [s], evenly spaced, T > 5.
+    """Through the rest poses of a torque (T,) [N m], in space (T, 2), that varies smoothly over even times (T,) [s], T > 5.
 
     Raises:
         InputError: arrays of other shapes, or a torque that the arm cannot rest under.
     """
     t, u = np.asarray(time, dtype=float), np.asarray(torque, dtype=float)
-    if t.ndim != 1 or t.shape != u.shape or len(t) < 6 or np.any(np.diff(t) <= 0):
+    if t.ndim != 1 or u.shape != (*t.shape, *dynamics.b.shape[1:]) or len(t) < 6 or np.any(np.diff(t) <= 0):
         raise InputError(
             "reference", expected="six or more increasing times, a torque for each", received=f"{t.shape}, {u.shape}"
         )
@@ -76,16 +76,16 @@ def reference_through_tips(
 
     Args:
         dynamics: the arm.
-        tips: (K, 2) x and z, or (K, 3) [m]; where one is out of reach, the nearest point is taken.
+        tips: (K, 2) x and z, or (K, 3) [m], as in space; where one is out of reach, the nearest point is taken.
         torque_range: lowest and highest torque [N m].
         move: [s] from one to the next.
         hold: [s] at rest at each.
         step: [s].
     """
-    levels = [rest_at_tip(dynamics, tip, torque_range).torque for tip in np.asarray(tips, dtype=float)]
+    levels = [np.asarray(rest_at_tip(dynamics, tip, torque_range).torque) for tip in np.asarray(tips, dtype=float)]
     time = np.arange(round((hold + (len(levels) - 1) * (move + hold)) / step) + 1) * step
-    torque = np.full(len(time), levels[0])
+    torque = np.repeat(levels[0][None], len(time), axis=0)
     for number, (before, after) in enumerate(pairwise(levels)):
         s = np.clip((time - hold - number * (move + hold)) / move, 0.0, 1.0)
-        torque += (after - before) * s**3 * (10 - 15 * s + 6 * s**2)
+        torque += (np.multiply.outer(after - before, s**3) * (10 - 15 * s + 6 * s**2)).T
     return reference_from_torque(dynamics, time, torque)

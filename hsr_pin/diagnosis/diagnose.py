@@ -109,6 +109,9 @@ def diagnose(
     if aside:
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
+    if effects is not None and (wrong := [kind.name for kind in kinds if not _forms(kind, space=space)]):
+        expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
+        raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
     ready(kinds, space=space)
     if space:
@@ -211,22 +214,21 @@ def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str,
 
 
 def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = tuple(PLAIN)) -> list[Part]:
-    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open.
-
-    Raises:
-        IdentificationError: an effect that has no form for arms of this kind.
-    """
+    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
     parts = [Part(name) for name in plain]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     for kind in kinds:
-        for options in kind.variants():
-            effect = neutral(kind, **options)
-            if formless([effect], space=space):
-                continue
+        for effect in _forms(kind, space=space):
             parts.append(Part(kind.name, effect))
             if kind.resizes and len(experiment.levels) > 1:
                 parts.append(Part(kind.name, effect, resized=True))
     return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
+
+
+def _forms(kind: type[Effect], *, space: bool) -> list[Effect]:
+    """Every reading of an effect that holds for arms in space, or in a plane."""
+    every = [neutral(kind, **options) for options in kind.variants()]
+    return [effect for effect in every if not formless([effect], space=space)]
 
 
 def _noted(experiment: Experiment, note: str) -> Experiment:

@@ -100,6 +100,10 @@ class SpaceMarkerMap:
         found = [self.velocities(joint_angles, np.broadcast_to(shape, joint_angles.shape)) for shape in shapes.T]
         return np.stack(found, axis=-1)
 
+    def jacobian(self, joint_angles: Array) -> Array:
+        """(M, 3, 3 N) [m/rad] derivatives of the positions of one arm to its coordinates (3 N,) [rad]."""
+        return np.asarray(self.sways(joint_angles[None], np.eye(len(joint_angles)))[0])
+
     def _turned(self, frames: Array, vectors: Array) -> Array:
         """(..., M, 3) vectors (C, M, 3) of the markers' links, in the world."""
         own = vectors[0] if len(vectors) == 1 else vectors

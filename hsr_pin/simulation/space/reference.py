@@ -68,6 +68,13 @@ def rigid_torques(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Array
     return np.asarray(blocks.T @ pin.rnea(model, data, whole, omega, blocks @ a + drift))
 
 
+def mass_matrix(model: pin.Model, data: pin.Data, q: Array) -> Array:
+    """(3 N, 3 N) [kg m^2] of one arm, on the coordinates q (3 N,) of its joints."""
+    whole, _, _, blocks = _in_bodies(q, np.zeros(len(q)))
+    upper = np.triu(pin.crba(model, data, whole))
+    return np.asarray(blocks.T @ (upper + np.triu(upper, 1).T) @ blocks)
+
+
 def _in_bodies(q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
     """Pinocchio's configuration (4 N,), angular velocities and what they change by at even rates (3 N,), and d omega / d v."""
     w, w_rate = q.reshape(-1, 3) @ _ORDER, v.reshape(-1, 3) @ _ORDER
