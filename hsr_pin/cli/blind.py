@@ -84,7 +84,7 @@ def _planned(seed: int, workshop: Workshop, cases: int | None, tiers: tuple[str,
         return shuffled(seed, plan_changes(seed, change, workshop.programs))
     if cases and tiers:
         raise InputError("cases", expected="--cases, or --tier for each tier", received="both")
-    real = plan_real(seed) if workshop.recordings else ()
+    real = plan_real(seed, workshop.recordings) if workshop.recordings else ()
     counts = _counts(tiers) if tiers else {} if real and not cases else by_shares(cases or 300)
     chosen = (*plan(seed, counts, workshop.programs), *real)
     if not chosen:

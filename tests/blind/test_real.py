@@ -13,6 +13,8 @@ from hsr_pin.blind.kinds import KINDS, kinds_of
 from hsr_pin.blind.real import edits
 from hsr_pin.blind.real.build import build_real, drawn, plan_real, reference
 from hsr_pin.blind.real.recipes import OWN, RECIPES
+from hsr_pin.cli.blind import command
+from hsr_pin.cli.command import run
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
@@ -103,10 +105,16 @@ def test_amounts_follow_from_the_seed_and_go_either_way_where_that_makes_sense()
 
 
 def test_without_recordings_it_says_what_is_needed(tmp_path):
-    case = replace(plan_real(1)[0], name="case_001")
+    case = Case("case_001", "real", (next(iter(RECIPES)),), (), "", "", "real-beam", "", 1, "real")
     with pytest.raises(InputError, match="--real"):
         build_real(case, tmp_path / "case_001", None)
     assert not (tmp_path / "case_001").exists()
+
+
+def test_a_folder_without_them_is_refused_before_anything_is_made(tmp_path, capsys):
+    said = run(command, ["make", "--seed", "1", "--real", str(tmp_path), "--tier", "clean=1", "-o", str(tmp_path / "check")])
+    assert said == 2 and "real-beam/dataset.toml" in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]
 
 
 def test_pressures_that_are_no_pressures_are_refused(tmp_path):
@@ -119,7 +127,7 @@ def test_pressures_that_are_no_pressures_are_refused(tmp_path):
 @needs_recordings
 @pytest.mark.parametrize("name", ["beam-payload", "pneumatic-late-a", "pneumatic-command-b", "trunk-markers-a"])
 def test_a_real_case_is_a_whole_dataset_that_tells_nothing(name, tmp_path):
-    case = next(replace(case, name="case_007") for case in plan_real(2) if case.effects == (name,))
+    case = next(replace(case, name="case_007") for case in plan_real(2, RECORDINGS) if case.effects == (name,))
     answer = build_real(case, tmp_path / "case_007", RECORDINGS)
     made = read_dataset(tmp_path / "case_007")
     assert len(made.trials) == len(RECIPES[name].trials) and made.name == "case_007"
@@ -140,6 +148,6 @@ def test_measured_pressures_follow_the_command_late():
 
 @needs_recordings
 def test_all_real_cases_can_be_planned_and_no_other_case_is_one():
-    cases = plan_real(5)
+    cases = plan_real(5, RECORDINGS)
     assert {case.effects[0] for case in cases} == set(RECIPES) and {case.tier for case in cases} == {"real"}
     assert all(isinstance(case, Case) for case in cases)

@@ -18,8 +18,15 @@ from hsr_pin.recordings.write import write_dataset
 from hsr_pin.trajectory import Dataset, Trial
 
 
-def plan_real(seed: int) -> tuple[Case, ...]:
-    """One case of each recipe."""
+def plan_real(seed: int, recordings: Path) -> tuple[Case, ...]:
+    """One case of each recipe.
+
+    Raises:
+        InputError: a recording that a recipe is about is not in the folder.
+    """
+    for name in dict.fromkeys(recipe.recording for recipe in RECIPES.values()):
+        if not (recordings / name / "dataset.toml").is_file():
+            raise InputError("--real", expected=f"a folder with {name}/dataset.toml", received=recordings)
     rng = np.random.default_rng([seed, 30])
     return tuple(
         Case("", "real", (name,), (), "", "", recipe.recording, "", int(rng.integers(1 << 31)), "real")
