@@ -1,4 +1,4 @@
-"""The shape along the arm of what is missing tells a force at the tip from a torque of the muscles, whatever they do in time."""
+"""The shape along the arm of what is missing tells a force at the tip, whatever it does in time."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def residual(torque, noise=0.002, modes=4, seed=0):
     ("torque", "kind"),
     [
         (0.4 * WHIM[:, None] * LEVERS, "contact"),
-        (0.03 * WHIM[:, None] + 0 * LEVERS, "actuation_map"),
+        (0.03 * WHIM[:, None] + 0 * LEVERS, ""),  # muscles, or play, or hysteresis
         (0.5 * BENDS, ""),  # what the arm's own springs may lack has candidates of its own
         (0.03 * WHIM[:, None] * np.cos(np.linspace(0, 9, 8)), ""),  # none of them
     ],
