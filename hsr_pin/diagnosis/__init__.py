@@ -1,5 +1,6 @@
 """Where the gap lies, which effect causes it, how far it shrinks.
 
+- ``base_motion``: whether the base moves, and what follows from that
 - ``candidates``: where the fit of each effect starts, and what it is worth
 - ``change``: what has changed between two recordings
 - ``commands``: plateaus and steps of a command
@@ -19,6 +20,7 @@
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks
 - ``search``: effects added one at a time, several sets side by side
+- ``spread``: how what is missing is spread along the arm
 - ``support``: what speaks for each part and kind
 - ``verdict``: what may be said
 - ``where``: maps along the arm, time, operating range and trials

@@ -7,8 +7,7 @@ import pytest
 
 from hsr_pin.cli import sim
 from hsr_pin.cli.command import run
-from hsr_pin.errors import IdentificationError, InputError, RecordingError
-from hsr_pin.identification.experiment import prepare
+from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
 from hsr_pin.robot.space_kinematics import space_marker_map
@@ -107,8 +106,6 @@ def test_a_fault_of_the_columns_is_named(dataset, tmp_path, old, new, said):
         read_dataset(tmp_path / "data")
 
 
-def test_what_knows_only_the_plane_says_so(dataset):
-    with pytest.raises(IdentificationError, match="bending: expected an arm in a plane"):
-        prepare(dataset)
+def test_markers_beside_the_backbone_are_of_space_alone():
     with pytest.raises(InputError, match="markers: expected on the backbone"):
         step_scenario(ArmSpecification(), 0.5, markers=MARKERS)

@@ -9,8 +9,8 @@
 - ``plant``: Plant.run: a program and effects in, a folder of recordings out
 - ``program``: steps, staircase, chirp, releases, payload
 - ``rod``: RodPlant, a Cosserat rod in PyElastica
-- ``space``: the same for arms in space: BallPlant, and laws about two axes
 - ``scaling``: give an effect the strength that a marker gap asks for
+- ``space``: the same for arms in space: BallPlant, and laws about two axes
 - ``writing``: markers and files
 
 Nothing here imports any other part of hsr_pin but its errors, and no engine is imported before it runs.
