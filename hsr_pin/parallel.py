@@ -185,6 +185,7 @@ class _Pool(Executor):
 
 def _follow(held: Connection) -> None:
     """In a worker: end as soon as the other end of a pipe is closed, by the process that began it or by that one's end."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
 
     def follow() -> None:
         with suppress(EOFError, OSError):
@@ -196,8 +197,8 @@ def _follow(held: Connection) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Processes that are begun within leave Ctrl-C to this one, which hears of it a little later."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """Processes that are begun within leave Ctrl-C to this one, which hears of it, and of its end, when they are begun."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:

@@ -135,7 +135,8 @@ def judge_files(place, code):
         if path.suffix == ".json":
             json.loads(content, parse_constant=pytest.fail)
         elif path.suffix == ".urdf":
-            assert not _NO_NUMBER.search(content.decode("utf-8"))
+            text = content.decode("utf-8").replace('torsion="inf"', "")  # of a backbone that does not twist
+            assert not _NO_NUMBER.search(text)
 
 
 @settings(SETTINGS, max_examples=200)
