@@ -17,6 +17,8 @@ from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.kinds import PLAIN
 from hsr_pin.blind.outcome import Outcome, outcome_of, readable
 from hsr_pin.blind.rate import Rate
+from hsr_pin.blind.scoring import document_of, outcome_from
+from hsr_pin.errors import InputError
 
 #: Name -> the parameter of the catalogue that is the same quantity as the strength of the plants' law. Others are told by the
 #: laws in ways of their own, and are not judged.
@@ -71,17 +73,7 @@ class ChangeScore:
             "missing": list(self.missing),
             "rates": {name: {"hits": rate.hits, "of": rate.of, "ci95": list(rate.interval)} for name, rate in self.rates.items()},
             "outcomes": [
-                {
-                    "name": outcome.answer.name,
-                    "kind": outcome.answer.kind,
-                    "effects": list(outcome.answer.effects),
-                    "status": outcome.status,
-                    "sets": [sorted(names) for names in outcome.sets],
-                    "grade": outcome.grade,
-                    "size_right": size,
-                    "sentence": outcome.sentence,
-                }
-                for outcome, size in zip(self.outcomes, self.sizes, strict=True)
+                {**document_of(outcome), "size_right": size} for outcome, size in zip(self.outcomes, self.sizes, strict=True)
             ],
         }
 
@@ -101,6 +93,19 @@ def score_changes(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, An
         tuple(size_right(answer, verdicts[answer.name]) for answer in told),
         tuple(answer.name for answer in answers if answer.name not in verdicts),
     )
+
+
+def scored_changes(document: dict[str, Any]) -> ChangeScore:
+    """The score that :meth:`ChangeScore.document` was written from.
+
+    Raises:
+        InputError: it is none.
+    """
+    try:
+        outcomes, sizes = zip(*((outcome_from(each), each["size_right"]) for each in document["outcomes"]), strict=True)
+        return ChangeScore(outcomes, sizes, tuple(document["missing"]))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
 
 
 def size_right(answer: Answer, verdict: Mapping[str, Any]) -> bool | None:

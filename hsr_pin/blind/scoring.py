@@ -73,7 +73,7 @@ class Score:
             "rates": {name: {"hits": rate.hits, "of": rate.of, "ci95": list(rate.interval)} for name, rate in self.rates.items()},
             "confusion": {"rows": list(self.rows), "columns": list(self.columns), "counts": [list(row) for row in self.counts]},
             **more,
-            "outcomes": [_document(outcome) for outcome in self.outcomes],
+            "outcomes": [document_of(outcome) for outcome in self.outcomes],
         }
 
 
@@ -100,7 +100,7 @@ def scored(document: dict[str, Any]) -> Score:
         InputError: it is none.
     """
     try:
-        return _tally(tuple(map(_read, document["outcomes"])), tuple(document["missing"]))
+        return _tally(tuple(map(outcome_from, document["outcomes"])), tuple(document["missing"]))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
 
@@ -166,7 +166,8 @@ def _as_good(outcome: Outcome) -> bool:
     return outcome.shrinkage is not None and outcome.oracle is not None and outcome.shrinkage >= CLOSE * outcome.oracle
 
 
-def _document(outcome: Outcome) -> dict[str, Any]:
+def document_of(outcome: Outcome) -> dict[str, Any]:
+    """For programs."""
     answer = outcome.answer
     return {
         "name": answer.name,
@@ -191,7 +192,8 @@ def _document(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _read(document: dict[str, Any]) -> Outcome:
+def outcome_from(document: dict[str, Any]) -> Outcome:
+    """What :func:`document_of` gave."""
     answer = Answer(
         document["name"],
         document["kind"],

@@ -16,7 +16,6 @@ from hsr_pin.cli.progress import counted
 from hsr_pin.errors import InputError, one_line
 
 if TYPE_CHECKING:
-    from hsr_pin.blind.answers import Answer
     from hsr_pin.blind.cases import Case
     from hsr_pin.blind.changes import ChangeScore
     from hsr_pin.blind.scoring import Score
@@ -141,6 +140,7 @@ def run_command(folder: Path, jobs: int, cluster: str | None, seed: int, verdict
 def score_command(folder: Path, answers: Path | None, verdicts: Path | None, jobs: int, **options: Any) -> None:
     """Open the answers, and say how often the diagnosis was right."""
     from hsr_pin.blind.answers import SEAL, unseal
+    from hsr_pin.blind.changes import score_changes
     from hsr_pin.blind.diagnoses import read_verdicts
     from hsr_pin.blind.make import default_answers
     from hsr_pin.blind.oracle import consult, read_oracle
@@ -151,7 +151,7 @@ def score_command(folder: Path, answers: Path | None, verdicts: Path | None, job
     _check(options, state)
     truth = unseal(folder, answers)
     if truth and all(answer.tier == "change" for answer in truth):
-        _score_pairs(truth, read_verdicts(verdicts), options)
+        _tell_pairs(score_changes(truth, read_verdicts(verdicts)), options)
         return
     if options["oracle"]:
         with counted("oracle", sum(answer.kind in ("single", "pair") for answer in truth)) as advance:
@@ -171,18 +171,16 @@ def _check(options: dict[str, Any], read: list[Path]) -> None:
     check_outputs({"--json": options.get("json_file"), **pictures}, read=read, force=options["force"])
 
 
-def _score_pairs(truth: list[Answer], verdicts: dict[str, dict[str, Any]], options: dict[str, Any]) -> None:
-    from hsr_pin.blind.changes import score_changes
+def _tell_pairs(found: ChangeScore, options: dict[str, Any]) -> None:
     from hsr_pin.cli.blind_report import report_changes
     from hsr_pin.cli.console import say, shown
 
     for option, name in (("--oracle", "oracle"), ("--plot", "plot_file"), ("--reliability", "trust_file")):
-        if options[name]:
+        if options.get(name):
             raise InputError("pairs of recordings", expected="--json, and no pictures and no oracle", received=option)
-    found = score_changes(truth, verdicts)
     with shown():
         say(report_changes(found))
-    if options["json_file"]:
+    if options.get("json_file"):
         _write(found, options["json_file"])
 
 
@@ -202,6 +200,7 @@ def _write(found: Score | ChangeScore, file: Path) -> None:
 @force_option
 def show_command(file: Path, **options: Any) -> None:
     """Print a score that was written with --json."""
+    from hsr_pin.blind.changes import scored_changes
     from hsr_pin.blind.scoring import scored
     from hsr_pin.recordings.files import LARGEST_RESULT
     from hsr_pin.recordings.text import read_text
@@ -212,7 +211,10 @@ def show_command(file: Path, **options: Any) -> None:
     except (ValueError, RecursionError) as error:
         received = getattr(error, "received", None) or error
         raise InputError("score", expected="a file that hsr-blind score --json wrote", received=received, file=file) from error
-    _tell(scored(document), options)
+    if isinstance(document, dict) and "pairs" in document:
+        _tell_pairs(scored_changes(document), options)
+    else:
+        _tell(scored(document), options)
 
 
 def _tell(found: Score, options: dict[str, Any]) -> None:

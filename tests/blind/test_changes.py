@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from math import log
 
 import pytest
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.changes import SAME, score_changes, size_right
+from hsr_pin.blind.changes import SAME, score_changes, scored_changes, size_right
 from hsr_pin.blind.plants import laws
 from hsr_pin.blind.rate import Rate
 from hsr_pin.cli.blind_report import report_changes
+from hsr_pin.errors import InputError
 
 
 def answer(kind, name="", old=0.0, new=0.0, case="case_001"):
@@ -106,4 +108,8 @@ def test_the_report_and_the_document_hold_every_rate_and_miss():
     assert "3 pairs diagnosed, 1 not: case_004" in text and "2 misses:" in text and "WRONG NAME" in text
     assert found.rates["change named alone or among the alternatives"] == Rate(1, 2)
     document = found.document()
+    again = scored_changes(json.loads(json.dumps(document)))
+    assert (again.document(), report_changes(again)) == (document, text)
+    with pytest.raises(InputError, match="score"):
+        scored_changes({"outcomes": [{}], "missing": []})
     assert document["rates"]["wrong names, all pairs"]["hits"] == 1 and len(document["outcomes"]) == 3
