@@ -72,5 +72,5 @@ def draw_reliability(found: Reliability, path: str | Path) -> None:
         axes.annotate(str(each.right.of), (each.stated, each.right.share), (5, -9), textcoords="offset points", fontsize=7)
     low, high = found.interval
     axes.set_title(f"calibration error {found.error:.3f} ({low:.3f} to {high:.3f})", fontsize=9)
-    axes.set(xlim=(0, 1.02), ylim=(0, 1.02), xlabel="stated confidence", ylabel="share that was right")
+    axes.set(xlim=(0, 1.06), ylim=(0, 1.02), xlabel="stated confidence", ylabel="share that was right")
     save(figure, path)
