@@ -16,8 +16,9 @@ from hsr_pin.trajectory import Array
 class GravityTilt(Effect):
     """The base is turned in the plane, towards positive bending, against gravity.
 
-    ``frame`` says to what the markers refer: "world", and the whole arm is seen turned; or "base", which was turned with the arm
-    (the cameras were calibrated on it), and only gravity seems turned: p_seen = R(axis, -angle) p.
+    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", which was turned with the arm
+    (the cameras were calibrated on it), and only gravity seems turned: p_seen = R(axis, -angle) p; or "cameras", that is to
+    nothing: they alone are turned, by -angle, the base stands as declared, and p_seen = R(axis, angle) p.
     """
 
     name = "gravity_tilt"
@@ -30,14 +31,17 @@ class GravityTilt(Effect):
     angle: float = parameter(
         0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base in the plane"
     )
-    frame: str = option("world", "base", description="what the markers' frame is fixed to")
+    frame: str = option("world", "base", "cameras", description="what the markers' frame is fixed to")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        if self.frame == "cameras":
+            return specification
         return replace(specification, tilt=np.mod(specification.tilt + self.angle + np.pi, 2 * np.pi) - np.pi)
 
     def observe(self, view: View) -> Array:
         if self.frame == "world":
             return view.positions
-        p, axis, angle = view.positions, view.axis, np.asarray(self.angle)[..., None, None]
-        along = axis * (p @ axis)[..., None]  # Rodrigues' formula, by -angle
-        return np.asarray(p * np.cos(angle) - np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
+        turn = self.angle if self.frame == "cameras" else -np.asarray(self.angle)
+        p, axis, angle = view.positions, view.axis, np.asarray(turn)[..., None, None]
+        along = axis * (p @ axis)[..., None]  # Rodrigues' formula
+        return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))

@@ -35,7 +35,7 @@ def held(model: CorrectedModel) -> tuple[str, ...]:
 
 def unseen(model: CorrectedModel) -> tuple[str, ...]:
     """What no place of a marker on its link can say."""
-    known = {"marker_offset": ("moved", "kept"), "gravity_tilt": ("world", "base")}
+    known = {"marker_offset": ("moved", "kept"), "gravity_tilt": ("world", "base", "cameras")}
     lines = []
     for effect in model.effects:
         readings = known.get(effect.name, ())

@@ -10,6 +10,7 @@ import numpy as np
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.nuisance import rest_scatter
+from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import median, start_of
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import noise_per_axis
@@ -23,9 +24,8 @@ from hsr_pin.trajectory import Array, Dataset, Marker, Trial
 BASE = 0.02
 #: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
 _STILL = (10.0, 0.002)
-#: The backbone does not stretch: a marker farther from the base than this times its arc length plus this [m] is no marker of this
-#: arm. A trial with more than this share of such positions is none of this arm's.
-_REACH, _OFF, _FEW = 1.1, 0.05, 0.01
+#: A trial with more than this share of positions beyond the reach of the arm is none of this arm's.
+_FEW = 0.01
 #: Samples at most over which the pose at rest is averaged.
 _REST = 20
 #: Standard deviation of a median over that of a mean.
@@ -171,9 +171,10 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
     noise = _noise(dataset, moving)
-    runs, notes = [], [f"releases are followed from {delay:g} s after their declared start"] if delay else []
+    reach, doubts = farthest(dataset, moving)
+    runs, notes = [], [*doubts, *([f"releases are followed from {delay:g} s after their declared start"] if delay else [])]
     for trial in dataset.trials:
-        run = _run(trial, dataset.axes, moving, noise, delay)
+        run = _run(trial, dataset.axes, moving, noise, reach, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
@@ -248,7 +249,7 @@ def _noise(dataset: Dataset, moving: list[int]) -> Array:
     return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), _QUIETEST)
 
 
-def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, delay: float) -> Run | str:
+def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:
     """The run, or in words why there is none."""
     trajectory = trial.trajectory
     first, start = trial.first_sample, None
@@ -258,9 +259,7 @@ def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, d
     if len(trajectory.time) - first < 5:
         return f"only {len(trajectory.time) - first} samples follow its start"
     measured = trajectory.positions[first:, moving]
-    markers = [trajectory.markers[i] for i in moving]
-    farthest = _REACH * np.array([m.arc_length for m in markers]) + np.array([m.radius for m in markers]) + _OFF
-    beyond = np.linalg.norm(measured, axis=2) > farthest
+    beyond = np.linalg.norm(measured, axis=2) > reach
     if beyond.mean() > _FEW:
         return f"{100 * beyond.mean():.0f} % of its positions are farther from the base than the arm reaches"
     measured = np.where(beyond[..., None], np.nan, measured)

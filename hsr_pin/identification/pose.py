@@ -12,8 +12,11 @@ from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
-#: Markers are never trusted to better than this [m].
+#: Markers are never trusted to better than this [m] ...
 _SURE = 1e-4
+#: ... nor so far that the smoothest arm is more than this many times as far from them, on the root mean square, as trust says:
+#: where they are declared elsewhere than they are, an arm that showed them all would be folded.
+_DISAGREE = 2.0
 #: Each mode of curvature is expected to be smaller than the one before by this factor, the first to be about 1 rad.
 _SMOOTH = 3.0
 #: Gauss-Newton steps with each number of modes on the way to all of them, and the longest step [rad].
@@ -64,7 +67,9 @@ def pose_from_markers(
     if count == 0:
         return np.zeros((2, *modes.shape[:2]))[0], np.zeros(modes.shape[:2]), np.zeros(0)
     axes, alike = ((0, 1, 2), 2) if columns.space else ((0, 2), 1)
-    sure, penalty = max(noise, _SURE), _SMOOTH ** (np.arange(count) // alike)
+    least = max(noise, _SURE)
+    sure = np.full((len(columns), 1), least)
+    penalty, limit = _SMOOTH ** (np.arange(count) // alike), _DISAGREE**2 * seen.sum() * len(axes)
     kappa = np.zeros((len(columns), count))
     plan = [active for active in range(alike, count, alike) for _ in range(_STEPS)] + [count] * _MOST
     if near is not None and len(near) == count:
@@ -84,8 +89,11 @@ def pose_from_markers(
         slope = np.einsum("cmk,cm->ck", jacobian, miss) + penalty[:active] ** 2 * kappa[:, :active]
         change = np.clip(np.linalg.solve(normal, slope[..., None])[..., 0], -_FARTHEST, _FARTHEST)
         kappa[:, :active] -= change
-        if active == count and np.abs(change).max() < _DONE:
+        if active < count:
+            continue
+        before, sure = sure, np.maximum(least, sure * np.sqrt(cost / limit)[:, None])
+        if np.abs(change).max() < _DONE and np.abs(sure / before - 1).max() < _DONE:
             break
-    pull = np.einsum("cmk,m->ck", jacobian, velocities[seen][:, axes].ravel() / sure)
+    pull = np.einsum("cmk,cm->ck", jacobian, velocities[seen][:, axes].ravel() / sure)
     rate = np.linalg.solve(normal, pull[..., None])[..., 0]
     return np.einsum("cnk,ck->cn", modes, kappa), np.einsum("cnk,ck->cn", modes, rate), kappa[0]

@@ -79,7 +79,7 @@ def test_one_amplitude_of_several_switches_an_effect_on():
         ("tip_mass:mass", "tip_mass.mass: expected a number"),
         ("tip_mass:mass=0.1,mass=0.2", "tip_mass.mass: expected one value"),
         ("tip_mass:mass=7", r"tip_mass.mass: expected 0 to 0.5 \[kg\], got 7"),
-        ("gravity_tilt:angle=0.1,frame=moon", "gravity_tilt.frame: expected world or base, got 'moon'"),
+        ("gravity_tilt:angle=0.1,frame=moon", "gravity_tilt.frame: expected world or base or cameras, got 'moon'"),
     ],
 )
 def test_a_mistake_is_named_with_what_would_be_right(text, complaint):
@@ -94,7 +94,7 @@ def test_neutral_takes_every_reading_of_the_law(kind):
 
 
 def test_the_first_reading_is_the_default():
-    assert GravityTilt.variants() == ({"frame": "world"}, {"frame": "base"})
+    assert GravityTilt.variants() == ({"frame": "world"}, {"frame": "base"}, {"frame": "cameras"})
     assert GravityTilt() == GravityTilt(frame="world")
 
 

@@ -269,6 +269,9 @@ def test_a_tilted_base_is_the_declared_tilt_and_its_own_frame_turns_back_with_it
     np.testing.assert_allclose(base[:, 0], seen()[:, 0], atol=1e-14)
     assert np.abs(world[:, 0] - seen()[:, 0]).max() > 1e-3
     np.testing.assert_allclose(np.linalg.norm(base, axis=-1), np.linalg.norm(world, axis=-1), atol=1e-14)
+    cameras = seen("gravity_tilt:angle=0.2,frame=cameras")
+    np.testing.assert_allclose(cameras[:, 0], world[:, 0], atol=1e-14)
+    np.testing.assert_allclose(np.linalg.norm(cameras, axis=-1), np.linalg.norm(seen(), axis=-1), atol=1e-14)
     assert arm.tilt == 0
 
 

@@ -48,6 +48,7 @@ EXAMPLES = [
         "torque_decay:decay=0.4",
         "gravity_tilt:angle=0.12",
         "gravity_tilt:angle=-0.12,frame=base",
+        "gravity_tilt:angle=0.12,frame=cameras",
         "tip_mass:mass=0.05",
         "added_mass:mass=0.06",
         "restraint:contact_stiffness=200,distance=0.02",

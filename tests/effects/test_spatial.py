@@ -28,6 +28,7 @@ EXAMPLES = [
         "torque_offset:towards_x=0.1,towards_y=-0.15",
         "base_tilt:towards_x=0.1,towards_y=-0.06",
         "base_tilt:towards_x=0.1,towards_y=-0.06,frame=base",
+        "base_tilt:towards_x=0.1,towards_y=-0.06,frame=cameras",
         "markers_beside:towards_x=0.004,towards_y=-0.006",
         "markers_beside:towards_x=0.004,towards_y=-0.006,base=kept",
         "markers_beside:towards_x=0.004,towards_y=-0.006,base=zeroed",
@@ -39,6 +40,7 @@ SISTERS = {
     "torque_bias:bias=0.1": "torque_offset:towards_x=0.1",
     "gravity_tilt:angle=0.1": "base_tilt:towards_x=0.1",
     "gravity_tilt:angle=0.1,frame=base": "base_tilt:towards_x=0.1,frame=base",
+    "gravity_tilt:angle=0.1,frame=cameras": "base_tilt:towards_x=0.1,frame=cameras",
     "marker_offset:offset=0.005": "markers_beside:towards_x=0.005",
     "marker_offset:offset=0.005,base=zeroed": "markers_beside:towards_x=0.005,base=zeroed",
 }

@@ -51,6 +51,7 @@ EXPRESSED = (
     "torque_decay:decay=0.3",
     "gravity_tilt:angle=0.2",
     "gravity_tilt:angle=0.2,frame=base",
+    "gravity_tilt:angle=0.2,frame=cameras",
     "tip_mass:mass=0.05",
     "added_mass:mass=0.08",
     "marker_offset:offset=0.01",

@@ -40,6 +40,20 @@ def test_markers_well_off_the_neutral_line_are_within_reach(heavy_tip):
     assert len(experiment.runs) == len(heavy_tip.trials) and not experiment.notes
 
 
+def test_a_marker_declared_too_near_to_the_base_is_told_and_its_trials_stay(heavy_tip):
+    def wrong(marker):
+        return replace(marker, arc_length=0.3 * marker.arc_length) if marker.arc_length == 0.24 else marker
+
+    def misplaced(trial):
+        markers = tuple(map(wrong, trial.trajectory.markers))
+        return replace(trial, trajectory=replace(trial.trajectory, markers=markers))
+
+    experiment = prepare(replace(heavy_tip, trials=tuple(map(misplaced, heavy_tip.trials))))
+    assert len(experiment.runs) == len(heavy_tip.trials)
+    (note,) = experiment.notes
+    assert "in most samples, though declared 72 mm along the arm: check its arc_length" in note
+
+
 def test_an_arm_that_rests_elsewhere_in_every_trial_is_said_to_and_one_that_does_not_is_not(heavy_tip):
     scattered = heavy_tip
     for number, aside in enumerate((0.003, -0.003, 0.002, -0.002)):

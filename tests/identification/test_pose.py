@@ -123,3 +123,12 @@ def test_a_search_led_astray_from_a_pose_nearby_begins_anew():
         q, _, near = pose_from_markers(columns, cameras, held, STILL[:2], 1e-4, near)
         found.append(np.abs(shown(cameras, q[0]) - held).max())
     assert max(found) < 1e-3
+
+
+def test_markers_declared_where_they_are_not_do_not_fold_the_arm():
+    columns, cameras = arms(8)
+    seen = shown(cameras, np.full(8, 0.15))
+    wrong = Cameras(columns, (0.05, 0.12, 0.24))  # its inner markers are seen farther from the base than the backbone is long
+    q, _, kappa = pose_from_markers(columns, wrong, seen, STILL, 1e-4)
+    assert q.sum() == pytest.approx(1.2, rel=0.1) and np.abs(kappa[1:]).max() < 0.3
+    assert np.abs(shown(wrong, q[0])[2] - seen[2]).max() < 0.03

@@ -32,13 +32,15 @@ class BaseTilt(Effect):
     towards_y: float = parameter(
         0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
     )
-    frame: str = option("world", "base", description="what the markers' frame is fixed to")
+    frame: str = option("world", "base", "cameras", description="what the markers' frame is fixed to")
 
     @property
     def in_plane(self) -> bool:
         return False
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
+        if self.frame == "cameras":
+            return specification
         return replace(
             specification, tilt=specification.tilt + self.towards_x, cross_tilt=specification.cross_tilt + self.towards_y
         )
@@ -48,5 +50,5 @@ class BaseTilt(Effect):
             return view.positions
         places: Any = view.places
         turn = np.stack(np.broadcast_arrays(self.towards_x, self.towards_y, 0.0), axis=-1)
-        back = places.base @ rotations(vectors(-turn)) @ np.swapaxes(places.base, -1, -2)
+        back = places.base @ rotations(vectors(turn if self.frame == "cameras" else -turn)) @ np.swapaxes(places.base, -1, -2)
         return np.asarray((back[..., None, :, :] @ view.positions[..., None])[..., 0])
