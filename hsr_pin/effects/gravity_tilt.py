@@ -16,9 +16,9 @@ from hsr_pin.trajectory import Array
 class GravityTilt(Effect):
     """The base is turned in the plane, towards positive bending, against gravity.
 
-    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", which was turned with the arm
-    (the cameras were calibrated on it), and only gravity seems turned: p_seen = R(axis, -angle) p; or "cameras", that is to
-    nothing: they alone are turned, by -angle, the base stands as declared, and p_seen = R(axis, angle) p.
+    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", which was turned with the
+    arm (the cameras were calibrated on it), and only gravity seems turned, p_seen = R(axis, -angle) p; or "cameras", which alone
+    are turned, by -angle, above a base that stands as declared: p_seen = R(axis, angle) p.
     """
 
     name = "gravity_tilt"

@@ -146,7 +146,7 @@ def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:
 
 
 def _turned_frame(model: CorrectedModel) -> float:
-    """[rad] by which the frame of the markers was turned towards positive bending: with the base, or the cameras by themselves."""
+    """[rad] by which the frame of the markers was turned towards positive bending: with the base, or cameras alone."""
     tilt = model.effect("gravity_tilt")
     way = {"world": 0.0, "base": 1.0, "cameras": -1.0}[dict(tilt.options)["frame"]] if tilt is not None else 0.0
     return way * float(tilt.angle) if way else 0.0  # type: ignore[union-attr]
