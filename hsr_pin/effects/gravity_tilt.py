@@ -16,7 +16,7 @@ from hsr_pin.trajectory import Array
 class GravityTilt(Effect):
     """The base is turned in the plane, towards positive bending, against gravity.
 
-    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", which was turned with the
+    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", turned with the
     arm (the cameras were calibrated on it), and only gravity seems turned, p_seen = R(axis, -angle) p; or "cameras", which alone
     are turned, by -angle, above a base that stands as declared: p_seen = R(axis, angle) p.
     """
