@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
+
+import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess, glanced
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import certainly_better, squares, structure
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import PLAIN, Hypothesis, Part
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
+from hsr_pin.identification.uncertainty import clearness
+from hsr_pin.trajectory import Array
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
 GLANCES = 12
@@ -23,6 +26,8 @@ ALIKE = 1e-6
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
 #: best, and if they take away at least this share of what would be worth having.
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
+#: A quick fit farther from the best than that, at another stiffness or damping by this factor, is tried at those of the best.
+APART = 1.5
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 5
 
@@ -113,15 +118,9 @@ def explains(candidate: Candidate, base: Candidate, thresholds: Thresholds) -> b
 
 
 def doubtful(candidate: Candidate, least: float = SURE) -> tuple[str, ...]:
-    """Effects of a fitted model whose amplitudes are all less than so many standard errors away from neutral."""
-    fit = candidate.fit
-    facts, errors = fit.hypothesis.parameters, uncertainty(fit).standard_error
-    clear = {
-        fact.name.split(".")[0]
-        for fact, value, error in zip(facts, fit.values, errors, strict=True)
-        if (fact.amplitude or fact.name in PLAIN) and abs(value - fact.neutral) >= least * error
-    }
-    return tuple(name for name in candidate.names if name not in clear)
+    """Effects of a fitted model whose size is less than so many standard errors from none."""
+    clear = clearness(candidate.fit)
+    return tuple(name for name in candidate.names if clear.get(name, 0.0) < least)
 
 
 def worth_having(worse: Candidate, better: Candidate, thresholds: Thresholds, seed: int) -> bool:
@@ -233,11 +232,46 @@ def _extend(
             name = _key(guess.hypothesis)
             if name not in tried:
                 chosen.setdefault(name, (base.fit, guess))
-    quick = sorted(crew.glance(list(chosen.values())), key=lambda fitted: fitted.rms)
+    quick = _laws_first(_from_one_basin(list(chosen.values()), crew))
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
     return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
+
+
+def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:
+    """Quick fits, the best first, of which none is worse for want of the stiffness and damping that the best one found.
+
+    The misfit of a swinging arm has several basins, and a law alone is seldom enough to leave one.
+    """
+    quick = crew.glance(tasks)
+    best = min(quick, key=lambda fitted: fitted.rms, default=None)
+    again = [k for k, fitted in enumerate(quick) if best and fitted.rms > CLOSE * best.rms and _elsewhere(fitted, best)]
+    moved = [(tasks[k][0], Guess(quick[k].hypothesis, (_with_arm_of(best, quick[k]),), tasks[k][1].gain)) for k in again if best]
+    for k, other in zip(again, crew.glance(moved) if moved else (), strict=True):
+        quick[k] = min(quick[k], other, key=lambda fitted: fitted.rms)
+    return sorted(quick, key=lambda fitted: fitted.rms)
+
+
+def _elsewhere(fitted: Fit, best: Fit) -> bool:
+    """Whether a fit ended at quite another stiffness or damping than the best."""
+    ratios = _with_arm_of(best, fitted) / np.where(fitted.values == 0, 1.0, fitted.values)
+    return bool(np.abs(np.log(np.clip(ratios, 1e-6, None))).max() > np.log(APART))
+
+
+def _with_arm_of(best: Fit, fitted: Fit) -> Array:
+    """(P,) values of a fit, with the stiffness and damping of another."""
+    arm = {name: value for name, value in best.named.items() if name.partition("@")[0] in ARM}
+    return np.array([arm.get(name, value) for name, value in fitted.named.items()])
+
+
+def _laws_first(fits: Sequence[Fit]) -> list[Fit]:
+    """The best reading of every law in their order, then the other readings: they shall not crowd out other laws."""
+    first: dict[frozenset[str], Fit] = {}
+    for fitted in fits:
+        first.setdefault(frozenset(part.name for part in fitted.hypothesis.parts), fitted)
+    chosen = set(map(id, first.values()))
+    return [*first.values(), *(fitted for fitted in fits if id(fitted) not in chosen)]
 
 
 def _exchanged(
@@ -269,7 +303,7 @@ def _pruned(
     """The best without the effects that, now that the others are there, are not worth having: stand-ins on the way to them.
 
     Nor is one of doubtful size without which most is explained, nor one that takes a little of what the others leave: it mends
-    what is wrong with another's law.
+    what is wrong with another's law; unless the others are the best explanation with it only.
     """
     while len(best.names) > 1:
         smaller = [_without(best.fit, name) for name in best.names]
@@ -281,17 +315,30 @@ def _pruned(
             for fewer in (tried[_key(each.hypothesis)] for each in smaller)
             if (not set(unsure) <= set(fewer.names) and _keeps(fewer, best, start))
             or not worth_having(fewer, best, thresholds, seed)
-            or _patches(best, fewer, start, thresholds)
+            or (_patches(best, fewer, start, thresholds) and _leads(fewer, tried.values()))
         ]
         if not spare:
             break
         best = min(spare, key=mean_square)
+        best = min((best, *_peers(best, tried.values())), key=mean_square)
     return best
 
 
 def _keeps(fewer: Candidate, best: Candidate, start: Candidate) -> bool:
     """Whether most of what the best takes away is taken away with one part less."""
     return left(start) - left(fewer) >= FACTOR * (left(start) - left(best))
+
+
+def _leads(candidate: Candidate, tried: Iterable[Candidate]) -> bool:
+    """Whether no other model of as few causes does better: one that needs its patch to be the best is not known without it."""
+    return all(mean_square(candidate) <= mean_square(other) for other in _peers(candidate, tried))
+
+
+def _peers(candidate: Candidate, tried: Iterable[Candidate]) -> Iterator[Candidate]:
+    """Other models of as many causes."""
+    for other in tried:
+        if other.nameable and len(other.names) == len(candidate.names) and not other.contains(candidate):
+            yield other
 
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:

@@ -22,7 +22,7 @@ from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
 from hsr_pin.identification.step import damped_inverse
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.uncertainty import clearness
 from hsr_pin.trajectory import Array
 
 
@@ -94,17 +94,6 @@ def supports(
     )
     kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
     return parts, kinds
-
-
-def clearness(fit: Fit) -> dict[str, float]:
-    """For each part the largest of its amplitudes, in standard errors from none."""
-    errors = uncertainty(fit).standard_error
-    found: dict[str, float] = {}
-    for fact, value, error in zip(fit.hypothesis.parameters, fit.values, errors, strict=True):
-        name = fact.name.partition(".")[0]
-        if fact.amplitude or fact.name in PLAIN:
-            found[name] = max(found.get(name, 0.0), abs(value - fact.neutral) / max(error, 1e-12))
-    return found
 
 
 def drift(experiment: Experiment, fit: Fit) -> dict[str, float]:

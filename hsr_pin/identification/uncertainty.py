@@ -8,6 +8,7 @@ import numpy as np
 from scipy import stats
 
 from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.hypothesis import PLAIN
 from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
@@ -81,6 +82,25 @@ def uncertainty(fit: Fit) -> Uncertainty:
             if value < WEAK * singular_values[0] or width > 1
         ),
     )
+
+
+def clearness(fit: Fit) -> dict[str, float]:
+    """For each part of a fitted model how many standard errors its size is from none.
+
+    Of a part with several amplitudes all together (A. Wald, Trans. AMS 54, 1943): each may be in doubt, and that there is one
+    certain.
+    """
+    facts, sure = fit.hypothesis.parameters, uncertainty(fit)
+    own: dict[str, list[int]] = {}
+    for place, fact in enumerate(facts):
+        if fact.amplitude or fact.name in PLAIN:
+            own.setdefault(fact.name.partition(".")[0], []).append(place)
+    neutral = np.array([fact.neutral for fact in facts])
+    away = (fit.values - neutral) / np.maximum(sure.standard_error, 1e-12)
+    return {
+        name: float(np.sqrt(max(0.0, away[k] @ np.linalg.pinv(sure.correlation[np.ix_(k, k)], hermitian=True) @ away[k])))
+        for name, k in own.items()
+    }
 
 
 def _memory(residual: Array) -> int:

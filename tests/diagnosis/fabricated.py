@@ -118,7 +118,7 @@ class FakeCrew:
                 (options, resized) for options in (part.effect.variants() if part.effect else ({},)) for resized in (False, True)
             ]
             own = (dict(part.effect.options) if part.effect else {}, part.resized)
-            less = self.alike if readings.index(own) else 1.0  # no two readings of a law do quite the same
+            less = self.alike ** readings.index(own)  # no two readings of a law do quite the same
             guesses.append(Guess(hypothesis, (hypothesis.start,), less * max(0.0, 1 - after / before)))
         return guesses
 

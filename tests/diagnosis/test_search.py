@@ -174,7 +174,7 @@ def test_readings_of_one_law_do_not_crowd_out_other_laws():
 def test_every_reading_of_a_law_is_tried_once():
     found = searched(FakeCrew({"": GAP, "gravity_tilt": 1e-3}))
     keys = [key(each) for each in found.tried if each.names == ("gravity_tilt",)]
-    assert len(keys) == len(set(keys)) == len(EFFECTS["gravity_tilt"].variants()) == 2
+    assert len(keys) == len(set(keys)) == len(EFFECTS["gravity_tilt"].variants()) == 3
 
 
 def test_readings_of_a_law_that_are_the_same_on_these_recordings_are_tried_as_one():
