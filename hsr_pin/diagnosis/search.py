@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -188,6 +188,7 @@ def search(
         tell("exchange: each effect found against the others")
         other = _exchanged(best, parts, crew, tried, thresholds)
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
+    best = _surest(best, start, list(tried.values()), thresholds, seed)
     best = _simplest(best, start, list(tried.values()), thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
@@ -198,6 +199,16 @@ def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thr
     for other in sorted(inside, key=mean_square):
         if left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed):
             return _simplest(other, start, tried, thresholds, seed)
+    return best
+
+
+def _surest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
+    """In place of a best with a part of doubtful size the best of those as large that does as well and is sure of all."""
+    if not doubtful(best):
+        return best
+    for other in sorted((each for each in tried if len(each.names) == len(best.names)), key=mean_square):
+        if not doubtful(other) and matches(other, best, start, thresholds, seed):
+            return other
     return best
 
 
@@ -320,7 +331,6 @@ def _pruned(
         if not spare:
             break
         best = min(spare, key=mean_square)
-        best = min((best, *_peers(best, tried.values())), key=mean_square)
     return best
 
 
@@ -331,14 +341,8 @@ def _keeps(fewer: Candidate, best: Candidate, start: Candidate) -> bool:
 
 def _leads(candidate: Candidate, tried: Iterable[Candidate]) -> bool:
     """Whether no other model of as few causes does better: one that needs its patch to be the best is not known without it."""
-    return all(mean_square(candidate) <= mean_square(other) for other in _peers(candidate, tried))
-
-
-def _peers(candidate: Candidate, tried: Iterable[Candidate]) -> Iterator[Candidate]:
-    """Other models of as many causes."""
-    for other in tried:
-        if other.nameable and len(other.names) == len(candidate.names) and not other.contains(candidate):
-            yield other
+    alike = (each for each in tried if each.nameable and len(each.names) == len(candidate.names))
+    return all(mean_square(candidate) <= mean_square(each) for each in alike if not each.contains(candidate))
 
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:

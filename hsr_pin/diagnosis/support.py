@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
-from hsr_pin.diagnosis.search import Thresholds, open_share, tolerated
+from hsr_pin.diagnosis.search import Thresholds, doubtful, open_share, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
@@ -72,7 +72,8 @@ def supports(
 
     def of(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
         without = [base, *(other for other in tried if lacks(other) and len(other.names) <= len(best.names))]
-        rival = min(without, key=lambda other: squares(other.heldout).mean)
+        ranked = sorted(without, key=lambda other: squares(other.heldout).mean)
+        rival = next(other for other in ranked if other is base or not doubtful(other))  # what is in doubt itself is no rival
         gain = squares(rival.heldout).mean - squares(best.heldout).mean
         own = [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
         known = [drifts[each] for each in own if np.isfinite(drifts[each])]

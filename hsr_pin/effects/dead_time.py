@@ -19,7 +19,7 @@ class DeadTime(Effect):
     citation = "E. Richer, Y. Hurmuzlu, A high performance pneumatic force actuator system: Part I, J. Dyn. Syst. 122 (2000)"
     kind = "actuation_time"
 
-    delay: float = parameter(0.0, lower=0.0, upper=1.0, unit="s", scale=0.02, amplitude=True, description="of the torque")
+    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.02, amplitude=True, description="of the torque")
 
     def late(self) -> Any:
         return self.delay

@@ -28,7 +28,7 @@ class UnequalLag(Effect):
     fall: float = parameter(
         0.0, lower=0.0, upper=10.0, unit="s", scale=0.05, amplitude=True, description="time constant, venting"
     )
-    delay: float = parameter(0.0, lower=0.0, upper=1.0, unit="s", scale=0.05, amplitude=True, description="of both")
+    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of both")
 
     def late(self) -> Any:
         return self.delay
