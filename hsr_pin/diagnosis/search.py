@@ -28,6 +28,8 @@ ALIKE = 1e-6
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
 #: A quick fit farther from the best than that, at another stiffness or damping by this factor, is tried at those of the best.
 APART = 1.5
+#: Where the damping came out this many times the declared one, parts are looked for beside the declared one too.
+DAMPED = 3.0
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 5
 
@@ -234,20 +236,30 @@ def _key(hypothesis: Hypothesis) -> Key:
 def _extend(
     beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
-    chosen: dict[Key, tuple[Fit, Guess]] = {}
-    for base in beam:
-        ranked = _told_apart(sorted(crew.guess(base, [p for p in parts if p.name not in base.names]), key=lambda g: -g.gain))
-        for guess in ranked[: GLANCES if len(beam) == 1 else BEAM_GLANCES]:
-            if guess.gain < PROMISING * ranked[0].gain:
-                break
-            name = _key(guess.hypothesis)
-            if name not in tried:
-                chosen.setdefault(name, (base.fit, guess))
-    quick = _laws_first(_from_one_basin(list(chosen.values()), crew))
+    views = [*beam, *(crew.as_declared(base) for base in beam if _damped(base))]
+    enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
+    chosen = [
+        (base.fit, guess)
+        for base in views
+        for guess in _promising(base, parts, crew)[:enough]
+        if _key(guess.hypothesis) not in tried
+    ]
+    quick = _laws_first(_from_one_basin(chosen, crew))
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
     return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
+
+
+def _promising(base: Candidate, parts: Sequence[Part], crew: Crew) -> list[Guess]:
+    """What to add to a model, that which a probe predicts to help most first; nothing that would help next to none."""
+    ranked = _told_apart(sorted(crew.guess(base, [p for p in parts if p.name not in base.names]), key=lambda g: -g.gain))
+    return [guess for guess in ranked if guess.gain >= PROMISING * ranked[0].gain]
+
+
+def _damped(base: Candidate) -> bool:
+    """Whether the damping of a model may stand in for something else."""
+    return any(value > DAMPED for name, value in base.fit.named.items() if name.partition("@")[0] == "damping_scale")
 
 
 def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:
@@ -259,9 +271,11 @@ def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]
     best = min(quick, key=lambda fitted: fitted.rms, default=None)
     again = [k for k, fitted in enumerate(quick) if best and fitted.rms > CLOSE * best.rms and _elsewhere(fitted, best)]
     moved = [(tasks[k][0], Guess(quick[k].hypothesis, (_with_arm_of(best, quick[k]),), tasks[k][1].gain)) for k in again if best]
-    for k, other in zip(again, crew.glance(moved) if moved else (), strict=True):
-        quick[k] = min(quick[k], other, key=lambda fitted: fitted.rms)
-    return sorted(quick, key=lambda fitted: fitted.rms)
+    quick += crew.glance(moved) if moved else []
+    kept: dict[Key, Fit] = {}
+    for fitted in sorted(quick, key=lambda fitted: fitted.rms):
+        kept.setdefault(_key(fitted.hypothesis), fitted)
+    return list(kept.values())
 
 
 def _elsewhere(fitted: Fit, best: Fit) -> bool:
