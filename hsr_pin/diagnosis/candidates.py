@@ -278,8 +278,8 @@ def _linear_guess(
     open_ = [k for k in range(old, len(facts)) if facts[k].amplitude]
     for place, index in enumerate(open_):
         probe = start[index] - facts[index].neutral
-        size = probe / facts[index].scale
-        step[old + place] = _allowed(facts[index], wanted[place] * size, max(_FARTHEST, size)) / size
+        probed = probe / facts[index].scale
+        step[old + place] = _allowed(facts[index], wanted[place] * probed, max(_FARTHEST, probed)) / probed
         values[index] = facts[index].neutral + step[old + place] * probe
     rest = residual + changes @ step[old:]
     if not np.array_equal(step[old:], wanted):  # not as much as it would take: what the others then do
