@@ -205,19 +205,6 @@ def glanced(runs: int) -> list[int]:
     return list(range(runs)) if runs <= _ENOUGH else [int(k) for k in np.linspace(0, runs - 1, _ENOUGH).round()]
 
 
-def as_declared(experiment: Experiment, base: Fit) -> Fit:
-    """The same model with the damping that was declared, the rest of it fitted to some of the runs: another place to look from.
-
-    A damping that stands in for a slow torque hides it from probes about a fit.
-    """
-    some, _ = _thinned(experiment, base)
-    rough = _rough(base.hypothesis)
-    held = replace(rough, free=tuple(name for name in rough.free if name.partition("@")[0] != "damping_scale"))
-    values = fit(some, held, quick=True).named
-    start = np.array([values.get(name, 1.0) for name in rough.free])
-    return replace(fit(experiment, rough, start=start, quick=True, search=False), hypothesis=base.hypothesis)
-
-
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     """Some of the samples of some of the runs, and a fit as it stands on them."""
     kept = glanced(len(experiment.runs))

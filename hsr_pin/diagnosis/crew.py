@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess, as_declared, finish, glance, guesses
+from hsr_pin.diagnosis.candidates import Candidate, Guess, finish, glance, guesses
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import Part
@@ -37,11 +37,6 @@ class Crew:
             self._guessed[asked] = [guess for answer in answers for guess in answer]
         return self._guessed[asked]
 
-    def as_declared(self, base: Candidate) -> Candidate:
-        """A fitted model with its declared damping: to look from, never to judge."""
-        (fit,) = run(self._executor, _as_declared, [(self._shared, base.fit)])
-        return Candidate(fit, ())
-
     def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
         """A quick fit for each guess about a base fit."""
         return run(self._executor, _glance, [(self._shared, *task) for task in tasks], self._advance)
@@ -53,10 +48,6 @@ class Crew:
 
 def _guess(shared: Shared[Experiment], base: Fit, parts: Sequence[Part]) -> list[Guess]:
     return guesses(shared.get(), base, parts)
-
-
-def _as_declared(shared: Shared[Experiment], base: Fit) -> Fit:
-    return as_declared(shared.get(), base)
 
 
 def _glance(shared: Shared[Experiment], base: Fit, guess: Guess) -> Fit:

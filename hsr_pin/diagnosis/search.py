@@ -28,8 +28,6 @@ ALIKE = 1e-6
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
 #: A quick fit farther from the best than that, at another stiffness or damping by this factor, is tried at those of the best.
 APART = 1.5
-#: Where the damping came out this many times the declared one, parts are looked for beside the declared one too.
-DAMPED = 3.0
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 5
 
@@ -236,11 +234,10 @@ def _key(hypothesis: Hypothesis) -> Key:
 def _extend(
     beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
-    views = [*beam, *(crew.as_declared(base) for base in beam if _damped(base))]
     enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
     chosen = [
         (base.fit, guess)
-        for base in views
+        for base in beam
         for guess in _promising(base, parts, crew)[:enough]
         if _key(guess.hypothesis) not in tried
     ]
@@ -255,11 +252,6 @@ def _promising(base: Candidate, parts: Sequence[Part], crew: Crew) -> list[Guess
     """What to add to a model, that which a probe predicts to help most first; nothing that would help next to none."""
     ranked = _told_apart(sorted(crew.guess(base, [p for p in parts if p.name not in base.names]), key=lambda g: -g.gain))
     return [guess for guess in ranked if guess.gain >= PROMISING * ranked[0].gain]
-
-
-def _damped(base: Candidate) -> bool:
-    """Whether the damping of a model may stand in for something else."""
-    return any(value > DAMPED for name, value in base.fit.named.items() if name.partition("@")[0] == "damping_scale")
 
 
 def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:

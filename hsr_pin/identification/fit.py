@@ -90,7 +90,6 @@ def fit(
     *,
     start: Array | None = None,
     quick: bool = False,
-    search: bool = True,
     spread: float | None = None,
 ) -> Fit:
     """Fit the open parameters of a hypothesis to an experiment.
@@ -100,7 +99,6 @@ def fit(
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
         quick: stop early: enough to see which of many models are worth a full fit.
-        search: whether to; else the fit is the model as it stands at the start.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
     """
@@ -110,7 +108,7 @@ def fit(
     if spread is None:
         spread = max(6.0, 6.0 * float(np.median(np.abs(misfit.residual(x))) / 0.6745))
     converged = True
-    if len(x) and search:
+    if len(x):
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         x, converged = _searched(misfit, x, spread, quick)
     predictions, plain, missed, nuisance = misfit.predictions(x), misfit.missed(x), misfit.left(x), misfit.nuisance(x)
