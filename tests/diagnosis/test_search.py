@@ -1,5 +1,8 @@
 """The search keeps an effect only for a gain that is both certain and worth having, and drops what others made needless."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.search import BEAM, Thresholds, key, search, worth_having
@@ -210,3 +213,49 @@ def test_each_rung_is_told():
 def test_the_noise_of_the_fabricated_recordings_is_what_the_thresholds_say():
     assert THRESHOLDS.noise == pytest.approx(NOISE * 2**0.5)
     assert THRESHOLDS.closed < THRESHOLDS.worth < GAP / 4
+
+
+def test_a_pair_that_leads_with_its_patch_only_is_kept():
+    gaps = {
+        "": GAP,
+        "bending_stop": 0.18 * GAP,
+        "gravity_tilt": 0.2 * GAP,
+        "bending_stop+marker_offset": 0.13 * GAP,
+        "gravity_tilt+viscoelastic": 0.09 * GAP,
+    }
+    assert searched(FakeCrew(gaps)).best.names == ("gravity_tilt", "viscoelastic")
+    assert searched(FakeCrew(gaps | {"bending_stop": 0.21 * GAP})).best.names == ("gravity_tilt",)
+
+
+def test_of_two_sets_that_do_as_well_the_one_of_clear_sizes_is_the_best():
+    gaps = {
+        "": GAP,
+        "hysteresis": 0.8 * GAP,
+        "viscoelastic": 0.82 * GAP,
+        "hysteresis+stiffening": 0.5 * GAP,
+        "viscoelastic+marker_offset": 0.52 * GAP,
+    }
+    assert searched(FakeCrew(gaps)).best.names == ("hysteresis", "stiffening")
+    assert searched(FakeCrew(gaps, errors={"hysteresis": 4})).best.names == ("marker_offset", "viscoelastic")
+
+
+class TwoBasins(FakeCrew):
+    """Quick fits of every law but one stay where they start, and are good at a tenth of the damping only, which that finds."""
+
+    def glance(self, tasks):
+        fits = []
+        for (_, guess), fit in zip(tasks, super().glance(tasks), strict=True):
+            start = dict(zip(guess.hypothesis.free, guess.starts[0], strict=True))
+            damping = 0.1 if fit.hypothesis.parts[-1].name == "soft_spot" else start["damping_scale"]
+            values = [damping if name == "damping_scale" else value for name, value in fit.named.items()]
+            stuck = np.full_like(fit.residuals[0], 3.5e-3 if fit.hypothesis.parts[-1].name == "tip_mass" else 3.4e-3)
+            residuals = fit.residuals if damping == 0.1 else (stuck,) * len(fit.residuals)
+            fits.append(replace(fit, values=np.array(values), residuals=residuals))
+        return fits
+
+
+def test_no_law_is_passed_over_for_want_of_the_damping_that_another_found():
+    gaps = {"": GAP, "soft_spot": 1e-3, "backlash": 1.05e-3, "added_mass": 1.1e-3, "tip_mass": 0.0}
+    crew = TwoBasins(gaps, quick={name: 1e-3 * (1 + 0.01 * k) for k, name in enumerate(gaps)} | {"": GAP})
+    found = searched(crew)
+    assert found.best.names == ("tip_mass",)
