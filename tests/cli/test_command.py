@@ -93,8 +93,8 @@ def test_a_long_name_in_any_error_is_cut(capsys):
 
 @pytest.mark.parametrize(("program", "spared"), [("hsr-diagnose", True), ("laboratory.py", False)])
 def test_a_command_spares_the_collector_and_a_program_that_imports_one_keeps_its_own(program, spared):
-    code = f"import gc, sys; sys.argv[0] = {program!r}; before = gc.get_threshold(); import hsr_pin.cli; print(before != gc.get_threshold())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=ENVIRONMENT)
+    code = "import gc, sys; usual = gc.get_threshold(); sys.argv.pop(0); import hsr_pin.cli; print(gc.get_threshold() != usual)"
+    done = subprocess.run([sys.executable, "-c", code, program], capture_output=True, text=True, check=True, env=ENVIRONMENT)
     assert done.stdout.split() == [str(spared)]
 
 
