@@ -153,22 +153,19 @@ def test_answers_come_in_the_order_of_the_tasks_and_each_advances_once(cluster):
 
 
 def test_a_diagnosis_takes_any_executor_and_leaves_it_open(heavy_tip):
-    class Counting(Serial):
+    class Counting(Executor):
         tasks, ended = 0, False
 
         def submit(self, function, /, *arguments, **named):
             self.tasks += 1
-            return Serial.submit(self, function, *arguments, **named)
+            return Serial().submit(function, *arguments, **named)
 
         def shutdown(self, wait=True, *, cancel_futures=False):
             self.ended = True
 
     asked, given = {"effects": ["tip_mass"], "max_effects": 1, "links": 4}, Counting()
-    assert isinstance(given, Executor)
-    with workers(executor=given) as executor:
-        assert executor is given
     assert to_json(diagnose(heavy_tip, **asked, executor=given)) == to_json(diagnose(heavy_tip, **asked, jobs=1))
-    assert not given.ended
+    assert given.tasks > 0 and not given.ended
 
 
 def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
