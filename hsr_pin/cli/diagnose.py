@@ -16,8 +16,6 @@ from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import beforehand, load, workers
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from hsr_pin.diagnosis.diagnose import Diagnosis
 
 #: Stages beside the effects: reading, stiffness and damping, where.
@@ -92,13 +90,6 @@ def _document(diagnosis: Diagnosis) -> str:
 
 
 def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
-    with workers(options["jobs"], options["cluster"]) as executor:
-        beforehand(executor, load, "hsr_pin.diagnosis.crew")  # while this process does the same, and reads
-        return _diagnosed_by(executor, dataset, options)
-
-
-def _diagnosed_by(executor: Executor, dataset: str, options: dict[str, Any]) -> Diagnosis:
-    from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.effects import effect_named
     from hsr_pin.recordings.read import read_dataset
 
@@ -109,8 +100,12 @@ def _diagnosed_by(executor: Executor, dataset: str, options: dict[str, Any]) -> 
             effect_named(name)
     recordings = read_dataset(dataset)
     given = {name: options[name] for name in ("max_effects", "links", "seed")} | trials_from(options)
-    with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
-        return diagnose(recordings, effects=effects, **given, executor=executor, tell=tell, advance=advance)
+    with workers(options["jobs"], options["cluster"]) as executor:
+        beforehand(executor, load, "hsr_pin.diagnosis.crew")  # while this process does the same
+        from hsr_pin.diagnosis.diagnose import diagnose
+
+        with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
+            return diagnose(recordings, effects=effects, **given, executor=executor, tell=tell, advance=advance)
 
 
 @contextmanager
