@@ -48,7 +48,8 @@ def test_all_measurements_are_run(bench):
     assert bench("run").MEASUREMENTS == MEASUREMENTS
 
 
-@pytest.mark.parametrize("name", MEASUREMENTS)
+#: Its commands take half a minute, even few of them.
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name == "diagnosis")) for name in MEASUREMENTS])
 def test_a_measurement_runs(name, bench, capfd, request):
     if name in ("space", "diagnosis"):
         request.getfixturevalue("shared")
