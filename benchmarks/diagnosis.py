@@ -1,12 +1,11 @@
 """Whole commands beside what is asked of them on two cores, and beside a fit of the same two parameters with MuJoCo and SciPy.
 
 Commands are processes, from start to end, on recordings in the folder ``shared`` beside the repository. The blind cases are made
-anew (none of a check that has been opened), and their rate is that of ``hsr-blind run`` with as many processes as cores.
+anew (none of a check that has been opened), and their rate is that of ``hsr-blind run``.
 """
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -30,8 +29,8 @@ ASKED_FIT = 1.5
 ALL, ASKED_ALL, SOME, _SEED = 200, 2400.0, 20, 1_000_003
 _ASKED = "what is asked"
 _FITTED, *_ = ASKED
-#: Medians of so many runs.
-_RUNS = 3
+#: So many processes, and medians of so many runs.
+_CORES, _RUNS = 2, 3
 
 
 def absent() -> str:
@@ -41,9 +40,9 @@ def absent() -> str:
 
 def titles() -> list[Title]:
     """The lines of this measurement."""
-    diagnoses = [Title(f"`hsr-diagnose {name}` as a process, 2 cores", _ASKED, reach=1) for name in ASKED]
+    diagnoses = [Title(f"`hsr-diagnose {name}` as a process, {_CORES} cores", _ASKED, reach=1) for name in ASKED]
     fit = f"`hsr-fit {_FITTED}` as a process"
-    cases = f"{ALL} blind cases diagnosed, 2 cores (told from {SOME})"
+    cases = f"{ALL} blind cases diagnosed, {_CORES} cores (told from {SOME})"
     beside = Title(fit, "MuJoCo and SciPy, after imports, models set up", "mujoco")
     return [*diagnoses, Title(fit, _ASKED, reach=1), beside, Title(cases, _ASKED, reach=1)]
 
@@ -56,7 +55,7 @@ def measure(quick: bool) -> Iterator[Row]:
     else:
         for title, (name, limit) in zip(diagnoses, ASKED.items(), strict=True):
             if not quick:
-                yield _beside_asked(title, _median(_command("diagnose", FOLDER / name), _RUNS), limit)
+                yield _beside_asked(title, _median(_command("diagnose", FOLDER / name, "--jobs", _CORES), _RUNS), limit)
         yield from _fits(asked, beside, 1 if quick else _RUNS)
     if missing := [module for module in ("mujoco", "elastica") if find_spec(module) is None]:
         print(f"diagnosis: no blind cases without {' and '.join(missing)}", file=sys.stderr)
@@ -107,12 +106,9 @@ def _command(name: str, *words: object) -> partial[object]:
 def _cases(count: int) -> float:
     """[s] in which all blind cases would be diagnosed, by the time that so many take."""
     with TemporaryDirectory() as folder:
-        check, cores = (
-            Path(folder) / "check",
-            len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
-        )
+        check = Path(folder) / "check"
         tiers = ["--tier", "clean=1"] if count == 1 else ["--cases", count]
-        _command("blind", "make", "--seed", _SEED, *tiers, "--jobs", cores, "-o", check)()
+        _command("blind", "make", "--seed", _SEED, *tiers, "--jobs", _CORES, "-o", check)()
         begin = perf_counter()
-        _command("blind", "run", check, "--jobs", cores)()
+        _command("blind", "run", check, "--jobs", _CORES)()
         return (perf_counter() - begin) * ALL / count
