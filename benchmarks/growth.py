@@ -1,7 +1,8 @@
 """How the cost of one arm grows with its links, at 0.1 mm.
 
 Models and MuJoCo's workspace are set up beforehand. Beyond 64 links, where 1 s takes MuJoCo minutes, ten of its steps are timed,
-and it is charged as many as it needs at 64 links. Memory is what a process of its own takes beyond that for four links.
+and it is charged as many as it needs at 64 links. Memory is what a process of its own takes beyond that for four links;
+how it grows is told of a hundred arms, for that of one is hardly seen, and of Pinocchio's workspace to half as many links.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ ERROR = 0.1  # [mm]
 _WHOLE, _FEW = 64, 10
 #: Links of an arm whose memory is measured; and where the measurement is quick.
 _LARGE, _SMALL = 250, 50
+#: Arms whose memory is followed over their links, the links, and those of Pinocchio's workspace.
+_ARMS, _OURS, _THEIRS = 100, (125, 250, 500), (125, 250)
 _MEMORY = """
 import resource
 from hsr_pin.robot.model import build_model
@@ -37,7 +40,7 @@ def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # [MB]; Linux counts in kB
 
 def ours(links):
-    simulate_batch([step_scenario(ArmSpecification(links=links), 1.0, rest=0.0, duration=1.0, step=0.02)])
+    simulate_batch([step_scenario(ArmSpecification(links=links), 1.0, rest=0.0, duration=1.0, step=0.02)] * {arms})
 
 def theirs(links):
     build_model(ArmSpecification(links=links)).model.createData()
@@ -53,7 +56,13 @@ def titles() -> list[Title]:
     """The lines: the larger arms, then the exponent."""
     tasks = [f"1 s of the step to {ERROR:g} mm, N = {links}" for links in LINKS[2:]]
     tasks.append(f"growth of that from N = {LINKS[0]} to {LINKS[-1]} (ours at most N^1.1)")
-    return [*(Title(task, "MuJoCo", "mujoco") for task in tasks), _memory_title(_LARGE)]
+    return [*(Title(task, "MuJoCo", "mujoco") for task in tasks), _memory_title(_LARGE), _GROWTH]
+
+
+_GROWTH = Title(
+    f"memory for 1 s of the step of {_ARMS} arms, N = {_OURS[-1]}, and its growth from N = {_OURS[0]} (ours at most N^1.1)",
+    f"`pin.Data`, by itself, N = {_THEIRS[-1]}, from N = {_THEIRS[0]}",
+)
 
 
 def _memory_title(links: int) -> Title:
@@ -62,7 +71,7 @@ def _memory_title(links: int) -> Title:
 
 def measure(quick: bool) -> Iterator[Row]:
     """Yield the lines; quick: those up to 64 links."""
-    *single, last, _ = titles()
+    *single, last, _, _ = titles()
     wanted = dict(zip(LINKS[2:], single, strict=True))
     chosen = (LINKS[0], _WHOLE) if quick else LINKS
     ours, theirs = [], []
@@ -85,11 +94,21 @@ def measure(quick: bool) -> Iterator[Row]:
     size = _SMALL if quick else _LARGE
     memory = [_memory(who, size) for who in ("ours", "theirs")]
     yield Row(_memory_title(size), *(f"{value:.3g} MB" for value in memory), memory[1] / memory[0])
+    if not quick:
+        yield _memory_growth()
 
 
-def _memory(who: str, links: int) -> float:
+def _memory_growth() -> Row:
+    ours = [_memory("ours", links, _ARMS) for links in _OURS]
+    theirs = [_memory("theirs", links) for links in _THEIRS]
+    powers = _exponent(_OURS, ours), _exponent(_THEIRS, theirs)
+    told = [f"{memory[-1]:.3g} MB, N^{power:.2f}" for memory, power in zip((ours, theirs), powers, strict=True)]
+    return Row(_GROWTH, *told, powers[1] / powers[0])
+
+
+def _memory(who: str, links: int, arms: int = 1) -> float:
     """[MB] at least a tenth: less is not seen."""
-    code = _MEMORY.format(who=who, links=links)
+    code = _MEMORY.format(who=who, links=links, arms=arms)
     told = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True).stdout
     return max(0.1, float(told))
 

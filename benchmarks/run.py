@@ -1,6 +1,6 @@
 """Measure hsr_pin beside its peers, and write the table that README.md shows.
 
-    python benchmarks/run.py                 everything, into benchmarks/results.md (about 6 minutes on an idle machine)
+    python benchmarks/run.py                 everything, into benchmarks/results.md (some 20 minutes on an idle machine)
     python benchmarks/run.py --quick         a little of everything, printed only
     python benchmarks/run.py --only growth   one measurement, printed only
     python benchmarks/run.py --renew growth  one measurement, in place of its lines in results.md (same day, same machine)
@@ -23,7 +23,7 @@ from time import perf_counter
 
 from rows import HEADER, Row
 
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "space")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space")
 RESULTS = Path(__file__).with_name("results.md")
 _LIBRARIES = ("pin", "numpy", "numba", "scipy", "mujoco", "pybullet")
 

@@ -18,15 +18,19 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from functools import lru_cache
+from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any, Generic, TypeVar
 
+from hsr_pin.collector import spare
 from hsr_pin.errors import InputError, MissingDependencyError, WorkerError
 
 T = TypeVar("T")
 
 #: How often work is begun anew whose worker was lost.
 _TRIES = 3
+#: So many processes at most are begun before there is work for them.
+_EARLY = 16
 #: A scheduler answers within this time [s].
 _PATIENCE = 10
 _LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
@@ -70,17 +74,21 @@ def _unpacked(shared: Shared[Any]) -> Any:
 
 
 @contextmanager
-def workers(jobs: int | None = None, cluster: str | None = None) -> Iterator[Executor]:
+def workers(jobs: int | None = None, cluster: str | None = None, executor: Executor | None = None) -> Iterator[Executor]:
     """An executor for the time of a ``with`` block.
 
     Args:
         jobs: processes; default: one per core. 1: this process alone.
         cluster: address of a Dask scheduler (``tcp://host:8786``), instead of processes here.
+        executor: in place of both; it is not ended.
 
     Raises:
         InputError: a number of processes that is none, or no scheduler at the address.
         MissingDependencyError: dask.distributed is not installed.
     """
+    if executor is not None:
+        yield executor
+        return
     if cluster is not None:
         with _dask(cluster) as executor:
             yield executor
@@ -137,6 +145,18 @@ def _then(advance: Callable[[], None], answer: T) -> T:
     return answer
 
 
+def beforehand(executor: Executor, function: Callable[..., None], *arguments: Any) -> None:
+    """Let each process of our own do something while this one gets their work ready; elsewhere the work itself asks for it."""
+    if isinstance(executor, _Pool):
+        executor.everywhere(function, *arguments)
+
+
+def load(*modules: str) -> None:
+    """Import modules: a task for :func:`beforehand`."""
+    for module in modules:
+        import_module(module)
+
+
 def for_each(
     work: Callable[[T], None],
     items: Sequence[T],
@@ -163,6 +183,11 @@ class _Pool(Executor):
         context = multiprocessing.get_context("spawn")  # forking a process that runs threads is not safe
         return ProcessPoolExecutor(self._count, context, initializer=_follow, initargs=(self._held,))
 
+    def everywhere(self, function: Callable[..., None], *arguments: Any) -> None:
+        """A task for each of the processes, which are begun for it."""
+        for _ in range(min(self._count, _EARLY)):
+            self.submit(function, *arguments)
+
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """A task for one of the processes."""
         with _uninterrupted():
@@ -186,6 +211,7 @@ class _Pool(Executor):
 def _follow(held: Connection) -> None:
     """In a worker: end as soon as the other end of a pipe is closed, by the process that began it or by that one's end."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
+    spare()
 
     def follow() -> None:
         with suppress(EOFError, OSError):

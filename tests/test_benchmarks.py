@@ -14,7 +14,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "benchmarks"
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "space")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space")
 ROW = re.compile(r"\| (?P<task>.+) \| (?P<ours>.+) \| (?P<peer>.+): (?P<theirs>.+) \| (?P<ratio>.+) \| .*\|")
 
 
@@ -48,11 +48,12 @@ def test_all_measurements_are_run(bench):
     assert bench("run").MEASUREMENTS == MEASUREMENTS
 
 
-@pytest.mark.parametrize("name", MEASUREMENTS)
+#: Its commands take half a minute, even few of them.
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name == "diagnosis")) for name in MEASUREMENTS])
 def test_a_measurement_runs(name, bench, capfd, request):
-    if name == "space":
+    if name in ("space", "diagnosis"):
         request.getfixturevalue("shared")
-    elif name != "startup":
+    if name not in ("space", "startup"):
         pytest.importorskip("mujoco", reason="compares with MuJoCo: python3 scripts/install.py bench")
     rows = list(bench(name).measure(quick=True))
     assert rows
@@ -107,6 +108,18 @@ def test_a_rollout_of_many_arms_is_each_arm_alone(bench):
     for place, arm in enumerate(arms):
         alone = peer.MujocoChain(arm, "Euler", 10).run()
         assert problem.tip_error([arm], together[:, place : place + 1], alone) < 1e-9
+
+
+def test_mujoco_and_scipy_fit_what_hsr_fit_fits(bench, shared):
+    pytest.importorskip("mujoco")
+    from hsr_pin.identification.experiment import prepare, restricted
+    from hsr_pin.identification.fit import fit
+    from hsr_pin.identification.hypothesis import Hypothesis
+
+    whole = prepare(bench("diagnosis").recordings())
+    experiment = restricted(whole, [run.trial.name for run in whole.runs[2:4]])
+    peer, ours = bench("peer_fit").MujocoFit(experiment, "Euler", 16), fit(experiment, Hypothesis())
+    np.testing.assert_allclose(peer.run(), ours.values, rtol=0.01)
 
 
 def test_pybullet_converges_to_the_same_motion(bench):

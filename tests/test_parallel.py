@@ -24,7 +24,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
-from hsr_pin.parallel import Serial, Shared, for_each, run, workers
+from hsr_pin.parallel import Serial, Shared, beforehand, for_each, load, run, workers
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.simulate import simulate
@@ -150,6 +150,35 @@ def test_answers_come_in_the_order_of_the_tasks_and_each_advances_once(cluster):
             answers = run(executor, operator.mul, [(n, n) for n in range(20)], lambda calls=calls: calls.append(1))
         assert answers == [n * n for n in range(20)]
         assert len(calls) == 20
+
+
+def test_a_diagnosis_takes_any_executor_and_leaves_it_open(heavy_tip):
+    class Counting(Executor):
+        tasks, ended = 0, False
+
+        def submit(self, function, /, *arguments, **named):
+            self.tasks += 1
+            return Serial().submit(function, *arguments, **named)
+
+        def shutdown(self, wait=True, *, cancel_futures=False):
+            self.ended = True
+
+    asked, given = {"effects": ["tip_mass"], "max_effects": 1, "links": 4}, Counting()
+    assert to_json(diagnose(heavy_tip, **asked, executor=given)) == to_json(diagnose(heavy_tip, **asked, jobs=1))
+    assert given.tasks > 0 and not given.ended
+
+
+def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
+    with workers(2) as executor:
+        beforehand(executor, load, "this", "hsr_pin.no_such_module")  # what fails there fails when it is needed
+        beforehand(executor, os.mkdir, tmp_path / "made")
+        until = time.monotonic() + 30
+        while not (tmp_path / "made").exists() and time.monotonic() < until:
+            time.sleep(0.01)
+        assert (tmp_path / "made").exists()
+        assert run(executor, operator.mul, [(6, 7)]) == [42]
+    beforehand(Serial(), os.mkdir, tmp_path / "elsewhere")
+    assert not (tmp_path / "elsewhere").exists()
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -6,7 +6,11 @@ import sys
 try:
     from signal import SIG_DFL, SIGINT, default_int_handler, getsignal, signal
 
-    if os.path.basename(sys.argv[0]).startswith("hsr-") and getsignal(SIGINT) is default_int_handler:
-        signal(SIGINT, SIG_DFL)  # Ctrl-C ends a command that is still being loaded without a word; `command.run` takes over
+    if os.path.basename(sys.argv[0]).startswith("hsr-"):
+        if getsignal(SIGINT) is default_int_handler:
+            signal(SIGINT, SIG_DFL)  # Ctrl-C ends a command that is still being loaded without a word; `command.run` takes over
+        from hsr_pin.collector import spare
+
+        spare()
 except KeyboardInterrupt:
     sys.exit(130)

@@ -13,6 +13,7 @@ import click
 from hsr_pin.cli.command import run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
+from hsr_pin.parallel import beforehand, load, workers
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import Diagnosis
@@ -89,7 +90,6 @@ def _document(diagnosis: Diagnosis) -> str:
 
 
 def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
-    from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.effects import effect_named
     from hsr_pin.recordings.read import read_dataset
 
@@ -99,9 +99,13 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         for name in effects:  # before the recordings, which take longer
             effect_named(name)
     recordings = read_dataset(dataset)
-    given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed")} | trials_from(options)
-    with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
-        return diagnose(recordings, effects=effects, **given, tell=tell, advance=advance)
+    given = {name: options[name] for name in ("max_effects", "links", "seed")} | trials_from(options)
+    with workers(options["jobs"], options["cluster"]) as executor:
+        beforehand(executor, load, "hsr_pin.diagnosis.crew")  # while this process does the same
+        from hsr_pin.diagnosis.diagnose import diagnose
+
+        with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
+            return diagnose(recordings, effects=effects, **given, executor=executor, tell=tell, advance=advance)
 
 
 @contextmanager

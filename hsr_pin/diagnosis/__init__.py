@@ -20,6 +20,7 @@
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks
 - ``search``: effects added one at a time, several sets side by side
+- ``smooth``: motion smoothed and differentiated; ranks
 - ``spread``: how what is missing is spread along the arm
 - ``support``: what speaks for each part and kind
 - ``verdict``: what may be said

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -207,11 +208,10 @@ def glanced(runs: int) -> list[int]:
 
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     """Some of the samples of some of the runs, and a fit as it stands on them."""
-    kept = glanced(len(experiment.runs))
-    runs = [replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in (experiment.runs[k] for k in kept)]
+    thin, kept = _some_of(experiment), glanced(len(experiment.runs))
 
     def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
-        return tuple(items[k][:: run.every] for k, run in zip(kept, runs, strict=True))
+        return tuple(items[k][:: run.every] for k, run in zip(kept, thin.runs, strict=True))
 
     fewer = replace(
         base,
@@ -221,7 +221,14 @@ def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
         weights=some(base.weights),
         nuisance=some(base.nuisance),
     )
-    return replace(experiment, runs=tuple(runs)), fewer
+    return thin, fewer
+
+
+@lru_cache(maxsize=2)
+def _some_of(experiment: Experiment) -> Experiment:
+    """Some of the samples of some of the runs; the same at every call, which keep what they find out."""
+    runs = (experiment.runs[k] for k in glanced(len(experiment.runs)))
+    return replace(experiment, runs=tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs))
 
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +29,7 @@ from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import LINKS, PLAIN, Hypothesis, Part
 from hsr_pin.identification.identify import simulated, split
-from hsr_pin.parallel import workers
+from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
@@ -74,6 +75,7 @@ def diagnose(
     test: Sequence[str] = (),
     jobs: int | None = None,
     cluster: str | None = None,
+    executor: Executor | None = None,
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
     advance: Callable[[], None] = lambda: None,
@@ -92,6 +94,7 @@ def diagnose(
             predicted by a fit to the others.
         jobs: processes; default: one per core.
         cluster: address of a Dask scheduler whose workers do it instead.
+        executor: in place of both.
         seed: of the resampling.
         tell: called with a line at each stage.
         advance: called after each fit.
@@ -114,6 +117,8 @@ def diagnose(
         raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
     ready(kinds, space=space)
+    if executor is not None:
+        beforehand(executor, ready, kinds, space)
     if space:
         experiment = _noted(experiment, "the fingerprint of recordings is of arms in a plane: there is none in space")
     prints, own = None if space else fingerprint(experiment), repeats(experiment)
@@ -143,7 +148,7 @@ def diagnose(
         experiment = _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base_fit.failed)}")
     base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
     by_level = _by_level(experiment, base)
-    with workers(jobs, cluster) as executor:
+    with workers(jobs, cluster, executor) as executor:
         crew = Crew(experiment, executor, advance)
 
         def searched(start: Candidate) -> Search:

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from hsr_pin.diagnosis.commands import steps
 from hsr_pin.identification.experiment import Experiment, Run
@@ -150,7 +150,7 @@ def repeats(experiment: Experiment) -> Repeats | None:
         return None
     freedom = sum(group.freedom for group in groups)
     in_plane = _pooled([group.in_plane for group in groups], groups)
-    low, high = (in_plane * np.sqrt(freedom / chi2.ppf(p, freedom)) for p in ((1 + _LEVEL) / 2, (1 - _LEVEL) / 2))
+    low, high = (in_plane * np.sqrt(freedom / (2 * gammaincinv(freedom / 2, p))) for p in ((1 + _LEVEL) / 2, (1 - _LEVEL) / 2))
     moving, out, rest = (_pooled([getattr(g, name) for g in groups], groups) for name in ("moving", "out_of_plane", "rest"))
     fair = [group for group in groups if group.from_one_start]
     floor = _pooled([group.moving for group in fair], fair) if fair else None

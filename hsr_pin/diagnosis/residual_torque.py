@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_filter
 
+from hsr_pin.diagnosis.smooth import smoothed
 from hsr_pin.identification.evaluation import Response, respond
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
@@ -105,7 +105,7 @@ def _missing(columns: Columns, q: Array, v: Array, deviation: Array, step: float
     window = max(_DEGREE + 2, 2 * round(_WINDOW / step / 2) + 1)
     if window > len(q):
         return np.zeros_like(q)
-    dq, dv, da = (savgol_filter(deviation, window, _DEGREE, deriv=k, delta=step, axis=0) for k in range(3))
+    dq, dv, da = (smoothed(deviation, window, _DEGREE, deriv=k, step=step) for k in range(3))
     a, rigid, arm = np.gradient(v, step, axis=0), columns.rigid_torques(), columns.arms.specification(0)
     taken = [
         rigid(q_d, v_d, a_d) - rigid(q_0, v_0, a_0)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import spearmanr
 
 from hsr_pin.diagnosis.base_motion import BaseMotion, base_motion
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
+from hsr_pin.diagnosis.smooth import rank_correlation
 from hsr_pin.diagnosis.spread import Spread, spread
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.phases import PHASES, phases
@@ -261,6 +261,6 @@ def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Seq
     ):
         value = np.concatenate(values)[seen]
         if np.ptp(value) > 0:
-            ranks[name] = float(spearmanr(value, gap[seen]).statistic)
+            ranks[name] = rank_correlation(value, gap[seen])
     name, rank = max(ranks.items(), key=lambda item: item[1], default=("", 0.0))
     return f", and grows with {name}" if rank > _GROWS else ""

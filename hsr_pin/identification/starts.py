@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import qmc
 
 from hsr_pin.identification.evaluation import predict, residuals, rms
 from hsr_pin.identification.experiment import Experiment
@@ -35,6 +34,8 @@ def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     The others are a Sobol sequence (I. M. Sobol, USSR Comput. Math. Math. Phys. 7, 1967) over what is plausible, simulated
     roughly and in one batch. A point at which a simulation fails counts as off by the length of the arm.
     """
+    from scipy.stats import qmc  # here: slow to load, and a diagnosis has starts of its own
+
     own, facts = hypothesis.start, hypothesis.parameters
     unit = qmc.Sobol(len(own), scramble=False).random(LOOKS)
     points = [own, *(np.array([_plausible(*each) for each in zip(facts, own, row, strict=True)]) for row in unit)]

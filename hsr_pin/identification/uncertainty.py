@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
@@ -64,7 +64,7 @@ def uncertainty(fit: Fit) -> Uncertainty:
     white = inverse * squares / freedom
     robust = inverse @ middle @ inverse
     variance = np.maximum(np.diag(robust), np.diag(white))
-    standard, sure = np.sqrt(variance), stats.t.ppf(0.975, freedom)
+    standard, sure = np.sqrt(variance), stdtrit(freedom, 0.975)
     bounds = np.array([(fact.lower, fact.upper) for fact in facts])
     reach = (sure * standard * scale)[:, None] * np.array([-1.0, 1.0])
     size = np.sqrt(np.diag(white))

@@ -41,7 +41,7 @@ def loops() -> Loops:
         return _loops()
 
 
-def ready(effects: Iterable[type[Effect]] = (), *, space: bool = False) -> None:
+def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
     """Compile all that a fit with these effects will call, before many processes want it."""
     from hsr_pin.simulation.laws import address
 

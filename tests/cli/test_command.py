@@ -91,6 +91,13 @@ def test_a_long_name_in_any_error_is_cut(capsys):
     assert len(capsys.readouterr().err) < 400
 
 
+@pytest.mark.parametrize(("program", "spared"), [("hsr-diagnose", True), ("laboratory.py", False)])
+def test_a_command_spares_the_collector_and_a_program_that_imports_one_keeps_its_own(program, spared):
+    code = "import gc, sys; usual = gc.get_threshold(); sys.argv.pop(0); import hsr_pin.cli; print(gc.get_threshold() != usual)"
+    done = subprocess.run([sys.executable, "-c", code, program], capture_output=True, text=True, check=True, env=ENVIRONMENT)
+    assert done.stdout.split() == [str(spared)]
+
+
 #: As installers write it, but for the name of the interpreter.
 SCRIPT = "import sys\nfrom hsr_pin.cli.sim import main\nif __name__ == '__main__':\n    sys.exit(main())\n"
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.fingerprint.bending import Bending, bending
 from hsr_pin.diagnosis.fingerprint.prints import Estimate, Print, counted, logarithmic, said, slope_of
 from hsr_pin.diagnosis.inline_svg import ROLES
+from hsr_pin.diagnosis.smooth import smoothed
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.trajectory import Array
 
@@ -185,7 +185,7 @@ def turning_points(time: Array, angle: Array, motion: Bending) -> tuple[Array, A
     if len(at) > 2:  # with the noise evened out over a sixth of a cycle
         width = max(5, int(np.median(np.diff(at)) / 3) // 2 * 2 + 1)
         if len(values) > width:
-            values = savgol_filter(values, width, 3)
+            values = smoothed(values, width, 3)
             at = _alternating(values, least)
     inner = at[(at > 0) & (at < len(values) - 1)]
     before, here, after = values[inner - 1], values[inner], values[inner + 1]

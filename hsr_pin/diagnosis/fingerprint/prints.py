@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from hsr_pin.trajectory import Array
 
@@ -84,7 +84,7 @@ def mean_of(values: Sequence[float] | Array) -> Estimate:
     value = float(known.mean())
     if len(known) < 2:
         return Estimate(value, -np.inf, np.inf)
-    reach = float(student.ppf((1 + LEVEL) / 2, len(known) - 1) * known.std(ddof=1) / np.sqrt(len(known)))
+    reach = float(stdtrit(len(known) - 1, (1 + LEVEL) / 2) * known.std(ddof=1) / np.sqrt(len(known)))
     return Estimate(value, value - reach, value + reach)
 
 
@@ -133,7 +133,7 @@ def _jackknife(left: Array, parameters: int) -> Array:
     """Half the interval of each of (k,) estimates, from what (g, k) leaving out one group each gives (Tukey 1958)."""
     count = len(left)
     error = np.sqrt((count - 1) / count * ((left - left.mean(axis=0)) ** 2).sum(axis=0))
-    return np.asarray(student.ppf((1 + LEVEL) / 2, count - parameters) * error)
+    return np.asarray(stdtrit(count - parameters, (1 + LEVEL) / 2) * error)
 
 
 def said(value: float) -> str:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_filter
 
+from hsr_pin.diagnosis.smooth import smoothed
 from hsr_pin.identification.experiment import Run
 from hsr_pin.trajectory import Array
 
@@ -60,7 +60,7 @@ def start_stretch(run: Run) -> Stretch:
     width = max(_FEWEST, int(passed[0] / _EVEN) // 2 * 2 + 1)
     if len(gone) < 2 * width:
         return Stretch(0.0, "too short", told=False)
-    push = savgol_filter(gone, width, 2, deriv=2, delta=run.step)[: int(np.flatnonzero(gone >= _WAY)[0]) + 1]
+    push = smoothed(gone, width, 2, deriv=2, step=run.step)[: int(np.flatnonzero(gone >= _WAY)[0]) + 1]
     error = _error(width, run.step) * noise / abs(rest - way[0])
     largest = int(np.argmax(push))
     lowest = np.minimum.accumulate(push)
