@@ -98,15 +98,20 @@ class Engine:
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
 
     def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
-        """As :func:`hsr_pin.simulation.command.deliver`; in space torque (T, B) is complex, or (T, B, S) for S sections."""
+        """As :func:`hsr_pin.simulation.command.deliver`; complex in space: (T, B, S), or (T, B) for all sections alike."""
         respond = by_machine if self._compiled else by_law
         given = partial(deliver, self.columns, step=step, interpolated=interpolated, substeps=substeps, respond=respond)
         if not self.columns.space:
             return given(torque, initial)
         from hsr_pin.simulation.space.drive import in_components
 
-        sections = torque.reshape(*torque.shape[:2], -1).transpose(2, 0, 1), initial.reshape(len(initial), -1).T
-        return in_components([given(each, before) for each, before in zip(*sections, strict=True)])
+        count = self._arrays.inputs.shape[1]
+        if torque.ndim == 2:
+            torque, initial = (np.repeat(part[..., None], count, axis=-1) for part in (torque, initial))
+        if torque.shape[2] != count:
+            raise InputError("torque", expected=f"one for each of {count} sections, or one for all", received=torque.shape[2])
+        each = zip(np.moveaxis(torque, 2, 0), np.moveaxis(initial, 1, 0), strict=True)
+        return in_components([given(part, before) for part, before in each])
 
     def settled(self, torque: Array, wanted: NDArray[np.bool_], near: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Where the arms rest under constant torques.

@@ -13,10 +13,9 @@ from hsr_pin.control.reference import reference_from_torque, reference_through_t
 from hsr_pin.control.stepping import ArmSimulator
 from hsr_pin.effects import parse_effect
 from hsr_pin.errors import InputError, SpecificationError
-from hsr_pin.robot.sections import Section
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose
-from hsr_pin.trajectory import Marker
+from hsr_pin.trajectory import Marker, Section
 
 ARM = ArmSpecification(3, placement="mid", bending="space", mount="horizontal", tip_mass=0.02)
 SOFT = ArmSpecification(3, placement="mid", bending="space", torsion=0.8)
