@@ -6,14 +6,14 @@ World frame everywhere: z up, origin at the base of the arm, the arm bends in th
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import inf
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hsr_pin.errors import InputError, quoted
+from hsr_pin.errors import InputError, SpecificationError, quoted
 from hsr_pin.parameters import finite
 
 Array = NDArray[np.float64]
@@ -65,6 +65,47 @@ class Marker:
         return cmath.rect(self.radius, self.angle)
 
 
+@dataclass(frozen=True)
+class Section:
+    """One stretch of an arm, by itself.
+
+    Attributes:
+        length: arc length [m].
+        mass: [kg], spread evenly over it.
+        keq: its bending stiffness [Nm/rad].
+        damping: its damping [Nm s/rad].
+    """
+
+    length: float
+    mass: float
+    keq: float
+    damping: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value, zero = getattr(self, field.name), field.name == "damping"
+            is_number = isinstance(value, int | float | np.floating) and not isinstance(value, bool) and np.isfinite(value)
+            if not is_number or value < 0 or (value == 0 and not zero):
+                expected = "a number, zero or more" if zero else "a number, more than zero"
+                raise SpecificationError(f"{field.name} of a section", expected=expected, received=quoted(value))
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A pressure, or the tension of a tendon, that was recorded beside the motion of an arm in space.
+
+    Attributes:
+        name: column in a recording.
+        unit: of its values.
+        torque: (2 S,) [N m per unit] what it gives each of S sections, towards x and towards y of the base; none: it was measured
+            and drives nothing.
+    """
+
+    name: str
+    unit: str
+    torque: tuple[float, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Marker positions over time, with the input that caused them.
@@ -79,6 +120,7 @@ class Trajectory:
         joint_angles: (T, N) [rad], simulated motion only; in space (T, N, 3), towards x, towards y and twist.
         joint_rates: as these, [rad/s].
         notes: what was done to the data on the way here, one sentence each.
+        channels: (T, C) values of the dataset's channels, from which its torque was made; None without them.
     """
 
     time: Array
@@ -89,9 +131,10 @@ class Trajectory:
     joint_angles: Array | None = None
     joint_rates: Array | None = None
     notes: tuple[str, ...] = ()
+    channels: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "positions", "torque", "pressures", "joint_angles", "joint_rates"):
+        for name in ("time", "positions", "torque", "pressures", "channels", "joint_angles", "joint_rates"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
         samples = self.time.shape[0]
         shapes = {
@@ -178,6 +221,9 @@ class Dataset:
         notes: what was done to the data on the way here, one sentence each.
         bending: "plane", or "space" where the arm bends about two axes.
         torsion: declared stiffness against twisting [Nm/rad]; infinite: it does not twist.
+        sections: that the arm is declared to be made of, in space, from the base on; none: a uniform arm. A trial's ``keq`` and
+            ``damping`` are those of all together.
+        channels: what was recorded beside the motion, and the torque that each gives.
     """
 
     name: str
@@ -191,6 +237,8 @@ class Dataset:
     notes: tuple[str, ...] = ()
     bending: str = "plane"
     torsion: float = inf
+    sections: tuple[Section, ...] = ()
+    channels: tuple[Channel, ...] = ()
 
     @property
     def markers(self) -> tuple[Marker, ...]:

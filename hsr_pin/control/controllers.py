@@ -1,5 +1,6 @@
-"""Laws that follow a reference with the arm's one input. Each is a frozen dataclass: no memory, the same answer every time.
+"""Laws that follow a reference with the arm's one input, in space with two for each section.
 
+Each is a frozen dataclass: no memory, the same answer every time.
 The torque of the muscles does work on y = b.q, which is the bending angle of the whole arm where the torque arrives everywhere
 alike: y and u are a collocated pair, so feedback from y is passive, and what y does not show is left to the arm's own dampers.
 """
@@ -28,7 +29,7 @@ class Controller(ABC):
     def torque(self, k: int, q: Array, v: Array) -> Any:
         """The command u [N m] from sample ``k`` of the reference to the next, at angles q (N,) [rad] and rates v (N,) [rad/s].
 
-        In space u is (2,); q and v are (N, 3).
+        In space u is (2 S,), for S sections; q and v are (N, 3).
         """
 
 
@@ -96,7 +97,7 @@ class LQR(Controller):
 
     Attributes:
         reference: what to follow.
-        gain: (2N,) [Nm/rad] and [Nm s/rad]; in space (2, 6N).
+        gain: (2N,) [Nm/rad] and [Nm s/rad]; in space (2 S, 6N).
     """
 
     reference: Reference
@@ -108,12 +109,12 @@ class LQR(Controller):
 
 
 def _told(torque: Any) -> Any:
-    """A number, or two."""
+    """A number, or two for each section."""
     return float(torque) if np.ndim(torque) == 0 else torque
 
 
 def lqr_gain(dynamics: ArmDynamics, torque: ArrayLike, dt: float, tip_error: float = 2e-3, effort: float = 0.1) -> Array:
-    """(2N,), in space (2, 6N), the gain about the rest pose of a torque.
+    """(2N,), in space (2 S, 6N), the gain about the rest pose of a torque.
 
     Of least cost sum (tip error / tip_error)^2 + (torque / effort)^2.
 
@@ -122,7 +123,7 @@ def lqr_gain(dynamics: ArmDynamics, torque: ArrayLike, dt: float, tip_error: flo
 
     Args:
         dynamics: the model.
-        torque: [N m] of the pose, in space (2,).
+        torque: [N m] of the pose, in space (2 S,).
         dt: [s] between commands.
         tip_error: [m] that is as bad as
         effort: a torque of this size [N m] beside the feedforward.

@@ -2,7 +2,8 @@
 
 q (N,) [rad], v (N,) [rad/s], a (N,) [rad/s^2] are the joints' angles, rates and accelerations; u [N m] is the one input, the
 torque of the muscles, which acts on every joint (b = 1, unless an effect says otherwise). Of an arm in space N stands for its
-3 N coordinates (towards x, towards y and twist of each joint, as a row or (N, 3)), u has two components, and b is (3 N, 2).
+3 N coordinates (towards x, towards y and twist of each joint, as a row or (N, 3)); u has two components for each of S sections,
+one if the arm has none, and b is (3 N, 2 S).
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Linearisation:
 
     Attributes:
         A: (2N, 2N).
-        B: (2N, 1); in space (2N, 2).
+        B: (2N, 1); in space (2N, 2 S).
         joints: (2N, N) likewise for torques [N m] at each joint alone; B = joints b.
         rate: (2N,) dx/dt at the pose itself; zero in an equilibrium.
     """
@@ -69,12 +70,12 @@ class ArmDynamics:
         arm: the arm with what they make of its bodies.
         K: (N,) [Nm/rad] springs.
         D: (N,) [Nm s/rad] dampers.
-        b: (N,) share of the torque that arrives at each joint; in space (3 N, 2).
+        b: (N,) share of the torque that arrives at each joint; in space (3 N, 2 S), of each section's.
         moves: (N,) which coordinates do: in space not a twist that is infinitely stiff.
 
     Raises:
         InputError: an effect acts elsewhere (has a memory, is not linear, or is on the command or the markers), or the arm has
-            sections.
+            more sections than links, whose torques no motion tells apart.
     """
 
     def __init__(self, arm: ArmSpecification, effects: Sequence[Effect] = ()) -> None:
@@ -82,10 +83,10 @@ class ArmDynamics:
         if strange:
             expected = f"known ones that act through {', '.join(_KNOWABLE)} only"
             raise InputError("effects", expected=expected, received=", ".join(strange))
-        if len(arm.sections) > 1:
-            raise InputError("sections", expected="one torque for the whole arm", received=len(arm.sections))
+        if len(arm.sections) > arm.links:
+            raise InputError("links", expected=f"at least {len(arm.sections)}, one for each section", received=arm.links)
         space = arm.bending == "space"
-        still = np.zeros((2, 2) if space else 2)
+        still = np.zeros((2, 2 * max(1, len(arm.sections))) if space else 2)
         self.columns = columns = Columns.of([Scenario(arm, np.array([0.0, 1.0]), still, effects=tuple(effects))])
         self.nominal, self.effects = arm, tuple(effects)
         self.arm = columns.arms.specification(0)
@@ -97,7 +98,7 @@ class ArmDynamics:
             self.moves = np.isfinite(np.column_stack([self.K, self.K, rows.twist[0]])).ravel()
             self.K = np.nan_to_num(np.column_stack([self.K, self.K, rows.twist[0]]), posinf=0.0).ravel()
             self.D = np.nan_to_num(np.column_stack([self.D, self.D, rows.twist_damper[0]]), posinf=0.0).ravel()
-            self.b = np.kron(self.b[:, None], np.eye(3, 2))
+            self.b = np.kron(self.b[:, None] * rows.inputs, np.eye(3, 2))
             self._bodies = Spherical(columns, self.moves)
         else:
             self._bodies = Hinged(columns)
@@ -127,7 +128,7 @@ class ArmDynamics:
         return np.asarray(self._bodies.torques(q, v, self._vector("a", a)) + self.K * q + self.D * v)
 
     def uniform(self, torques: ArrayLike) -> Any:
-        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]; in space (2,)."""
+        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]; in space (2 S,)."""
         if self.b.ndim > 1:
             return np.linalg.solve(self.b.T @ self.b, self.b.T @ np.asarray(torques))
         return float(self.b @ np.asarray(torques) / (self.b @ self.b))
@@ -142,7 +143,7 @@ class ArmDynamics:
 
         Args:
             q: (N,) [rad].
-            u: [N m], in space (2,).
+            u: [N m], in space (2 S,).
             v: (N,) [rad/s]; default: at rest.
         """
         q, v = self._vector("q", q), self._vector("v", np.zeros(len(self.K)) if v is None else v)

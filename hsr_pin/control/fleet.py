@@ -68,29 +68,31 @@ class ArmFleet:
         self._weights = Integrator(integrator, step=step).weights
         made = zip(arms, effects, strict=True)
         time = np.array([0.0, 1.0])
-        scenarios = [
-            Scenario(arm, time, np.zeros((2, 2) if arm.bending == "space" else 2), effects=tuple(own), markers=markers)
-            for arm, own in made
-        ]
+        self._sections = max(1, len(arms[0].sections))
+        still = np.zeros((2, 2 * self._sections) if arms[0].bending == "space" else 2)
+        scenarios = [Scenario(arm, time, still, effects=tuple(own), markers=markers) for arm, own in made]
         if len({likeness(scenario) for scenario in scenarios}) != 1:
             raise InputError("arms", expected="the same links, placement, mount and kinds of effects", received="others")
         self.columns = columns = Columns.of(scenarios)
-        self._engine, self._muscles = Engine(columns, dynamics), Muscles(columns, step)
+        every = np.repeat(np.arange(len(columns)), self._sections)  # each section has muscles of its own
+        self._engine, self._muscles = Engine(columns, dynamics), Muscles(columns.members(every), step)
         self.limit = columns.arms.bending_limit
         self.markers = [scenario.markers for scenario in scenarios]
         self._cameras = Cameras(columns, [s.reach for s in scenarios], [s.beside for s in scenarios])
 
     def settled(self, torque: Array) -> tuple[FleetState, NDArray[np.bool_]]:
-        """At rest under constant commands (B,) [N m], in space complex, and whether there is such a pose (B,)."""
-        arrives, muscles = self._muscles.rested(torque)
-        q, found = self._engine.settled(
-            arrives, np.ones(len(torque), dtype=bool), np.zeros((len(torque), self.columns.coordinates))
-        )
+        """At rest under constant commands (B,) [N m], and whether there is such a pose (B,).
+
+        In space commands are complex, here and below; of arms of S > 1 sections (B, S).
+        """
+        arrives, muscles = self._muscles.rested(torque.ravel())
+        straight = np.zeros((len(torque), self.columns.coordinates))
+        q, found = self._engine.settled(arrives.reshape(torque.shape), np.ones(len(torque), dtype=bool), straight)
         return self._loaded(q, np.zeros_like(q), muscles), found
 
     def placed(self, q: Array, v: Array, torque: Array) -> FleetState:
         """At angles and rates (B, N) [rad], [rad/s], where the commands (B,) [N m] were constant until now."""
-        return self._loaded(q, v, self._muscles.rested(torque)[1])
+        return self._loaded(q, v, self._muscles.rested(torque.ravel())[1])
 
     def advance(self, state: FleetState, torque: Array, dt: float) -> tuple[FleetState, int]:
         """Hold commands (B,) [N m] for ``dt`` [s].
@@ -98,7 +100,9 @@ class ArmFleet:
         Returns:
             The state then, and how many arms left their bending limits; see :meth:`lost`.
         """
-        impulse, cell, muscles = self._muscles.hold(torque, dt, state.muscles)
+        impulse, cell, muscles = self._muscles.hold(torque.ravel(), dt, state.muscles)
+        if self._sections > 1:
+            impulse = impulse.reshape(*torque.shape, -1).swapaxes(1, 2)
         chain = state.chain.copy()
         lost = self._engine.advance(chain, impulse, cell, self._weights)
         chain.flags.writeable = False
@@ -117,7 +121,7 @@ class ArmFleet:
         """The state where the ``chosen`` (B,) arms are as in another, which has just begun."""
         chain = np.where(chosen[:, None], fresh.chain, state.chain)
         chain.flags.writeable = False
-        muscles = self._muscles.renewed(chosen, fresh.muscles, state.muscles)
+        muscles = self._muscles.renewed(np.repeat(chosen, self._sections), fresh.muscles, state.muscles)
         return FleetState(chain, muscles, np.where(chosen[:, None], fresh.first, state.first))
 
     def __reduce__(self) -> tuple[Any, ...]:

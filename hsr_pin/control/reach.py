@@ -1,4 +1,4 @@
-"""Where the tip can be: the arm has one input, so the tip rests on one curve; which torque brings it nearest to a point."""
+"""Where the tip can be: an arm with one input has its tip rest on one curve; which torque brings it nearest to a point."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Rest:
     """The arm at rest.
 
     Attributes:
-        torque: u [N m] that holds it; in space (2,).
+        torque: u [N m] that holds it; in space (2 S,).
         q: (N,) [rad]; in space (3 N,).
         tip: (3,) [m] in the world frame.
         distance: [m] of the tip from what was asked for; 0 where no point was.
@@ -39,7 +39,7 @@ class Rest:
 
 
 def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
-    """(..., N) [rad] where the arm rests under constant torques (...) [N m]; in space (..., 3 N) under (..., 2).
+    """(..., N) [rad] where the arm rests under constant torques (...) [N m]; in space (..., 3 N) under (..., 2 S).
 
     Raises:
         InputError: a torque that is none, or under which there is no equilibrium.
@@ -47,15 +47,18 @@ def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
     torques = np.asarray(torque, dtype=float)
     if not np.isfinite(torques).all():
         raise InputError("torque", expected="finite [N m]", received=torque)
-    if dynamics.columns.space:
-        if torques.shape[-1:] != (2,):
-            raise InputError("torque", expected="two components [N m]", received=f"shape {torques.shape}")
-        torques = torques[..., 0] + 1j * torques[..., 1]
-    return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, -1)
+    if not dynamics.columns.space:
+        return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, -1)
+    count = dynamics.b.shape[1]
+    if torques.shape[-1:] != (count,):
+        expected = "two components [N m]" + f" for each of {count // 2} sections" * (count > 2)
+        raise InputError("torque", expected=expected, received=f"shape {torques.shape}")
+    sections: Any = torques[..., 0::2] + 1j * torques[..., 1::2]
+    return static_poses(dynamics.columns, sections.reshape(-1, 1, count // 2)).reshape(*torques.shape[:-1], -1)
 
 
 def static_poses(columns: Columns, torque: Array) -> Array:
-    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m]; in space (T, B, 3 N), torques complex.
+    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m]; in space (T, B, 3 N), torques complex, or (T, B, S).
 
     Raises:
         InputError: a torque under which there is no equilibrium.
@@ -65,16 +68,18 @@ def static_poses(columns: Columns, torque: Array) -> Array:
         np.ones(len(columns), dtype=bool),
         np.zeros((len(columns), columns.coordinates)),
     )
-    poses = np.empty((*torque.shape, columns.coordinates))
+    poses = np.empty((*torque.shape[:2], columns.coordinates))
     for row, pose in zip(torque, poses, strict=True):
         pose[:], found = engine.settled(row, wanted, straight)
         if not found.all():
-            raise InputError("torque", expected="one that the arm can rest under", received=f"{row[~found][0]:g} N m")
+            raise InputError(
+                "torque", expected="one that the arm can rest under", received=f"{np.ravel(row[~found][0])[0]:g} N m"
+            )
     return poses
 
 
 def rest_under(dynamics: ArmDynamics, torque: ArrayLike) -> Rest:
-    """The arm at rest under a torque [N m], in space (2,).
+    """The arm at rest under a torque [N m], in space (2 S,).
 
     Raises:
         InputError: as :func:`static_pose`.
@@ -89,7 +94,7 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
     Args:
         dynamics: the arm.
         position: (3,) or (2,) [m], x and z, in the world frame; a y is left out. In space (3,).
-        torque_range: lowest and highest torque [N m]; in space the highest is the largest size.
+        torque_range: lowest and highest torque [N m]; in space the highest is the largest size, for each section.
 
     Raises:
         InputError: a position that is none, an empty range, or torques in it that the arm cannot rest under.
@@ -121,11 +126,15 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
 
 
 def _rest_in_space(dynamics: ArmDynamics, point: Array, largest: float) -> Rest:
-    """As :func:`rest_at_tip`, over torques to all sides: by sequential quadratic programming from the nearest of some."""
+    """As :func:`rest_at_tip`, over torques to all sides: by sequential quadratic programming from the nearest of some.
+
+    Sections reach a point in many ways: the search begins where all have one torque.
+    """
     if point.shape != (3,) or not largest > 0:
         raise InputError("tip position", expected="x, y and z [m], and torques above zero", received=f"{point}, {largest}")
+    sections = dynamics.b.shape[1] // 2
     sizes, sides = np.meshgrid(np.linspace(0.0, largest, _RINGS), 2 * np.pi / _SIDES * np.arange(_SIDES), indexing="ij")
-    grid = np.stack([sizes * np.cos(sides), sizes * np.sin(sides)], axis=-1).reshape(-1, 2)
+    grid = np.tile(np.stack([sizes * np.cos(sides), sizes * np.sin(sides)], axis=-1).reshape(-1, 2), sections)
     distances = np.linalg.norm(dynamics.tip(static_pose(dynamics, grid)) - point, axis=1)
 
     def half_square(u: Array) -> tuple[float, Array]:
@@ -134,15 +143,20 @@ def _rest_in_space(dynamics: ArmDynamics, point: Array, largest: float) -> Rest:
         slope = dynamics.tip_jacobian(q) @ compliance(dynamics, q, u)
         return 0.5e4 * float(away @ away), 1e4 * np.asarray(away @ slope)
 
-    within = {"type": "ineq", "fun": lambda u: largest**2 - u @ u, "jac": lambda u: -2 * u}
+    within = {
+        "type": "ineq",
+        "fun": lambda u: largest**2 - (u.reshape(-1, 2) ** 2).sum(axis=1),
+        "jac": lambda u: -2 * np.kron(np.eye(sections), np.ones((1, 2))) * u,
+    }
     answer = minimize(half_square, grid[np.argmin(distances)], jac=True, method="SLSQP", constraints=[within], tol=1e-14)
-    best = answer.x * min(1.0, largest / max(float(np.linalg.norm(answer.x)), 1e-300))
+    parts = answer.x.reshape(-1, 2)
+    best = (parts * np.minimum(1.0, largest / np.maximum(np.linalg.norm(parts, axis=1, keepdims=True), 1e-300))).ravel()
     found = rest_under(dynamics, best)
     return Rest(best, found.q, found.tip, float(np.linalg.norm(found.tip - point)))
 
 
 def compliance(dynamics: ArmDynamics, q: Array, torque: ArrayLike) -> Array:
-    """(N,), in space (3 N, 2), [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
+    """(N,), in space (3 N, 2 S), [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
     linear = dynamics.linearise(q, torque)
     n, free = len(q), dynamics.moves
     change = np.zeros((n, linear.B.shape[1]))

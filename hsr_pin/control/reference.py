@@ -23,7 +23,7 @@ class Reference:
         time: (T,) [s] evenly spaced.
         tip: (T, 3) [m] in the world frame.
         q, v, a: (T, N) [rad], [rad/s], [rad/s^2]; in space (T, 3 N).
-        torque: (T,) [N m], in space (T, 2), feedforward: the uniform torque nearest to what inverse dynamics asks for.
+        torque: (T,) [N m], in space (T, 2 S), feedforward: the uniform torque nearest to what inverse dynamics asks for.
     """
 
     time: Array
@@ -44,7 +44,7 @@ class Reference:
 
 
 def reference_from_torque(dynamics: ArmDynamics, time: ArrayLike, torque: ArrayLike) -> Reference:
-    """Through the rest poses of a torque (T,) [N m], in space (T, 2), that varies smoothly over even times (T,) [s], T > 5.
+    """Through the rest poses of a torque (T,) [N m], in space (T, 2 S), that varies smoothly over even times (T,) [s], T > 5.
 
     Raises:
         InputError: arrays of other shapes, or a torque that the arm cannot rest under.

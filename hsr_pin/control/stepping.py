@@ -73,7 +73,7 @@ class ArmSimulator:
         markers: the points to follow; default: base, middle and tip.
         pressure_map: what pressures give, Eqs. (1), (4) and (5).
         torque_range: [N m] accepted commands; default: what holds a weightless arm within its bending limit. In
-            space of their size.
+            space of their size, for each section.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class ArmSimulator:
         """Start anew at time 0.
 
         Args:
-            torque: [N m] the command until now, in space (2,); without a pose the arm is settled under it.
+            torque: [N m] the command until now, in space (2,), of S sections (2 S,); without a pose the arm is settled under it.
             pose: angles and rates to start from instead.
 
         Raises:
@@ -130,7 +130,9 @@ class ArmSimulator:
         return started
 
     def step(self, torque: ArrayLike | None = None, *, pressures: ArrayLike | None = None, dt: float = STEP) -> ArmState:
-        """Hold a command for ``dt`` [s]: a ``torque`` [N m], in space (2,), or ``pressures`` (2,) [bar] at the arm's stiffness.
+        """Hold a command for ``dt`` [s]: a ``torque`` [N m], or ``pressures`` (2,) [bar] at the arm's stiffness.
+
+        In space a torque has two components for each section, (2 S,) or (S, 2), and pressures give none.
 
         Raises:
             InputError: a command that is no number or out of range, none or two of them, or a step that is none.
@@ -153,7 +155,7 @@ class ArmSimulator:
         return self.state
 
     def advance(self, state: ArmState, torque: ArrayLike, dt: float = STEP) -> ArmState:
-        """The state after ``torque`` [N m], in space (2,), was held for ``dt`` [s], from any state; the simulator's own stays.
+        """The state after a torque [N m], as for :meth:`step`, was held for ``dt`` [s] from any state; the simulator's own stays.
 
         Raises:
             InputError, SimulationFailure: as :meth:`step`.
@@ -179,7 +181,7 @@ class ArmSimulator:
         return np.asarray(np.linalg.norm(state.angles, axis=1)) if state.joint else state.angles
 
     def _checked_torque(self, torque: ArrayLike) -> Any:
-        """A number; in space complex."""
+        """A number; in space complex, of S > 1 sections (S,)."""
         low, high = self.torque_range
         if self._joint:
             return self._checked_vector(torque, high)
@@ -191,17 +193,21 @@ class ArmSimulator:
             raise InputError("torque", expected=f"{low:.4g} to {high:.4g} N m", received=torque)
         return value
 
-    def _checked_vector(self, torque: ArrayLike, largest: float) -> complex:
+    def _checked_vector(self, torque: ArrayLike, largest: float) -> Any:
+        sections = max(1, len(self.arm.sections))
         try:
             parts = np.asarray(torque, dtype=float)
         except (TypeError, ValueError, OverflowError):
-            parts = np.full(2, math.nan)
+            parts = np.full(0, math.nan)
         if parts.ndim == 0 and parts == 0:
-            return 0j
-        if parts.shape != (2,) or not np.hypot(*parts) <= largest:
-            expected = f"two components [N m], towards x and towards y, up to {largest:.4g} N m together"
+            parts = np.zeros(2 * sections)
+        fits = parts.shape in ((2 * sections,), (sections, 2))
+        if not fits or not (np.hypot(*parts.reshape(sections, 2).T) <= largest).all():
+            each = f" for each of {sections} sections" if sections > 1 else ""
+            expected = f"two components [N m]{each}, towards x and towards y, up to {largest:.4g} N m together"
             raise InputError("torque", expected=expected, received=quoted(torque))
-        return complex(*parts)
+        found = parts.reshape(sections, 2) @ [1, 1j]
+        return found if sections > 1 else complex(found[0])
 
 
 def _checked_time(name: str, value: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -21,12 +21,14 @@ class Plateau:
 
     Attributes:
         first, last: its samples.
-        torque: [N m]; in space complex.
+        torque: [N m]; in space complex. Of an arm of sections the mean along it.
+        command: (S,) that of each section.
     """
 
     first: int
     last: int
     torque: Any
+    command: Array
 
 
 @dataclass(frozen=True)
@@ -51,33 +53,36 @@ class Step:
 
 def plateaus(run: Run) -> tuple[Plateau, ...]:
     """Where the command of a run is held, in order; a run without input holds it throughout."""
-    size = _HELD * max(float(np.max(np.abs(run.torque))), 1e-12)
-    breaks = np.flatnonzero(np.abs(np.diff(run.torque)) > size) + 1
+    size = _HELD * max(float(np.max(np.abs(run.command))), 1e-12)
+    breaks = np.flatnonzero((np.abs(np.diff(run.command, axis=0)) > size).any(axis=1)) + 1
     bounds = [0, *breaks.tolist(), len(run.torque)]
     found = []
     for first, end in pairwise(bounds):
         long = end - first >= _FEWEST and (end - first) * run.step >= _LEAST
         settled = first == 0 and run.start_pose is None
-        if (long or settled) and _spread(run.torque[first:end]) <= 2 * size:
-            found.append(Plateau(first, end - 1, _middle(run.torque[first:end])))
+        if (long or settled) and _spread(run.command[first:end]) <= 2 * size:
+            middle = _middle(run.command[first:end])
+            found.append(Plateau(first, end - 1, _middle(run.torque[first:end, None])[0], middle))
     return tuple(_merged(found, size))
 
 
-def _spread(torque: Array) -> float:
-    return float(np.hypot(np.ptp(torque.real), np.ptp(torque.imag)))
+def _spread(command: Array) -> float:
+    """Of the section whose command (T, S) spreads most."""
+    return float(np.hypot(np.ptp(command.real, axis=0), np.ptp(command.imag, axis=0)).max())
 
 
-def _middle(torque: Array) -> Any:
-    middle = float(np.median(torque.real))
-    return complex(middle, float(np.median(torque.imag))) if np.iscomplexobj(torque) else middle
+def _middle(command: Array) -> Array:
+    """(S,) of (T, S)."""
+    middle = np.median(command.real, axis=0)
+    return np.asarray(middle + 1j * np.median(command.imag, axis=0) if np.iscomplexobj(command) else middle)
 
 
 def _merged(found: list[Plateau], size: float) -> list[Plateau]:
     """Plateaus at the same command that nothing but a flicker parts are one."""
     merged: list[Plateau] = []
     for plateau in found:
-        if merged and abs(merged[-1].torque - plateau.torque) <= size:
-            merged[-1] = Plateau(merged[-1].first, plateau.last, merged[-1].torque)
+        if merged and np.abs(merged[-1].command - plateau.command).max() <= size:
+            merged[-1] = replace(merged[-1], last=plateau.last)
         else:
             merged.append(plateau)
     return merged
@@ -88,10 +93,12 @@ def steps(run: Run) -> tuple[Step, ...]:
     held = plateaus(run)
     found = []
     for before, after in pairwise(held):
-        between = run.torque[before.last + 1 : after.first]
+        change = after.command - before.command
+        most = int(np.argmax(np.abs(change)))  # of the sections
+        between = run.command[before.last + 1 : after.first, most] - before.command[most]
         if len(between) * run.step >= max(_LEAST, _FEWEST * run.step):
             continue
-        given = float(np.real(np.sum(between - before.torque) * run.step / (after.torque - before.torque)))
+        given = float(np.real(np.sum(between) * run.step / change[most]))
         instant = float(run.time[after.first]) - float(np.clip(given, 0.0, len(between) * run.step))
         found.append(Step(before, after, instant))
     return tuple(found)

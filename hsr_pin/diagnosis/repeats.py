@@ -190,12 +190,12 @@ def _repeats(run: Run, other: Run) -> bool:
     if len(time) < _OVERLAP * max(len(run.time), len(other.time)):
         return False
     commands = [
-        r.torque[np.clip(np.searchsorted(own, time, side="right") - 1, 0, None)]
+        r.command[np.clip(np.searchsorted(own, time, side="right") - 1, 0, None)]
         for r, own in zip((run, other), clocks, strict=True)
     ]
     both = np.concatenate(commands)
-    span = max(float(np.hypot(np.ptp(both.real), np.ptp(both.imag))), 1e-12)
-    return bool(np.mean(np.abs(commands[0] - commands[1]) > _SAME * span) < _ELSEWHERE)
+    span = max(float(np.hypot(np.ptp(both.real, axis=0), np.ptp(both.imag, axis=0)).max()), 1e-12)
+    return bool(np.mean(np.abs(commands[0] - commands[1]).max(axis=1) > _SAME * span) < _ELSEWHERE)
 
 
 def _start_distance(run: Run, other: Run) -> float:

@@ -98,9 +98,10 @@ def respond_each(
 
 def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
     run, values, columns = case.run, case.values, engine.columns
-    torque = run.torque if run.lead == 0 else np.append(run.torque[:1], run.torque)
-    gain = hypothesis.factor("torque_gain", run, values)
-    flow = torque[:, None] * gain
+    torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
+    flow = torque[:, None] * hypothesis.factor("torque_gain", run, values)[:, None]
+    if run.by_section is None:
+        flow = flow[..., 0]  # the same for all
     command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated)
     found = np.ones(len(values), dtype=bool)
     q, v = _start(experiment, run, hypothesis, columns, cameras)

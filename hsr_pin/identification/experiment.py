@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.command import command_of, mean_along
 from hsr_pin.identification.nuisance import rest_scatter
 from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import median, start_of
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import noise_per_axis
-from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification, mount_frame
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
@@ -42,13 +42,14 @@ class Run:
         trial: where it comes from.
         time: (T,) [s] of the measured samples, from the start on.
         torque: (T,) [N m] commanded: tau, or Eqs. (4) and (5) with the declared Keq; zeros for a release. In space complex:
-            towards x, and towards y of the base.
+            towards x, and towards y of the base. Of an arm of sections the mean along it, where one number has to stand for all.
         measured: (T, M, 3) [m]; NaN in gaps.
         start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
         lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
         start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
         interpolated: the torque goes straight from sample to sample instead of being held.
         axes: the world's coordinates in which the arm moves.
+        by_section: (T, S) [N m] commanded, complex, of an arm of S > 1 sections; None: the same for all.
         every: only one in so many of the measured samples is looked at.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
@@ -63,6 +64,7 @@ class Run:
     start_velocity: Array | None = None
     interpolated: bool = False
     axes: tuple[int, ...] = (0, 2)
+    by_section: Array | None = None
     every: int = 1
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
@@ -73,14 +75,21 @@ class Run:
         return np.asarray(self.measured[:: self.every, :, self.axes])
 
     @property
+    def command(self) -> Array:
+        """(T, S) [N m] what drives each section; where all are driven alike (T, 1)."""
+        return self.torque[:, None] if self.by_section is None else self.by_section
+
+    @property
     def drive(self) -> Array:
-        """(T,) [N m] the torque as recordings have it; in space (T, 2)."""
-        return np.stack([self.torque.real, self.torque.imag], axis=1) if np.iscomplexobj(self.torque) else self.torque
+        """(T,) [N m] the torque as recordings have it; in space (T, 2), or (T, 2 S) for S sections."""
+        if not np.iscomplexobj(self.torque):
+            return self.torque
+        return np.stack([self.command.real, self.command.imag], axis=2).reshape(len(self.time), -1)
 
     @property
     def span(self) -> float:
-        """How far the torque goes from its one end to the other [N m]."""
-        return float(np.hypot(np.ptp(self.torque.real), np.ptp(self.torque.imag)))
+        """How far the torque goes from its one end to the other [N m]; the farthest of the sections'."""
+        return float(np.hypot(np.ptp(self.command.real, axis=0), np.ptp(self.command.imag, axis=0)).max())
 
     @cached_property
     def rest(self) -> Array:
@@ -90,7 +99,7 @@ class Run:
     @property
     def resting(self) -> int:
         """Samples before the first change of command, twenty at most."""
-        changes = np.flatnonzero(np.diff(self.torque))
+        changes = np.flatnonzero(np.diff(self.command, axis=0).any(axis=1))
         return min(int(changes[0]) + 1 if len(changes) else _REST, _REST)
 
     @property
@@ -174,7 +183,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     reach, doubts = farthest(dataset, moving)
     runs, notes = [], [*doubts, *([f"releases are followed from {delay:g} s after their declared start"] if delay else [])]
     for trial in dataset.trials:
-        run = _run(trial, dataset.axes, moving, noise, reach, delay)
+        run = _run(trial, dataset, moving, noise, reach, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
@@ -204,7 +213,7 @@ def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object
     """Which trials should rest where this one does, where that is, and whence it came (K,) [m]; None where it does not rest."""
     along = mount_frame(dataset.mount)[0]
     across = [axis for axis in run.axes if along[axis] == 0]
-    conditions = (run.trial.keq, run.trial.tip_mass, complex(np.round(run.torque[0] / run.trial.keq, 4)))
+    conditions = (run.trial.keq, run.trial.tip_mass, tuple(np.round(run.command[0] / run.trial.keq, 4).astype(complex).tolist()))
     if run.start_pose is None:
         place = run.rest[far, across]
         return (conditions, place, np.zeros_like(place)) if np.isfinite(place).all() else None
@@ -249,9 +258,9 @@ def _noise(dataset: Dataset, moving: list[int]) -> Array:
     return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), _QUIETEST)
 
 
-def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:
+def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:
     """The run, or in words why there is none."""
-    trajectory = trial.trajectory
+    trajectory, command = trial.trajectory, command_of(trial, dataset)
     first, start = trial.first_sample, None
     if not trial.starts_at_rest:
         start = start_of(trial, float(noise.max()), delay)
@@ -268,40 +277,18 @@ def _run(trial: Trial, axes: tuple[int, ...], moving: list[int], noise: Array, r
     return Run(
         trial=trial,
         time=_held(trajectory.time[first:]),
-        torque=_held(_torque(trial, space=len(axes) == 3)[first:]),
+        torque=_held(mean_along(command[first:], dataset)),
         measured=_held(measured),
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
         start_velocity=None if start is None else _held(start.velocity[moving]),
         interpolated=trial.interpolated,
-        axes=axes,
+        axes=dataset.axes,
+        by_section=_held(command[first:]) if command.shape[1] > 1 else None,
     )
-
-
-def _torque(trial: Trial, *, space: bool) -> Array:
-    """(T,) [N m] commanded, in space complex.
-
-    Raises:
-        IdentificationError: an input of another kind of arm.
-    """
-    trajectory = trial.trajectory
-    if not trajectory.has_input:
-        return np.zeros(len(trajectory.time), dtype=complex if space else float)
-    torque = trajectory.torque if trajectory.pressures is None else trial.keq * _bending(trajectory.pressures)
-    assert torque is not None
-    if torque.shape[1:] != ((2,) if space else ()) or (space and trajectory.pressures is not None):
-        expected = "two components of torque, for an arm in space" if space else "one torque, or two pressures"
-        raise IdentificationError(f"input of {trial.name}", expected=expected, received=f"values of shape {torque.shape}")
-    return torque[:, 0] + 1j * torque[:, 1] if space else torque
 
 
 def _held(values: Array) -> Array:
     array = np.array(values)
     array.flags.writeable = False
     return array
-
-
-def _bending(pressures: Array) -> Array:
-    """Eq. (4) as it stands: measured pressures may leave the regulators' range by their noise."""
-    constant, first, second = PAPER.bending_plane
-    return np.asarray(constant + first * pressures[:, 0] + second * pressures[:, 1])

@@ -21,7 +21,8 @@ def phases(run: Run, predicted: Array) -> NDArray[np.int_]:
     """(T,) index into :data:`PHASES` of each sample; ``predicted`` (T, M, 3) [m] tells how fast the arm ought to move."""
     speed = np.abs(np.gradient(np.nan_to_num(predicted), run.step, axis=0)).max(axis=(1, 2))
     moving = speed > _SLOW * max(float(speed.max()), 1e-9)
-    jumps = np.abs(np.diff(run.torque, prepend=run.torque[0])) > _CHANGE * max(run.span, 1e-9)
+    change = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1])).max(axis=1)
+    jumps = change > _CHANGE * max(run.span, 1e-9)
     starts = np.flatnonzero(jumps)
     if run.start_pose is not None:
         starts = np.append(0, starts)

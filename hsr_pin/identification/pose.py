@@ -22,11 +22,12 @@ _SMOOTH = 3.0
 #: Gauss-Newton steps with each number of modes on the way to all of them, and the longest step [rad].
 _STEPS, _FARTHEST = 4, 1.0
 #: The last steps go on until one is shorter than this [rad], or for so many.
-_DONE, _MOST = 1e-8, 30
+_DONE, _MOST = 1e-10, 30
 #: A search that begins near a pose and comes to be so much worse than it was is led astray: it begins anew.
 _WORSE = 10.0
-#: Difference for derivatives [rad].
-_WIDTH = 1e-6
+#: Differences for derivatives [rad]: one-sided on the way; in the last steps central ones, exact to some 1e-11 m/rad. What these
+#: are in error by belongs to the pose.
+_WIDTH, _FINE = 1e-6, 1e-5
 
 
 def modes_of(columns: Columns, seen: int) -> Array:
@@ -76,20 +77,23 @@ def pose_from_markers(
         kappa[:], plan = near, [count] * _MOST
     jacobian, begun = np.empty(0), np.full(len(columns), np.inf)
     for active in plan:
-        steps = np.vstack([np.zeros(count), _WIDTH * np.eye(count)[:active]])
+        ways = np.eye(count)[:active]
+        last = active == count
+        steps = np.vstack([np.zeros(count), _FINE * ways, -_FINE * ways] if last else [np.zeros(count), _WIDTH * ways])
         poses = np.einsum("cnk,tck->tcn", modes, kappa + steps[:, None])
-        shown = cameras.positions(poses)[:, :, seen][..., axes].reshape(active + 1, len(columns), -1) / sure
-        jacobian = np.moveaxis(shown[1:] - shown[0], 0, -1) / _WIDTH  # (C, AM, active)
+        shown = cameras.positions(poses)[:, :, seen][..., axes].reshape(len(steps), len(columns), -1) / sure
+        ahead, behind = shown[1 : active + 1], shown[active + 1 :] if last else shown[0]
+        jacobian = np.moveaxis(ahead - behind, 0, -1) / (2 * _FINE if last else _WIDTH)  # (C, AM, active)
         miss = shown[0] - positions[seen][:, axes].ravel() / sure
         cost = (miss**2).sum(axis=1) + ((penalty * kappa) ** 2).sum(axis=1)
-        if active == count and near is not None and np.any(cost > _WORSE * begun):
+        if last and near is not None and np.any(cost > _WORSE * begun):
             return pose_from_markers(columns, cameras, positions, velocities, noise)
         begun = np.minimum(begun, cost)
         normal = np.swapaxes(jacobian, 1, 2) @ jacobian + np.diag(penalty[:active] ** 2)
         slope = np.einsum("cmk,cm->ck", jacobian, miss) + penalty[:active] ** 2 * kappa[:, :active]
         change = np.clip(np.linalg.solve(normal, slope[..., None])[..., 0], -_FARTHEST, _FARTHEST)
         kappa[:, :active] -= change
-        if active < count:
+        if not last:
             continue
         before, sure = sure, np.maximum(least, sure * np.sqrt(cost / limit)[:, None])
         if np.abs(change).max() < _DONE and np.abs(sure / before - 1).max() < _DONE:

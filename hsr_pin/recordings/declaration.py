@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from hsr_pin.recordings.document import Section, read_document
+from hsr_pin.recordings.poses import PARTS
+from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
 from hsr_pin.recordings.text import nearest
-from hsr_pin.trajectory import BENDS, MOUNTS, Marker
+from hsr_pin.trajectory import BENDS, MOUNTS, Channel, Marker
+from hsr_pin.trajectory import Section as ArmSection
 
 #: The versions of the format that are read and written; the second knows arms in space.
 VERSIONS = (1, 2)
-#: What only the second has: in [robot], and in [[marker]].
-_ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle")
+#: What only the second has: tables, and keys in [robot] and in [[marker]].
+_TABLES_IN_SPACE = ("section", "input", "measured")
+_ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle", "orientation")
 #: Name of the file that makes a folder a dataset.
 FILE_NAME = "dataset.toml"
 #: An arm outside of these lengths [m] is not measured in metres.
@@ -44,7 +48,10 @@ class TrialDeclaration:
 
 @dataclass(frozen=True, eq=False)
 class Declaration:
-    """A ``dataset.toml``; the attributes are those of :class:`~hsr_pin.trajectory.Dataset`."""
+    """A ``dataset.toml``; the attributes are those of :class:`~hsr_pin.trajectory.Dataset`, and ``posed``.
+
+    ``posed`` are those of the markers whose orientation is recorded too.
+    """
 
     name: str
     description: str
@@ -56,6 +63,23 @@ class Declaration:
     trials: tuple[TrialDeclaration, ...]
     bending: str
     torsion: float
+    sections: tuple[ArmSection, ...]
+    channels: tuple[Channel, ...]
+    posed: tuple[Marker, ...]
+
+    @property
+    def inputs(self) -> tuple[tuple[str, ...], ...]:
+        """The sets of columns that may hold a trial's input."""
+        if self.bending == "plane":
+            return ("P1", "P2"), ("tau",)
+        channels = tuple(channel.name for channel in self.channels)
+        return ((channels,) if channels else ()) + (torque_columns(len(self.sections)),)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """All others."""
+        places = (f"{marker.name}_{axis}" for marker in self.markers for axis in "xyz")
+        return "t", *places, *(f"{marker.name}_{part}" for marker in self.posed for part in PARTS)
 
 
 def read_declaration(path: Path) -> Declaration:
@@ -66,7 +90,7 @@ def read_declaration(path: Path) -> Declaration:
     """
     top = read_document(path)
     newer = _version(top) == VERSIONS[1]
-    top.only("format", "name", "description", "robot", "marker", "trial")
+    top.only("format", "name", "description", "robot", "marker", "trial", *(_TABLES_IN_SPACE if newer else ()))
     robot = top.section("robot")
     robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input", *(_ROBOT_IN_SPACE if newer else ()))
     length = robot.number("length", "m")
@@ -87,20 +111,28 @@ def read_declaration(path: Path) -> Declaration:
             "bending", "bending", expected=" or ".join(BENDS), received=bending, hint=nearest(bending, BENDS, "words")
         )
     space = bending == "space"
-    if "torsion" in robot.values and not space:
-        raise robot.fault("torsion", "torsion", expected='bending = "space" with it', received=bending)
-    return Declaration(
+    for table, key in ((robot, "torsion"), *((top, name) for name in _TABLES_IN_SPACE)):
+        if key in table.values and not space:
+            raise table.fault(key, key, expected='bending = "space" with it', received=bending)
+    mass, markers = robot.number("mass", "kg"), _markers(top, length, space)
+    sections = sections_of(top, robot, length, mass)
+    declaration = Declaration(
         name=top.text("name"),
         description=top.text("description", ""),
         length=length,
-        mass=robot.number("mass", "kg"),
+        mass=mass,
         diameter=robot.number("diameter", "m"),
         mount=mount,
-        markers=_markers(top, length, space),
-        trials=_trials(top, robot),
+        markers=markers,
+        trials=_trials(top, robot, declared_whole(top, sections)),
         bending=bending,
         torsion=robot.number("torsion", "Nm/rad", zero=True) if "torsion" in robot.values else math.inf,
+        sections=sections,
+        channels=(),
+        posed=tuple(m for m, values in zip(markers, top.values["marker"], strict=True) if values.get("orientation")),
     )
+    taken = {*declaration.columns, *torque_columns(len(sections))}
+    return replace(declaration, channels=channels_of(top, max(1, len(sections)), taken))
 
 
 def _version(top: Section) -> int:
@@ -128,7 +160,7 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
             raise section.fault("marker name", "name", expected="no space around it", received=repr(name))
         if name in taken:
             raise section.fault(f"two markers are named {name!r}", "name", hint="give each its own name")
-        taken.add(name)
+        taken |= {name, *(f"{name}:{axis}" for axis in "xy" if section.values.get("orientation"))}
         arc_length = section.number("arc_length", "m", zero=True)
         if arc_length > length * (1 + 1e-9):
             raise section.fault(
@@ -136,15 +168,17 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
             )
         radius = section.number("radius", "m", zero=True) if "radius" in section.values else 0.0
         angle = section.number("angle", "rad", sign=True) if "angle" in section.values else 0.0
+        if not isinstance(turned := section.values.get("orientation", False), bool):
+            raise section.fault("orientation", "orientation", expected="true or false", received=repr(turned)[:60])
         markers.append(Marker(name, arc_length, radius, angle))
     if all(marker.arc_length == 0 for marker in markers):
         raise top.sections("marker")[0].fault("no moving marker", expected="at least one with arc_length above 0")
     return tuple(markers)
 
 
-def _trials(top: Section, robot: Section) -> tuple[TrialDeclaration, ...]:
-    keq = robot.number("keq", "Nm/rad") if "keq" in robot.values else None
-    damping = robot.number("damping", "Nm s/rad", zero=True) if "damping" in robot.values else None
+def _trials(top: Section, robot: Section, sections: dict[str, float]) -> tuple[TrialDeclaration, ...]:
+    keq = robot.number("keq", "Nm/rad") if "keq" in robot.values else sections.get("keq")
+    damping = robot.number("damping", "Nm s/rad", zero=True) if "damping" in robot.values else sections.get("damping")
     trials: list[TrialDeclaration] = []
     taken: set[str] = set()
     for section in top.sections("trial"):

@@ -176,6 +176,7 @@ def on_even_grid(trajectory: Trajectory) -> tuple[Trajectory, float]:
         positions=grid.positions(trajectory.positions),
         torque=None if trajectory.torque is None else grid.held(trajectory.torque),
         pressures=None if trajectory.pressures is None else grid.held(trajectory.pressures),
+        channels=None if trajectory.channels is None else grid.held(trajectory.channels),
         joint_angles=None,
         joint_rates=None,
         notes=(*grid.notes, *trajectory.notes),

@@ -12,12 +12,11 @@ from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
 from hsr_pin.recordings.files import is_inside
 from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.poses import points_of, seen_points
 from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
-#: The input of an arm in space.
-IN_SPACE = ("tau_x", "tau_y")
 #: No coordinate [m], time [s] or input is larger.
 LARGEST = 1e10
 #: No two samples are closer [s].
@@ -70,6 +69,8 @@ def read_dataset(path: str | Path) -> Dataset:
         path=folder,
         bending=declaration.bending,
         torsion=declaration.torsion,
+        sections=declaration.sections,
+        channels=declaration.channels,
     )
 
 
@@ -92,9 +93,9 @@ def _table(folder: Path, trial: TrialDeclaration) -> Table:
 
 
 def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> Trial:
-    _check_columns(table, declaration.markers, space=declaration.bending == "space")
-    _check_size(table)
-    trajectory, origin = _on_even_grid(table, declaration.markers)
+    _check_columns(table, declaration)
+    _check_size(table, declaration)
+    trajectory, origin = _on_even_grid(table, declaration)
     time, start = trajectory.time, None if trial.t_start is None else trial.t_start - origin
     if start is not None and not time[0] - 1e-9 <= start < time[-1]:
         expected = f"a time in the recording, {time[0] + origin:.10g} to {time[-1] + origin:.10g} s"
@@ -102,9 +103,8 @@ def _trial(declaration: Declaration, trial: TrialDeclaration, table: Table) -> T
     return Trial(trial.name, trajectory, trial.keq, trial.damping, trial.tip_mass, start, trial.interpolated)
 
 
-def _check_columns(table: Table, markers: tuple[Marker, ...], *, space: bool) -> None:
-    wanted = ["t", *(f"{marker.name}_{axis}" for marker in markers for axis in "xyz")]
-    possible = [[*IN_SPACE]] if space else [["P1", "P2"], ["tau"]]
+def _check_columns(table: Table, declaration: Declaration) -> None:
+    wanted, possible = declaration.columns, [list(names) for names in declaration.inputs]
     every = [name for names in possible for name in names]
     inputs = [name for name in every if name in table.header]
     if inputs and inputs not in possible:
@@ -125,7 +125,7 @@ def _check_columns(table: Table, markers: tuple[Marker, ...], *, space: bool) ->
         )
 
 
-def _check_size(table: Table) -> None:
+def _check_size(table: Table, declaration: Declaration) -> None:
     if len(table.values) < 2:
         raise table.fault("recording", 0, 0, expected="at least two samples", received="one")
     values = table.values
@@ -139,7 +139,7 @@ def _check_size(table: Table) -> None:
             received=f"{values[row, field]:g}",
             hint="times are in seconds, positions in metres, torques in Nm, pressures in bar",
         )
-    for name in ("t", "P1", "P2", "tau", *IN_SPACE):
+    for name in ("t", *(name for names in declaration.inputs for name in names)):
         if name in table.header and np.isnan(table.column(name)).any():
             row = int(np.argmax(np.isnan(table.column(name))))
             raise table.fault(f"column {name}", row, table.place[name], expected="a number", received="no value")
@@ -152,20 +152,22 @@ def _check_size(table: Table) -> None:
         )
 
 
-def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> tuple[Trajectory, float]:
-    time, positions = table.column("t"), _positions(table, markers)
+def _on_even_grid(table: Table, declaration: Declaration) -> tuple[Trajectory, float]:
+    markers, time = declaration.markers, table.column("t")
+    positions = _positions(table, markers)
     facts = implausible(time)
     if facts is not None:
         row = min(2, len(time) - 1)
         raise table.fault("time", row, table.place["t"], **asdict(facts))
-    pressures = np.stack([table.column("P1"), table.column("P2")], axis=1) if "P1" in table.header else None
-    torque = table.column("tau") if "tau" in table.header else None
-    if IN_SPACE[0] in table.header:
-        torque = np.stack([table.column(name) for name in IN_SPACE], axis=1)
+    given = _input(table, declaration)
     notes = [
         f"marker {marker.name} was not seen" for marker, p in zip(markers, positions.swapaxes(0, 1), strict=True) if not _seen(p)
     ]
-    raw = Trajectory(time, markers, positions, torque=torque, pressures=pressures, notes=tuple(notes))
+    if declaration.posed:
+        radius = declaration.diameter / 2
+        markers = markers + points_of(declaration.posed, radius)
+        positions = np.concatenate([positions, seen_points(table, declaration.posed, radius)], axis=1)
+    raw = Trajectory(time, markers, positions, notes=tuple(notes), **given)
     try:
         return on_even_grid(raw)
     except ValueError:
@@ -178,6 +180,20 @@ def _on_even_grid(table: Table, markers: tuple[Marker, ...]) -> tuple[Trajectory
             received=f"a step of {np.diff(time).max():.3g} s where {np.median(np.diff(time)):.3g} s is usual",
             hint="times are in seconds; split the recording at long pauses",
         ) from None
+
+
+def _input(table: Table, declaration: Declaration) -> dict[str, Array]:
+    """What drove the arm, by the names that a trajectory has for it; empty: nothing."""
+    names = next((names for names in declaration.inputs if names[0] in table.header), ())
+    if not names:
+        return {}
+    values = np.stack([table.column(name) for name in names], axis=1)
+    if declaration.bending == "plane":
+        return {"pressures": values} if len(names) == 2 else {"torque": values[:, 0]}
+    if names != tuple(channel.name for channel in declaration.channels):
+        return {"torque": values}
+    gains = np.array([c.torque or (0.0,) * (2 * max(1, len(declaration.sections))) for c in declaration.channels])
+    return {"torque": values @ gains, "channels": values}
 
 
 def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:

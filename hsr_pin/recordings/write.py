@@ -13,8 +13,9 @@ import numpy as np
 
 from hsr_pin.errors import OutputError, RecordingError
 from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSIONS, read_declaration
-from hsr_pin.recordings.read import IN_SPACE, read_dataset
-from hsr_pin.trajectory import Dataset, Trajectory, Trial
+from hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.sections import torque_columns
+from hsr_pin.trajectory import Channel, Dataset, Section, Trajectory, Trial
 
 
 def write_dataset(dataset: Dataset, path: str | Path) -> None:
@@ -22,7 +23,7 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
 
     The folder is written beside its place, read back, and moved there in one step; an older dataset there is replaced.
     Notes become comments in ``dataset.toml``. Joint angles and rates have no place in the format and are left out;
-    so is the torque where there are pressures, which determine it.
+    so is the torque where there are pressures or channels, which determine it. Orientations were read as points, and stay so.
 
     Raises:
         OutputError: the place is a file, or a folder that holds anything but a dataset, or the folder that the dataset was
@@ -38,7 +39,7 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
         (draft / FILE_NAME).write_text(_declaration(dataset), encoding="utf-8")
         _check_names(dataset, draft)
         for trial in dataset.trials:
-            _write_trial(trial.trajectory, draft / f"{trial.name}.csv")
+            _write_trial(trial.trajectory, draft / f"{trial.name}.csv", dataset.channels)
         read_dataset(draft)
         _move(draft, target)
     except RecordingError as error:
@@ -127,6 +128,8 @@ def _declaration(dataset: Dataset) -> str:
         lines.append(f"bending = {_quoted(dataset.bending)}")
     if math.isfinite(dataset.torsion):
         lines.append(_entry("torsion", dataset.torsion, "Nm/rad"))
+    lines += [line for section in dataset.sections for line in _section(section)]
+    lines += [line for channel in dataset.channels for line in _channel(channel)]
     for marker in dataset.markers:
         lines += ["", "[[marker]]", f"name = {_quoted(marker.name)}", _entry("arc_length", marker.arc_length, "m")]
         if marker.radius:
@@ -134,6 +137,17 @@ def _declaration(dataset: Dataset) -> str:
     for trial in dataset.trials:
         lines += ["", *_trial_declaration(trial)]
     return "\n".join(lines) + "\n"
+
+
+def _section(section: Section) -> list[str]:
+    units = {"length": "m", "mass": "kg", "keq": "Nm/rad", "damping": "Nm s/rad"}
+    return ["", "[[section]]", *(_entry(key, getattr(section, key), unit) for key, unit in units.items())]
+
+
+def _channel(channel: Channel) -> list[str]:
+    table = "[[input]]" if channel.torque else "[[measured]]"
+    lines = ["", table, f"columns = [{_quoted(channel.name)}]", f"unit = {_quoted(channel.unit)}"]
+    return [*lines, f"torque = [{list(channel.torque)!r}]  # N m per unit"] if channel.torque else lines
 
 
 def _trial_declaration(trial: Trial) -> list[str]:
@@ -162,14 +176,17 @@ def _one_line(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text)
 
 
-def _write_trial(trajectory: Trajectory, path: Path) -> None:
+def _write_trial(trajectory: Trajectory, path: Path, channels: tuple[Channel, ...]) -> None:
     columns = [trajectory.time[:, None]]
     header = ["t"]
     if trajectory.pressures is not None:
         header += ["P1", "P2"]
         columns.append(trajectory.pressures)
+    elif trajectory.channels is not None:
+        header += [channel.name for channel in channels]
+        columns.append(trajectory.channels)
     elif trajectory.torque is not None:
-        header += ["tau"] if trajectory.torque.ndim == 1 else IN_SPACE
+        header += ["tau"] if trajectory.torque.ndim == 1 else torque_columns(trajectory.torque.shape[1] // 2)
         columns.append(trajectory.torque.reshape(len(trajectory.time), -1))
     header += [f"{marker.name}_{axis}" for marker in trajectory.markers for axis in "xyz"]
     columns.append(trajectory.positions.reshape(len(trajectory.time), -1))

@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.robot.sections import Section, bodies_of
+from hsr_pin.robot.sections import bodies_of
 from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
-from hsr_pin.trajectory import Array
+from hsr_pin.trajectory import Array, Section
 
 #: Acceleration of gravity [m/s^2], Pinocchio's.
 GRAVITY = 9.81

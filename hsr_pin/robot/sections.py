@@ -3,37 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
 
 import numpy as np
 
-from hsr_pin.errors import SpecificationError, quoted
-from hsr_pin.trajectory import Array
-
-
-@dataclass(frozen=True)
-class Section:
-    """One stretch of an arm, by itself.
-
-    Attributes:
-        length: arc length [m].
-        mass: [kg], spread evenly over it.
-        keq: its bending stiffness [Nm/rad].
-        damping: its damping [Nm s/rad].
-    """
-
-    length: float
-    mass: float
-    keq: float
-    damping: float
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value, zero = getattr(self, field.name), field.name == "damping"
-            is_number = isinstance(value, int | float | np.floating) and not isinstance(value, bool) and np.isfinite(value)
-            if not is_number or value < 0 or (value == 0 and not zero):
-                expected = "a number, zero or more" if zero else "a number, more than zero"
-                raise SpecificationError(f"{field.name} of a section", expected=expected, received=quoted(value))
+from hsr_pin.trajectory import Array, Section
 
 
 def whole(sections: Sequence[Section]) -> dict[str, float]:

@@ -10,8 +10,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from hsr_pin.errors import SpecificationError, quoted
-from hsr_pin.robot.sections import Section, whole
-from hsr_pin.trajectory import Array, Dataset, Trial
+from hsr_pin.robot.sections import whole
+from hsr_pin.trajectory import Array, Dataset, Section, Trial
 
 Placement = Literal["base", "mid", "shifted"]
 Mount = Literal["hanging", "upright", "horizontal"]
@@ -126,6 +126,7 @@ class ArmSpecification:
             tip_mass=trial.tip_mass,
             bending=dataset.bending,  # type: ignore[arg-type]
             torsion=dataset.torsion,
+            sections=dataset.sections,
         )
         return replace(declared, **changes)
 

@@ -98,21 +98,24 @@ class Engine:
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
 
     def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
-        """As :func:`hsr_pin.simulation.command.deliver`; in space torque (T, B) is complex, or (T, B, S) for S sections."""
+        """As :func:`hsr_pin.simulation.command.deliver`; complex in space: (T, B, S), or (T, B) for all sections alike."""
         respond = by_machine if self._compiled else by_law
         given = partial(deliver, self.columns, step=step, interpolated=interpolated, substeps=substeps, respond=respond)
         if not self.columns.space:
             return given(torque, initial)
         from hsr_pin.simulation.space.drive import in_components
 
-        sections = torque.reshape(*torque.shape[:2], -1).transpose(2, 0, 1), initial.reshape(len(initial), -1).T
-        return in_components([given(each, before) for each, before in zip(*sections, strict=True)])
+        if torque.ndim == 2:
+            torque, initial = torque[..., None], initial[:, None]
+        torque, initial = self._by_section(torque), self._by_section(initial)
+        each = zip(np.moveaxis(torque, 2, 0), np.moveaxis(initial, 1, 0), strict=True)
+        return in_components([given(part, before) for part, before in each])
 
     def settled(self, torque: Array, wanted: NDArray[np.bool_], near: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Where the arms rest under constant torques.
 
         Args:
-            torque: (B,) [N m] that arrives; in space complex, or (B, 2 S) and loads.
+            torque: (B,) [N m] that arrives; in space complex, of S sections (B, S), or (B, 2 S) and loads.
             wanted: (B,) columns to solve for.
             near: (B, N) [rad] where the search begins.
 
@@ -120,11 +123,19 @@ class Engine:
             (B, N) [rad], 0 where there is no such pose or none was wanted, and (B,) whether there is one.
         """
         if np.iscomplexobj(torque):
-            torque = np.stack([torque.real, torque.imag], axis=1)
+            torque = self._by_section(torque if torque.ndim == 2 else torque[:, None])
+            torque = np.stack([torque.real, torque.imag], axis=2).reshape(len(torque), -1)
         q, found = np.array(near, order="C"), np.zeros(len(torque), dtype=bool)
         with np.errstate(all="ignore"):
             self._loops.rest(self._system, self._arrays, np.ascontiguousarray(torque), wanted, q, found, self.columns.states)
         return q, found
+
+    def _by_section(self, torque: Array) -> Array:
+        """(..., S) for each section, of (..., S), or of (..., 1) for all alike."""
+        count = self._arrays.inputs.shape[1]
+        if torque.shape[-1] not in (1, count):
+            raise InputError("torque", expected=f"one for each of {count} sections, or one for all", received=torque.shape[-1])
+        return np.broadcast_to(torque, (*torque.shape[:-1], count))
 
     def loaded(self, q: Array, v: Array) -> State:
         """The state of arms at q, v (B, N) that were never bent before and settled there."""
@@ -138,10 +149,12 @@ class Engine:
     def advance(self, state: Array, impulse: Array, cell: float, weights: Array) -> int:
         """As :func:`hsr_pin.simulation.march.advance`: angles, rates and memories are one (2 + states, B, N).
 
-        In space (2 + states, B, 3 N), memories as vectors; the impulse (B, C + 1) is then complex.
+        In space (2 + states, B, 3 N), memories as vectors; the impulse (B, C + 1), or (B, C + 1, S), is then complex.
         """
         if self._space:
-            z, torque = np.array(self.columns.bends(state[2:]), order="C"), np.stack([impulse.real, impulse.imag], axis=2)
+            given = self._by_section(impulse if impulse.ndim == 3 else impulse[..., None])
+            torque = np.stack([given.real, given.imag], axis=3).reshape(*given.shape[:2], -1)
+            z = np.array(self.columns.bends(state[2:]), order="C")
             with np.errstate(all="ignore"):
                 gone = self._loops.advance(self._system, state[0], state[1], z, torque, cell, weights, self._limit)
             state[2:] = self.columns.rows(z)

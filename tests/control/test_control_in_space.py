@@ -13,7 +13,6 @@ from hsr_pin.control.reference import reference_from_torque, reference_through_t
 from hsr_pin.control.stepping import ArmSimulator
 from hsr_pin.effects import parse_effect
 from hsr_pin.errors import InputError, SpecificationError
-from hsr_pin.robot.sections import Section
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose
 from hsr_pin.trajectory import Marker
@@ -133,8 +132,3 @@ def test_what_is_not_there_in_space_is_said_so():
         Observer(dynamics, (Marker("tip", 0.24),), 0.01)
     with pytest.raises(InputError, match="six or more"):
         reference_from_torque(dynamics, np.arange(8.0), np.zeros(8))
-    two = ArmSpecification.in_sections([Section(0.1, 0.1, 2.0, 0.05), Section(0.1, 0.1, 2.0, 0.05)])
-    with pytest.raises(InputError, match="one torque for the whole arm"):
-        ArmDynamics(two)
-    with pytest.raises(InputError, match="sections"):
-        ArmSimulator(two)

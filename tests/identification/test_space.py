@@ -81,9 +81,9 @@ def test_in_a_plane_space_predicts_what_the_plane_does(record, add_noise):
     wide = replace(wide, noise=flat.noise, runs=tuple(starts))
     planar, whole = (predict_with_slopes(e, model, values) for e in (flat, wide))
     for plane, space in zip(planar, whole, strict=True):
-        np.testing.assert_allclose(space.positions[..., [0, 2]], plane.positions, atol=1e-8)
-        np.testing.assert_allclose(space.positions[..., 1], 0.0, atol=1e-8)
-        np.testing.assert_allclose(space.slopes[..., [0, 2], :], plane.slopes, atol=2e-6)
+        np.testing.assert_allclose(space.positions[..., [0, 2]], plane.positions, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(space.positions[..., 1], 0.0, atol=1e-11)
+        np.testing.assert_allclose(space.slopes[..., [0, 2], :], plane.slopes, rtol=0, atol=1e-9)
     held = whole[2].nuisance  # how it was held: towards x, towards y; when it was let go
     np.testing.assert_allclose(held[..., [0, 2], :][..., [0, 2]], planar[2].nuisance, atol=2e-7)
     assert np.abs(held[:, :, 1, 1]).max() > 0.5 * np.abs(held[:, :, 0, 0]).max()

@@ -105,7 +105,7 @@ def test_a_write_that_breaks_off_leaves_what_was_there(dataset, tmp_path, monkey
     write_dataset(dataset, tmp_path / "d")
     before = tree(tmp_path)
 
-    def full_disk(trajectory, path):
+    def full_disk(trajectory, path, channels):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(write, "_write_trial", full_disk)

@@ -8,12 +8,13 @@ from scipy.integrate import quad
 
 from hsr_pin.errors import InputError, SpecificationError
 from hsr_pin.robot.chain import Arms, chain_of
-from hsr_pin.robot.sections import Section, along_sections, bodies_of, inputs
+from hsr_pin.robot.sections import along_sections, bodies_of, inputs
 from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths
 from hsr_pin.robot.urdf import arm_to_urdf
 from hsr_pin.simulation.load import Load
 from hsr_pin.simulation.scenario import Scenario, Settled, step_scenario
 from hsr_pin.simulation.simulate import simulate
+from hsr_pin.trajectory import Section
 
 UNEQUAL = (Section(0.10, 0.08, 3.0, 0.2), Section(0.07, 0.03, 1.5, 0.05), Section(0.05, 0.01, 1.0, 0.0))
 
