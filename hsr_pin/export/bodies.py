@@ -226,7 +226,7 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
         x, y, z = (axes @ back).T
         rpy = math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
         return rpy, axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
-    turn = sum(turned).real
+    turn = sum(turned, 0j).real
     sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints turn about -y of the world
     return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
 

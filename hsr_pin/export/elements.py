@@ -151,7 +151,9 @@ def _unequal_stiffness(effect: Any, model: CorrectedModel, major: int) -> Elemen
         Strand(f"stiffer_{i + 1}", i + 1, float(2 * abs(more) * k), pulls=(float(way.real), float(way.imag)))
         for i, k in enumerate(springs)
     )
-    return Elements(strands, soft=1 - abs(more), stiffest=2 * abs(more) * springs, remark="further springs towards the stiffest side")
+    return Elements(
+        strands, soft=1 - abs(more), stiffest=2 * abs(more) * springs, remark="further springs towards the stiffest side"
+    )
 
 
 _MAKERS: dict[str, Callable[[Any, CorrectedModel, int], Elements | None]] = {

@@ -72,7 +72,13 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             helpers([getattr(type(effect), hook) for hook in ("moment", "update", "respond")])
         except EffectError as error:
             missing.append(f"{effect.name}: {error}")
-    lost = {line.partition(":")[0] for line in missing} - {"dead_time", "marker_offset", "markers_beside", "gravity_tilt", "base_tilt"}
+    lost = {line.partition(":")[0] for line in missing} - {
+        "dead_time",
+        "marker_offset",
+        "markers_beside",
+        "gravity_tilt",
+        "base_tilt",
+    }
     return Parts(
         elements,
         tuple(effect for effect in called if effect.name not in lost),

@@ -84,7 +84,9 @@ def test_rounds_and_releases_are_those_of_hsr_pin(effect, tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("arm", [{"torsion": np.inf, "mount": "upright", "links": 16}, {"mount": "horizontal", "keq": 2.33, "damping": 0.1}])
+@pytest.mark.parametrize(
+    "arm", [{"torsion": np.inf, "mount": "upright", "links": 16}, {"mount": "horizontal", "keq": 2.33, "damping": 0.1}]
+)
 @pytest.mark.parametrize("effect", ["", *NATIVE, *BY_LAW])
 def test_so_they_are_of_other_arms(effect, arm, tmp_path):
     gaps = worst_gap(model(*filter(None, [effect]), **arm), tmp_path, names=("round", "step", "release", "release of a couple"))
@@ -162,7 +164,9 @@ def test_an_arm_that_hardly_resists_twisting_is_stable_at_the_step_that_is_writt
 def test_what_has_an_element_needs_no_module(effect):
     exported = to_mjcf(model(*filter(None, [effect])))
     name = effect.partition(":")[0]
-    assert {line.partition(":")[0] for line in (exported.by_module if effect in BY_LAW else exported.held)} == set(filter(None, [name]))
+    assert {line.partition(":")[0] for line in (exported.by_module if effect in BY_LAW else exported.held)} == set(
+        filter(None, [name])
+    )
     assert bool(exported.module) == (effect in BY_LAW)
     assert [line.partition(":")[0] for line in exported.missing] == ["joints"]
     for line in exported.missing:

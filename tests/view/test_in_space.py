@@ -88,7 +88,13 @@ def test_the_page_shows_it_and_follows_its_sliders(session):
             tab.open(page.address)
             tab.wait_for("document.body.innerText.includes('as declared; all trials')")
             text = tab.evaluate("document.body.innerText")
-            for words in ("unequal_stiffness", "weak_chamber", "markers_beside", "towards x of the base", "towards y of the base"):
+            for words in (
+                "unequal_stiffness",
+                "weak_chamber",
+                "markers_beside",
+                "towards x of the base",
+                "towards y of the base",
+            ):
                 assert words in text
             assert "restraint" not in text
             assert tab.evaluate("document.querySelectorAll('.uplot canvas').length") == 3
