@@ -115,7 +115,9 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         return self.task.observations(self._at), self._facts(mask)
 
     def step(self, actions: Array) -> tuple[Array, Array, _Flags, _Flags, dict[str, Any]]:
-        """Hold torques (num_envs, 1), in space (num_envs, 2), as shares of ``largest_torque``, for ``dt``; reset the arms whose episodes have ended.
+        """Hold torques (num_envs, 1), as shares of ``largest_torque``, for ``dt``; reset the arms whose episodes have ended.
+
+        In space the torques are (num_envs, 2).
 
         Raises:
             InputError: actions of another shape, not numbers, or out of range; or no reset came before.

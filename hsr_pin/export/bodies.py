@@ -34,7 +34,7 @@ class Hinge:
     Attributes:
         name: ``joint_1``, in space ``joint_1_x``, ``joint_1_y`` and ``joint_1_twist``.
         way: 0: towards x; 1: towards y; 2: twist.
-        parent, child: what it joins; between the hinges of one joint are links that hardly weigh anything, for those who need them.
+        parent, child: what it joins; between the hinges of one joint are links that hardly weigh anything.
         start: [m] of the hinge along the parent.
         spring, damper: [Nm/rad], [Nm s/rad].
         slight: the child is one of those.

@@ -16,6 +16,7 @@ from hsr_pin.export.file import Exported
 from hsr_pin.export.law_text import helpers, law_text
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import LINEAR, Parts, sort
+from hsr_pin.export.plain import bodies_are
 from hsr_pin.export.templating import render
 from hsr_pin.export.timestep import timestep
 from hsr_pin.trajectory import Array
@@ -175,7 +176,6 @@ def _said(model: CorrectedModel, parts: Parts, laws: str) -> tuple[tuple[str, ..
         "stiffness": "springs that differ along the arm",
         "damping": "dampers that differ along the arm",
         "actuation": "coefficients of the tendon that carries the torque",
-        "arm": "bodies and mount",
         "observe": "sites of the markers",
     }
     for effect in model.effects:
@@ -187,7 +187,8 @@ def _said(model: CorrectedModel, parts: Parts, laws: str) -> tuple[tuple[str, ..
             turned = effect.name == "turned_actuation"
             held.append(f"{effect.name}: {ways['actuation'] if turned else _ACTUATOR}")
         else:
-            held += [f"{effect.name}: {text}" for hook, text in ways.items() if effect.acts_through(hook)]
+            own = ways | {"arm": bodies_are(effect)}
+            held += [f"{effect.name}: {text}" for hook, text in own.items() if effect.acts_through(hook)]
     if model.torque_gain != 1.0:
         held.append(f"torque_gain {model.torque_gain:g}: gain of the actuator")
     return tuple(held), tuple(called)

@@ -30,10 +30,16 @@ def held(model: CorrectedModel) -> tuple[str, ...]:
     """What the file expresses of the effects."""
     lines = []
     for effect in model.effects:
-        lines += [f"{effect.name}: {text}" for hook, text in _WAYS.items() if effect.acts_through(hook)]
+        ways = _WAYS | {"arm": bodies_are(effect)}
+        lines += [f"{effect.name}: {text}" for hook, text in ways.items() if effect.acts_through(hook)]
         if effect.name == "dry_friction":
             lines.append(f"dry_friction: friction of {friction(model):g} N m at each joint, without its give before it slides")
     return tuple(lines)
+
+
+def bodies_are(effect: Effect) -> str:
+    """What becomes of an effect that changes the arm itself."""
+    return "a third hinge at every joint" if effect.name == "torsion_compliance" else _WAYS["arm"]
 
 
 def unseen(model: CorrectedModel) -> tuple[str, ...]:

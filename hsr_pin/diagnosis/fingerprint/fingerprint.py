@@ -1,7 +1,7 @@
 """The fingerprint of an arm: everything that its recordings show before any model is asked.
 
-Of an arm in space it is that of the trials which stay on one line (:mod:`~hsr_pin.diagnosis.fingerprint.lines`), and how its swings
-differ by the side.
+Of an arm in space it is that of the trials which stay on one line (:mod:`~hsr_pin.diagnosis.fingerprint.lines`), and how its
+swings differ by the side.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Recordings of an arm in space as recordings in a plane, where they are that: trials that stay on one line through the arm's axis.
+"""Recordings of an arm in space as recordings in a plane, where they are that: trials that stay on one line.
 
 A law about two axes is along one line what it is in a plane: times, loops and decays mean there what they mean in a plane. Off
 such a line they mean nothing by themselves (a swing that goes round is no decay, a command that turns leaves loops without any
