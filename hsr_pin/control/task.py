@@ -219,7 +219,7 @@ class Reach(TipTask):
     def _drawn(self, random: np.random.Generator) -> Array:
         """(1,) share of the largest torque; in space to any side, evenly over the disc."""
         if not self.space:
-            return random.uniform(-0.9, 0.9, 1)
+            return np.asarray(random.uniform(-0.9, 0.9, 1))
         size, side = 0.9 * np.sqrt(random.uniform()), random.uniform(-np.pi, np.pi)
         return np.array([size * np.exp(1j * side)])
 

@@ -54,8 +54,9 @@ def read_result(
         links=declared.get("links", LINKS),
         placement=declared.get("placement", "mid"),
         mount=declared["mount"],
+        bending="space" if declared.get("bending") == "space" else "plane",
+        torsion=_torsion(declared, path),
         sections=(),
-        **_of_space(declared, path),
         **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
         **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
     )
@@ -100,6 +101,10 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
         found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount", "bending", "torsion")}
         return {**found, "levels": rows, "markers": markers, **chain}
     arm = document.get("arm")
+    if isinstance(arm, dict) and arm.get("bending", "plane") not in ("plane", "space"):
+        raise InputError("arm.bending", expected="plane or space", received=repr(arm["bending"]), file=path)
+    if isinstance(arm, dict) and arm.get("sections"):
+        raise InputError("arm.sections", expected="none in a result that is exported", received="some", file=path)
     needed = ("length", "mass", "diameter", "mount", "levels", "markers")
     if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
         hint = "give the recordings too: --dataset DIR"
@@ -107,13 +112,10 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     return arm
 
 
-def _of_space(declared: dict[str, Any], path: str | Path) -> dict[str, Any]:
-    """How the arm bends; a torsion of null is infinite."""
-    bending = declared.get("bending", "plane")
-    if bending != "space":
-        return {"bending": bending}
+def _torsion(declared: dict[str, Any], path: str | Path) -> float:
+    """[Nm/rad]; one that is not told, or null, is infinite."""
     stiff = declared.get("torsion") in (None, math.inf)
-    return {"bending": bending, "torsion": math.inf if stiff else _number(declared, "torsion", path)}
+    return math.inf if stiff else _number(declared, "torsion", path)
 
 
 def _marker(told: dict[str, Any]) -> Marker:

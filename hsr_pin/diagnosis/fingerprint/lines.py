@@ -64,8 +64,8 @@ def lines(experiment: Experiment) -> Lines:
             swinging.append(_flat(run, bends, reach, side, kept))
             sides.append(side)
     made = replace(experiment, dataset=dataset, markers=markers, noise=noise)
-    parts = (replace(made, runs=tuple(runs)) for runs in (driven, swinging))
-    return Lines(*parts, tuple(sides), len(experiment.runs))
+    on_lines = replace(made, runs=tuple(driven)), replace(made, runs=tuple(swinging))
+    return Lines(*on_lines, tuple(sides), len(experiment.runs))
 
 
 def _bent(run: Run, axes: Array, kept: list[int]) -> tuple[Array, Array]:
