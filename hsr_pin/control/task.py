@@ -242,7 +242,7 @@ class Follow(TipTask):
         """(steps + 1,) shares of the largest torque, of a size of 1 at most."""
         if not self.space:
             return self._wave(random)
-        return (self._wave(random) + 1j * self._wave(random)) / np.sqrt(2)
+        return np.asarray((self._wave(random) + 1j * self._wave(random)) / np.sqrt(2))
 
     def _wave(self, random: np.random.Generator) -> Array:
         time = np.arange(self.steps + 1)[:, None] * self.dt

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from hsr_pin.effects.catalogue import effect_named
 from hsr_pin.effects.effect import Effect
@@ -95,6 +95,8 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
+        if getattr(read, "sections", ()):
+            _refuse_sections(path)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
         markers = [{field.name: getattr(marker, field.name) for field in fields(marker)} for marker in read.markers]
         chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
@@ -104,12 +106,17 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     if isinstance(arm, dict) and arm.get("bending", "plane") not in ("plane", "space"):
         raise InputError("arm.bending", expected="plane or space", received=repr(arm["bending"]), file=path)
     if isinstance(arm, dict) and arm.get("sections"):
-        raise InputError("arm.sections", expected="none in a result that is exported", received="some", file=path)
+        _refuse_sections(path)
     needed = ("length", "mass", "diameter", "mount", "levels", "markers")
     if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
         hint = "give the recordings too: --dataset DIR"
         raise InputError("arm", expected=f"a section with {', '.join(needed)}", received="none", hint=hint, file=path)
     return arm
+
+
+def _refuse_sections(path: str | Path) -> NoReturn:
+    hint = "CorrectedModel(ArmSpecification.in_sections(...)) can be exported from Python"
+    raise InputError("sections", expected="none in a result that is exported", received="some", hint=hint, file=path)
 
 
 def _torsion(declared: dict[str, Any], path: str | Path) -> float:

@@ -53,7 +53,8 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             if native is not None:
                 elements[effect.name] = native
             elif np.max(effect.tangent(np.full(1, model.arm.keq), np.full(1, model.arm.length))[1]) > 0:
-                missing.append(f"{effect.name}: a damper of MuJoCo {major} cannot do it, and without one no step is short enough")
+                why = f"a damper of MuJoCo {major} cannot do it, and without one no step is short enough"
+                missing.append(f"{effect.name}: {why} ({numbers(effect)})")
             else:
                 called.append(effect)
         elif effect.acts_through("touch"):

@@ -92,7 +92,7 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
 
 def _springs(model: CorrectedModel, bodies: Bodies) -> list[str]:
     values = _row([link.spring for link in bodies.links])
-    axes = ", towards x and towards y alike," if model.columns.space else ""
+    axes = " towards x and towards y alike," if model.columns.space else ""
     lines = [f"springs: a torque of -k times the angle at each joint,{axes} from base to tip k [Nm/rad] = {values}"]
     if twist := [hinge.spring for hinge in bodies.hinges if hinge.way == 2]:
         lines.append(f"springs against twisting: likewise, k [Nm/rad] = {_row(twist)}")

@@ -189,5 +189,9 @@ def test_an_arm_in_space_keeps_its_torsion_and_its_markers_beside(written):
     assert (model.arm.bending, model.arm.torsion) == ("space", 0.7)
     assert [(m.name, m.radius, m.angle) for m in model.markers] == [("side", 0.03, 1.0), ("tip", 0.0, 0.0)]
     assert read_result(written({**document, "arm": arm | {"torsion": None}}), keq=1.11).arm.torsion == float("inf")
+    with pytest.raises(InputError, match=r"sections: expected none in a result that is exported"):
+        read_result(written({**document, "arm": arm | {"sections": [{"length": 0.1}]}}), keq=1.11)
+    with pytest.raises(InputError, match=r"arm.bending: expected plane or space, got 'sideways'"):
+        read_result(written({**document, "arm": arm | {"bending": "sideways"}}), keq=1.11)
     with pytest.raises(InputError, match=r"arm.torsion: expected a number"):
         read_result(written({**document, "arm": arm | {"torsion": "much"}}), keq=1.11)
