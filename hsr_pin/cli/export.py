@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _EPILOG = "Example: hsr-diagnose recordings --json found.json, then hsr-export --from found.json --to mjcf -o arm.xml"
 #: What a result tells of the arm, and must not be told otherwise.
-_TOLD = ("damping", "length", "mass", "diameter")
+_TOLD = ("damping", "length", "mass", "diameter", "bending", "torsion")
 
 
 @click.command(name="hsr-export", epilog=_EPILOG, context_settings={"max_content_width": 100})
@@ -81,11 +81,11 @@ def _model(options: dict[str, Any]) -> CorrectedModel:
         hint = "the result tells the rest"
         raise InputError(
             "--from",
-            expected="only --keq, --links, --placement, --mount, --tilt, --tip-mass with it",
+            expected="only --keq, --links, --placement, --mount, --tilt, --cross-tilt, --tip-mass with it",
             received=f"--{told[0]}",
             hint=hint,
         )
-    arm = arm_from(given)  # checks what was typed
+    arm = arm_from(given | ({"bending": "space"} if "cross_tilt" in given else {}))  # checks what was typed
     changes = {name: getattr(arm, name) for name in given if name != "keq"}
     keq = arm.keq if "keq" in given else None
     return read_result(options["result"], keq=keq, dataset=options["dataset"], changes=changes)

@@ -20,6 +20,19 @@ observation 8, 9        m            target x and z ``AHEAD`` seconds later (rea
 reward                  1            minus the tip's distance from the target over the arm's length, in every step
 ======================  ===========  =========================================================================================
 
+An arm in space (``ArmSpecification(bending="space")``) takes an action (2,), towards x and towards y of its base, and every place
+has a y too:
+
+======================  ===========  =========================================================================================
+action (2,)             1            torques on every joint over ``largest_torque``, each from -1 to 1
+observation 0 to 2      m            tip x, y and z, in the world frame
+observation 3 to 5      m/s          their rates, cut at +-``FASTEST``
+observation 6, 7        rad          bending of the whole arm towards x and towards y
+observation 8, 9        rad/s        its rates, cut at +-``FASTEST_BENDING``
+observation 10 to 12    m            target x, y and z now
+observation 13 to 15    m            target x, y and z ``AHEAD`` seconds later (reach: the same)
+======================  ===========  =========================================================================================
+
 Markers are seen with what the effects make of them, without noise. An episode is cut off after ``duration`` seconds. It ends
 sooner where the arm leaves its bending limit, at the price of the worst reward, -2, for every step that was left.
 """
@@ -75,7 +88,7 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         self.task = self.kind(
             [self.arm], [effects], largest_torque=largest_torque, dt=dt, duration=duration, integrator=integrator
         )
-        self.action_space = spaces.Box(-1.0, 1.0, (1,), np.float64)
+        self.action_space = spaces.Box(-1.0, 1.0, (self.task.inputs,), np.float64)
         self.observation_space = spaces.Box(-self.task.highest[0], self.task.highest[0], dtype=np.float64)
         self._at: Episodes | None = None
 
@@ -89,7 +102,8 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
 
         Args:
             seed: of the targets.
-            options: "torque" [N m] to settle under; "target" (2,) [m] x and z to reach, or "path" (steps + 1, 2) [m] to follow.
+            options: "torque" [N m] to settle under; "target" (2,) [m] x and z to reach, or "path" (steps + 1, 2) [m] to follow;
+                in space "torque" (2,), "target" (3,) and "path" (steps + 1, 3).
 
         Raises:
             InputError: an unknown option, or a value that cannot be used.
@@ -104,17 +118,18 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         return self.task.observations(self._at)[0], self._facts(self._at)
 
     def step(self, action: Any) -> tuple[_Observation, float, bool, bool, dict[str, Any]]:
-        """Hold a torque (1,), as a share of ``largest_torque``, for ``dt``.
+        """Hold a torque (1,), in space (2,), as a share of ``largest_torque``, for ``dt``.
 
         Raises:
             InputError: an action of another shape, not a number, or out of range; or no reset came before.
         """
         if self._at is None:
             raise InputError("step", expected="a reset before the first", received="none")
-        share = np.asarray(action, dtype=float)
-        if share.shape != (1,) or not abs(share[0]) <= 1:
-            raise InputError("action", expected="one number from -1 to 1, shape (1,)", received=share)
-        done = self.task.step(self._at, share)
+        share, inputs = np.asarray(action, dtype=float), self.task.inputs
+        if share.shape != (inputs,) or not np.all(np.abs(share) <= 1):
+            many = "one number" if inputs == 1 else "two numbers"
+            raise InputError("action", expected=f"{many} from -1 to 1, shape ({inputs},)", received=share)
+        done = self.task.step(self._at, self.task.shares(share[None]))
         self._at = done.episodes
         facts = self._facts(self._at) | ({"failure": done.failures[0]} if done.failures else {})
         seen = self.task.observations(self._at)[0]

@@ -18,8 +18,10 @@ from hsr_pin.control.fleet import ArmFleet, FleetState, failed
 from hsr_pin.control.reach import rest_at_tip, static_poses
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
-from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.specification import ArmSpecification, in_plane
+from hsr_pin.robot.chain import Arms
+from hsr_pin.robot.kinematics import MarkerMap, marker_map
+from hsr_pin.robot.space_kinematics import SpaceMarkerMap, space_marker_map
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
@@ -36,8 +38,8 @@ class Episodes:
     Attributes:
         fleet: their state.
         count: (B,) steps since the last reset.
-        targets: (B, steps + 1, 2) [m] x and z of the target at every step.
-        tips: (B, 2) [m] x and z of the tips, as they are seen.
+        targets: (B, steps + 1, D) [m] of the target at every step: x and z, in space x, y and z.
+        tips: (B, D) [m] of the tips, as they are seen.
     """
 
     fleet: FleetState
@@ -47,7 +49,7 @@ class Episodes:
 
     @property
     def target(self) -> Array:
-        """(B, 2) [m] now."""
+        """(B, D) [m] now."""
         return self.targets[np.arange(len(self.count)), self.count]
 
     @property
@@ -96,8 +98,11 @@ class TipTask(ABC):
         duration: float,
         integrator: str,
     ) -> None:
-        self.fleet = ArmFleet([in_plane(arm, "an environment") for arm in arms], effects, integrator=integrator)
-        self.arms = self.fleet.columns.nominal
+        if (parts := max((len(arm.sections) for arm in arms), default=0)) > 1:
+            raise InputError("sections", expected="none of the arm of an environment, which has one torque", received=parts)
+        self.fleet = ArmFleet(arms, effects, integrator=integrator)
+        self.arms, self.space = self.fleet.columns.nominal, self.fleet.columns.space
+        self._axes = [0, 1, 2] if self.space else [0, 2]
         self.largest_torque = np.broadcast_to(self.arms.keq if largest_torque is None else largest_torque, len(arms)).astype(
             float
         )
@@ -109,37 +114,57 @@ class TipTask(ABC):
             )
         self.dt, self.steps = dt, round(duration / dt)
         self._nominal = Columns(self.arms, ())
-        self._tips = marker_map(self.fleet.columns.arms, self.arms.length[:, None])
-        place, one = np.tile(1.5 * self.arms.length[:, None], 2), np.ones((len(arms), 1))
-        rates = FASTEST * one, FASTEST * one, self.arms.bending_limit[:, None], FASTEST_BENDING * one
-        self.highest = np.hstack([place, *rates, place, place])
+        self._tips = self._map(self.fleet.columns.arms)
+        one, inputs = np.ones((len(arms), 1)), self.inputs
+        place = np.tile(1.5 * self.arms.length[:, None], len(self._axes))
+        bending = np.tile(self.arms.bending_limit[:, None], inputs), np.tile(FASTEST_BENDING * one, inputs)
+        self.highest = np.hstack([place, np.tile(FASTEST * one, len(self._axes)), *bending, place, place])
 
     def __len__(self) -> int:
         return len(self.arms)
 
+    @property
+    def inputs(self) -> int:
+        """Torques of an arm: one, in space two, towards x and towards y of the base."""
+        return 2 if self.space else 1
+
+    def _map(self, arms: Arms) -> MarkerMap | SpaceMarkerMap:
+        """Of the tips, without what the effects make of markers."""
+        return space_marker_map(arms, arms.length[:, None]) if self.space else marker_map(arms, arms.length[:, None])
+
+    def shares(self, actions: Array) -> Array:
+        """(B,) of actions (B, inputs): in space complex."""
+        return np.asarray(actions[:, 0] + 1j * actions[:, 1] if self.space else actions[:, 0])
+
     @abstractmethod
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """(K, steps + 1, 2) [m] x and z of the targets of K arms, each drawn with its own generator, or as ``options`` say.
+        """(K, steps + 1, D) [m] of the targets of K arms, each drawn with its own generator, or as ``options`` say.
 
         The options that are used are taken out.
         """
 
-    def settled(self, torque: float) -> FleetState:
-        """All arms at rest under a torque [N m].
+    def settled(self, torque: ArrayLike) -> FleetState:
+        """All arms at rest under a torque [N m], in space (2,) or 0.
 
         Raises:
             InputError: one that an action could not give, or under which an arm cannot rest within its bending limit.
         """
-        bound = float(self.largest_torque.min())
-        if not -bound <= torque <= bound:
-            raise InputError("torque", expected=f"{-bound:.4g} to {bound:.4g} N m", received=torque)
-        state, found = self.fleet.settled(np.full(len(self), float(torque)))
-        if not np.all(found & (np.abs(state.chain[0].sum(axis=1)) <= self.fleet.limit)):
+        bound, parts = float(self.largest_torque.min()), np.atleast_1d(np.asarray(torque, dtype=float))
+        parts = np.zeros(self.inputs) if not parts.any() else parts
+        if parts.shape != (self.inputs,) or not np.all(np.abs(parts) <= bound):
+            each = " towards x and towards y" if self.space else ""
+            raise InputError("torque", expected=f"{-bound:.4g} to {bound:.4g} N m{each}", received=torque)
+        state, found = self.fleet.settled(np.repeat(self.shares(parts[None]), len(self)))
+        if not np.all(found & (np.abs(self._bent(state.chain[0])) <= self.fleet.limit)):
             raise InputError("torque", expected="one that the arm can rest under", received=torque)
         return state
 
+    def _bent(self, rows: Array) -> Array:
+        """(B,) [rad] bending of whole arms, in space complex, of joint angles (or rates)."""
+        return np.asarray(self.fleet.columns.bends(rows).sum(axis=1))
+
     def step(self, episodes: Episodes, shares: Array) -> Stepped:
-        """Hold torques (B,), as shares of ``largest_torque``, for ``dt``."""
+        """Hold torques (B,), in space complex, as shares of ``largest_torque``, for ``dt``."""
         count = np.minimum(episodes.count + 1, self.steps)
         state, _ = self.fleet.advance(episodes.fleet, shares * self.largest_torque, self.dt)
         lost = self.fleet.lost(state)
@@ -154,56 +179,70 @@ class TipTask(ABC):
 
     def episodes(self, fleet: FleetState, count: NDArray[np.int64], targets: Array) -> Episodes:
         """Where the arms are, in some state."""
-        return Episodes(fleet, count, targets, self.fleet.observe(fleet)[:, -1, [0, 2]])
+        return Episodes(fleet, count, targets, self.fleet.observe(fleet)[:, -1, self._axes])
 
     def observations(self, episodes: Episodes) -> Array:
-        """(B, 10) what is seen."""
+        """(B, 10), in space (B, 16), what is seen."""
         q, v = episodes.fleet.chain[:2]
-        rates = self._tips.velocities(q, v)[:, 0, [0, 2]]
-        bending = np.column_stack([q.sum(axis=1), v.sum(axis=1)])
+        rates = self._tips.velocities(q, v)[:, 0, self._axes]
+        bends = [self._bent(rows) for rows in (q, v)]
+        bending = np.column_stack([part for bend in bends for part in ((bend.real, bend.imag) if self.space else (bend,))])
         ahead = np.minimum(episodes.count + round(AHEAD / self.dt), self.steps)
         later = episodes.targets[np.arange(len(self)), ahead]
         seen = np.hstack([episodes.tips, rates, bending, episodes.target, later])
         return np.asarray(np.clip(seen, -self.highest, self.highest))
 
     def rest_tips(self, members: NDArray[np.intp], shares: Array) -> Array:
-        """(K, T, 2) [m] where the tips of K arms rest under torques, as shares (K, T) of ``largest_torque``."""
+        """(K, T, D) [m] where the tips of K arms rest under torques, as shares (K, T) of ``largest_torque``."""
         arms = self._nominal.members(members)
         poses = static_poses(arms, (shares * self.largest_torque[members, None]).T)
-        tips = marker_map(arms.arms, arms.arms.length[:, None]).positions(poses)
-        return np.asarray(tips[:, :, 0, [0, 2]].swapaxes(0, 1))
+        tips = self._map(arms.arms).positions(poses)
+        return np.asarray(tips[:, :, 0, self._axes].swapaxes(0, 1))
 
 
 class Reach(TipTask):
     """Bring the tip to a place where it can rest, and hold it there."""
 
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """One each: ``options["target"]`` (2,) [m], or the nearest place to it where the tip can rest."""
+        """One each: the place where the tip can rest nearest to ``options["target"]`` (D,) [m], or a drawn one."""
         if "target" in options:
             point = options.pop("target")
             targets = np.array([self._nearest(int(b), point) for b in members])[:, None]
         else:
-            targets = self.rest_tips(members, np.array([own.uniform(-0.9, 0.9, 1) for own in random]))
+            targets = self.rest_tips(members, np.array([self._drawn(own) for own in random]))
         return np.repeat(targets, self.steps + 1, axis=1)
 
     def _nearest(self, member: int, point: ArrayLike) -> Array:
         bound = self.largest_torque[member]
-        return rest_at_tip(ArmDynamics(self.arms.specification(member)), point, (-bound, bound)).tip[[0, 2]]
+        return rest_at_tip(ArmDynamics(self.arms.specification(member)), point, (-bound, bound)).tip[self._axes]
+
+    def _drawn(self, random: np.random.Generator) -> Array:
+        """(1,) share of the largest torque; in space to any side, evenly over the disc."""
+        if not self.space:
+            return np.asarray(random.uniform(-0.9, 0.9, 1))
+        size, side = 0.9 * np.sqrt(random.uniform()), random.uniform(-np.pi, np.pi)
+        return np.array([size * np.exp(1j * side)])
 
 
 class Follow(TipTask):
     """Follow a target that wanders along the places where the tip can rest: three sines of up to 1 Hz, from rest."""
 
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """``options["path"]`` (steps + 1, 2) [m] as it is, or drawn ones."""
+        """``options["path"]`` (steps + 1, D) [m] as it is, or drawn ones."""
         if "path" in options:
             path = np.asarray(options.pop("path"), dtype=float)
-            if path.shape != (self.steps + 1, 2) or not np.isfinite(path).all():
-                raise InputError(
-                    "path", expected=f"finite x and z [m], shape ({self.steps + 1}, 2)", received=f"shape {path.shape}"
-                )
+            shape = (self.steps + 1, len(self._axes))
+            if path.shape != shape or not np.isfinite(path).all():
+                named = "x, y and z" if self.space else "x and z"
+                raise InputError("path", expected=f"finite {named} [m], shape {shape}", received=f"shape {path.shape}")
             return np.tile(path, (len(members), 1, 1))
-        return self.rest_tips(members, 0.9 * np.array([self._wave(own) for own in random]))
+        return self.rest_tips(members, 0.9 * np.array([self._drawn(own) for own in random]))
+
+    def _drawn(self, random: np.random.Generator) -> Array:
+        """(steps + 1,) shares of the largest torque, of a size of 1 at most."""
+        if not self.space:
+            return self._wave(random)
+        return np.asarray((self._wave(random) + 1j * self._wave(random)) / np.sqrt(2))
 
     def _wave(self, random: np.random.Generator) -> Array:
         time = np.arange(self.steps + 1)[:, None] * self.dt

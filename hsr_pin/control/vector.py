@@ -43,7 +43,7 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
 
     Args:
         num_envs: how many arms.
-        arm: the same for all, or one for each with the same links, placement and mount.
+        arm: the same for all, or one for each with the same links, placement, mount and bending.
         effects: the same for all, or a sequence for each with the same types and options.
         largest_torque: what an action of 1 gives [N m], for all or for each; default: what bends an arm by one radian.
         dt: [s] that an action is held.
@@ -76,13 +76,13 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         self.num_envs = num_envs
         self.task = self.kind(arms, own, largest_torque=largest_torque, dt=dt, duration=duration, integrator=integrator)
         highest = self.task.highest
-        self.single_action_space = spaces.Box(-1.0, 1.0, (1,), np.float64)
-        self.action_space = spaces.Box(-1.0, 1.0, (num_envs, 1), np.float64)
+        self.single_action_space = spaces.Box(-1.0, 1.0, (self.task.inputs,), np.float64)
+        self.action_space = spaces.Box(-1.0, 1.0, (num_envs, self.task.inputs), np.float64)
         self.single_observation_space = spaces.Box(-highest[0], highest[0], dtype=np.float64)
         self.observation_space = spaces.Box(-highest, highest, dtype=np.float64)
         self._random: list[np.random.Generator | None] = [None] * num_envs
         self._ended, self._hanging = np.zeros(num_envs, dtype=bool), self.task.settled(0.0)
-        targets = np.zeros((num_envs, self.task.steps + 1, 2))
+        targets = np.zeros((num_envs, self.task.steps + 1, 3 if self.task.space else 2))
         self._at, self._begun = self.task.episodes(self._hanging, np.zeros(num_envs, dtype=int), targets), False
 
     def reset(
@@ -110,12 +110,14 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         for i in np.flatnonzero(mask).tolist():
             if seeds[i] is not None:
                 self._random[i] = seeding.np_random(seeds[i])[0]
-        self._at = self._renewed(mask, self._hanging if torque == 0 else self.task.settled(torque), chosen)
+        self._at = self._renewed(mask, self._hanging if not np.any(torque) else self.task.settled(torque), chosen)
         self._ended, self._begun = self._ended & ~mask, True
         return self.task.observations(self._at), self._facts(mask)
 
     def step(self, actions: Array) -> tuple[Array, Array, _Flags, _Flags, dict[str, Any]]:
         """Hold torques (num_envs, 1), as shares of ``largest_torque``, for ``dt``; reset the arms whose episodes have ended.
+
+        In space the torques are (num_envs, 2).
 
         Raises:
             InputError: actions of another shape, not numbers, or out of range; or no reset came before.
@@ -123,10 +125,10 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         if not self._begun:
             raise InputError("step", expected="a reset before the first", received="none")
         again, shares = self._ended, np.asarray(actions, dtype=float)
-        if shares.shape != (self.num_envs, 1) or not np.all((np.abs(shares[:, 0]) <= 1) | again):
-            expected = f"numbers from -1 to 1, shape ({self.num_envs}, 1)"
+        if shares.shape != self.action_space.shape or not np.all((np.abs(shares) <= 1).all(axis=1) | again):
+            expected = f"numbers from -1 to 1, shape {self.action_space.shape}"
             raise InputError("actions", expected=expected, received=f"shape {shares.shape}, {shares.ravel()}")
-        done = self.task.step(self._at, np.where(again, 0.0, shares[:, 0]))
+        done = self.task.step(self._at, np.where(again, 0.0, self.task.shares(shares)))
         self._at = done.episodes
         if again.any():
             self._at = self._renewed(again, self._hanging, {})

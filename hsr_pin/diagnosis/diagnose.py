@@ -119,9 +119,8 @@ def diagnose(
     ready(kinds, space=space)
     if executor is not None:
         beforehand(executor, ready, kinds, space)
-    if space:
-        experiment = _noted(experiment, "the fingerprint of recordings is of arms in a plane: there is none in space")
-    prints, own = None if space else fingerprint(experiment), repeats(experiment)
+    prints, own = fingerprint(experiment), repeats(experiment)
+    experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
     thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.floor if own else None)
     hypothesis = Hypothesis(links=links)
     paper = replace(hypothesis, links=declared_links, placement="base")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from hsr_pin.effects.catalogue import effect_named
 from hsr_pin.effects.effect import Effect
@@ -54,7 +54,8 @@ def read_result(
         links=declared.get("links", LINKS),
         placement=declared.get("placement", "mid"),
         mount=declared["mount"],
-        bending="plane",
+        bending="space" if declared.get("bending") == "space" else "plane",
+        torsion=_torsion(declared, path),
         sections=(),
         **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
         **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
@@ -65,8 +66,8 @@ def read_result(
         replace(arm, **{**scaled, **(changes or {})}),
         effects,
         _factor(values, "torque_gain", arm.keq, path),
-        tuple(Marker(str(marker["name"]), float(marker["arc_length"])) for marker in declared["markers"]),
-        origin=(*origin, told),
+        tuple(_marker(marker) for marker in declared["markers"]),
+        origin=(*origin, told) if arm.bending == "plane" else origin,
     )
 
 
@@ -94,21 +95,38 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
-        if read.bending != "plane":
-            raise InputError("bending", expected="plane for an export", received=read.bending, file=path)
+        if getattr(read, "sections", ()):
+            _refuse_sections(path)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
-        markers = [{"name": marker.name, "arc_length": marker.arc_length} for marker in read.markers]
+        markers = [{field.name: getattr(marker, field.name) for field in fields(marker)} for marker in read.markers]
         chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
-        found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount")}
+        found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount", "bending", "torsion")}
         return {**found, "levels": rows, "markers": markers, **chain}
     arm = document.get("arm")
-    if isinstance(arm, dict) and arm.get("bending", "plane") != "plane":
-        raise InputError("bending", expected="plane for an export", received=arm["bending"], file=path)
+    if isinstance(arm, dict) and arm.get("bending", "plane") not in ("plane", "space"):
+        raise InputError("arm.bending", expected="plane or space", received=repr(arm["bending"]), file=path)
+    if isinstance(arm, dict) and arm.get("sections"):
+        _refuse_sections(path)
     needed = ("length", "mass", "diameter", "mount", "levels", "markers")
     if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
         hint = "give the recordings too: --dataset DIR"
         raise InputError("arm", expected=f"a section with {', '.join(needed)}", received="none", hint=hint, file=path)
     return arm
+
+
+def _refuse_sections(path: str | Path) -> NoReturn:
+    hint = "CorrectedModel(ArmSpecification.in_sections(...)) can be exported from Python"
+    raise InputError("sections", expected="none in a result that is exported", received="some", hint=hint, file=path)
+
+
+def _torsion(declared: dict[str, Any], path: str | Path) -> float:
+    """[Nm/rad]; one that is not told, or null, is infinite."""
+    stiff = declared.get("torsion") in (None, math.inf)
+    return math.inf if stiff else _number(declared, "torsion", path)
+
+
+def _marker(told: dict[str, Any]) -> Marker:
+    return Marker(str(told["name"]), *(float(told.get(name, 0.0)) for name in ("arc_length", "radius", "angle")))
 
 
 def _level(rows: list[dict[str, float]], keq: float | None, path: str | Path) -> dict[str, float]:

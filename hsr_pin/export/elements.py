@@ -1,7 +1,10 @@
-"""Which MuJoCo elements stand for which effect.
+"""Which MuJoCo elements stand for which effect of an arm.
 
 MuJoCo 4 has springs and dampers with polynomials and springs that yield (ideal elasto-plasticity), and actuators that come late;
 MuJoCo 3 has none of these. Springs with a dead band hang on fixed tendons, one for each joint, in both.
+
+In space two hinges stand for a joint. What acts on each by itself is a law about two axes only where that is linear: all others
+are called.
 """
 
 from __future__ import annotations
@@ -31,6 +34,7 @@ class Strand:
         stiffness: [Nm/rad].
         dead: [rad] half of the range in which it does not act.
         yields: [rad] the largest stretch that it bears; 0: any.
+        pulls: how its stretch depends on the joint's hinges.
     """
 
     name: str
@@ -38,6 +42,7 @@ class Strand:
     stiffness: float
     dead: float = 0.0
     yields: float = 0.0
+    pulls: tuple[float, ...] = (1.0,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +54,8 @@ class Elements:
         springless: the joints' own springs are among the strands.
         cubic: (N,) [Nm/rad^3] of the joints' springs.
         quadratic: (N,) [Nm s^2/rad^2] of the joints' dampers.
-        ease: [rad] the angle at which the joints' springs are at ease.
+        ease: [rad] the angle at which the joints' springs are at ease; in space complex, towards x and towards y.
+        soft: factor on the joints' springs.
         stiffest: [Nm/rad] (N,) what all this adds at most to the stiffness of the joints.
         remark: what it is, for people.
     """
@@ -58,14 +64,15 @@ class Elements:
     springless: bool = False
     cubic: Array = field(default_factory=lambda: np.zeros(0))
     quadratic: Array = field(default_factory=lambda: np.zeros(0))
-    ease: float = 0.0
+    ease: complex = 0.0
+    soft: float = 1.0
     stiffest: Array = field(default_factory=lambda: np.zeros(0))
     remark: str = ""
 
 
 def elements_of(effect: Effect, model: CorrectedModel, *, major: int) -> Elements | None:
     """The elements that stand for an effect in MuJoCo of a major version; None: there are none, its law must be called."""
-    maker = _MAKERS.get(effect.name)
+    maker = (_IN_SPACE if model.columns.space else _MAKERS).get(effect.name)
     return None if maker is None else maker(effect, model, major)
 
 
@@ -130,6 +137,25 @@ def _quadratic_damping(effect: Any, model: CorrectedModel, major: int) -> Elemen
     return Elements(quadratic=np.full(links, links**2 * effect.coefficient), remark=remark)
 
 
+def _bend_at_rest(effect: Any, model: CorrectedModel, major: int) -> Elements:
+    bend = complex(effect.angle) if effect.name == "preset_bend" else complex(effect.towards_x, effect.towards_y)
+    return Elements(ease=bend / model.arm.links, remark="the angles at which the springs are at ease")
+
+
+def _unequal_stiffness(effect: Any, model: CorrectedModel, major: int) -> Elements:
+    """Equal springs of the softest stiffness, and what there is more towards the stiffest side."""
+    more = complex(effect.along_x, effect.diagonal)
+    way = np.exp(0.5j * np.angle(more))
+    springs = model.columns.arrays.keq[0] * model.arm.links * model.columns.arrays.profile[0]
+    strands = tuple(
+        Strand(f"stiffer_{i + 1}", i + 1, float(2 * abs(more) * k), pulls=(float(way.real), float(way.imag)))
+        for i, k in enumerate(springs)
+    )
+    return Elements(
+        strands, soft=1 - abs(more), stiffest=2 * abs(more) * springs, remark="further springs towards the stiffest side"
+    )
+
+
 _MAKERS: dict[str, Callable[[Any, CorrectedModel, int], Elements | None]] = {
     "backlash": _backlash,
     "bending_stop": _bending_stop,
@@ -138,4 +164,9 @@ _MAKERS: dict[str, Callable[[Any, CorrectedModel, int], Elements | None]] = {
     "preset_bend": _preset_bend,
     "quadratic_damping": _quadratic_damping,
     "stiffening": _stiffening,
+}
+_IN_SPACE: dict[str, Callable[[Any, CorrectedModel, int], Elements | None]] = {
+    "bend_at_rest": _bend_at_rest,
+    "preset_bend": _bend_at_rest,
+    "unequal_stiffness": _unequal_stiffness,
 }

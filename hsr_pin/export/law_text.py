@@ -74,7 +74,8 @@ def _collect(function: Callable[..., Any], found: dict[str, str]) -> None:
             _collect(value, found)
             found[name] = inspect.getsource(value).strip()
             continue
-        text = _assignment(name, scope["__name__"])
+        number = isinstance(value, int | float | complex)
+        text = f"{name} = {value!r}" if number else _assignment(name, scope["__name__"])
         if text is None:
             subject = f"{function.__module__}.{function.__qualname__}"
             raise EffectError(subject, expected="a law made of functions, numbers and numpy", received=f"{name} in it")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
 from hsr_pin.effects.effect import Effect
-from hsr_pin.robot.specification import ArmSpecification, in_plane
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario, standard_markers
 from hsr_pin.trajectory import Marker
@@ -33,7 +35,6 @@ class CorrectedModel:
     origin: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        in_plane(self.arm, "an export")
         self.scenario  # noqa: B018  # refuses an effect given twice
         if not self.markers:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))
@@ -41,7 +42,13 @@ class CorrectedModel:
     @cached_property
     def scenario(self) -> Scenario:
         """The model at rest for a second, as the simulation takes it."""
-        return Scenario(self.arm, [0.0, 1.0], [0.0, 0.0], effects=self.effects, markers=self.markers)  # type: ignore[arg-type]
+        nothing = np.zeros((2, 2 * self.inputs) if self.arm.bending == "space" else 2)
+        return Scenario(self.arm, np.array([0.0, 1.0]), nothing, effects=self.effects, markers=self.markers)
+
+    @property
+    def inputs(self) -> int:
+        """Torques of the arm, in space of two components each."""
+        return max(1, len(self.arm.sections))
 
     @cached_property
     def columns(self) -> Columns:

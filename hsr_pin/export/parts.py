@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +12,10 @@ from hsr_pin.errors import EffectError
 from hsr_pin.export.elements import Elements, elements_of
 from hsr_pin.export.law_text import helpers
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.export.plain import numbers, unseen
+from hsr_pin.export.plain import approximate, numbers, unseen
 
 #: Laws of the command that the actuator itself can express, behind one another.
-LINEAR = {"actuator_lag", "torque_bias", "dead_time"}
+LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "dead_time"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,8 @@ class Parts:
         command: effects whose laws the module applies to the command; empty: the actuator's own elements do.
         delay: [s] of the command.
         lag: [s] of the actuator.
-        bias: [N m] of the actuator.
+        bias: [N m] of the actuator; in space complex, towards x and towards y.
+        turn: a complex number of length one, by which the torque is turned before it arrives.
         missing: what is lost, one sentence each.
     """
 
@@ -36,21 +38,23 @@ class Parts:
     command: tuple[Effect, ...]
     delay: float
     lag: float
-    bias: float
+    bias: complex
+    turn: complex
     missing: tuple[str, ...]
 
 
 def sort(model: CorrectedModel, major: int) -> Parts:
     """What MuJoCo of a major version expresses, what its module must do, and what is lost."""
     elements: dict[str, Elements] = {}
-    called, missing = [], list(unseen(model))
+    called, missing = [], [*approximate(model), *unseen(model)]
     for effect in model.effects:
         if effect.acts_through("moment"):
             native = elements_of(effect, model, major=major)
             if native is not None:
                 elements[effect.name] = native
             elif np.max(effect.tangent(np.full(1, model.arm.keq), np.full(1, model.arm.length))[1]) > 0:
-                missing.append(f"{effect.name}: a damper of MuJoCo {major} cannot do it, and without one no step is short enough")
+                why = f"a damper of MuJoCo {major} cannot do it, and without one no step is short enough"
+                missing.append(f"{effect.name}: {why} ({numbers(effect)})")
             else:
                 called.append(effect)
         elif effect.acts_through("touch"):
@@ -58,7 +62,8 @@ def sort(model: CorrectedModel, major: int) -> Parts:
     muscles = [effect for effect in model.columns.muscles if any(_is_on(effect))]
     delay = float(sum(np.max(effect.late()) for effect in muscles))
     simple = {effect.name for effect in muscles} <= LINEAR
-    lag, bias = model.effect("actuator_lag"), model.effect("torque_bias")
+    lag = model.effect("actuator_lag")
+    turn, bias = _turned(model) if simple else (1.0 + 0.0j, 0.0j)
     if delay and major < 4:
         missing.append(f"dead_time: actuators of MuJoCo {major} are not late; give every command {delay:g} s later")
         delay = 0.0
@@ -68,16 +73,37 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             helpers([getattr(type(effect), hook) for hook in ("moment", "update", "respond")])
         except EffectError as error:
             missing.append(f"{effect.name}: {error}")
-    lost = {line.partition(":")[0] for line in missing} - {"dead_time", "marker_offset", "gravity_tilt"}
+    lost = {line.partition(":")[0] for line in missing} - {
+        "dead_time",
+        "marker_offset",
+        "markers_beside",
+        "gravity_tilt",
+        "base_tilt",
+    }
     return Parts(
         elements,
         tuple(effect for effect in called if effect.name not in lost),
         tuple(effect for effect in command if effect.name not in lost),
         delay,
         float(lag.time_constant) if simple and lag is not None else 0.0,  # type: ignore[attr-defined]
-        float(bias.bias) if simple and bias is not None else 0.0,  # type: ignore[attr-defined]
+        bias,
+        turn,
         tuple(missing),
     )
+
+
+def _turned(model: CorrectedModel) -> tuple[complex, complex]:
+    """What torque_bias, torque_offset and turned_actuation make of a torque u: a (u + b); a and b."""
+    turn, given = 1.0 + 0.0j, 0.0 + 0.0j
+    acting: list[Any] = list(model.effects)
+    for effect in acting:
+        if effect.name == "turned_actuation":
+            turn, given = turn * np.exp(1j * effect.angle), given * np.exp(1j * effect.angle)
+        elif effect.name == "torque_offset":
+            given += complex(effect.towards_x, effect.towards_y)
+        elif effect.name == "torque_bias":
+            given += effect.bias
+    return complex(turn), complex(given / turn)
 
 
 def _places(model: CorrectedModel, muscles: list[Effect]) -> list[int]:

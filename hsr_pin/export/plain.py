@@ -8,6 +8,9 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.export.bodies import Bodies
 from hsr_pin.export.model import CorrectedModel
 
+#: Links at which the motion of hinges in space is that of rotation vectors to half a millimetre (a test compares them).
+ENOUGH = 10
+
 #: What becomes of effects that change bodies, springs, dampers and markers.
 _WAYS = {
     "arm": "bodies and mount",
@@ -27,21 +30,40 @@ def held(model: CorrectedModel) -> tuple[str, ...]:
     """What the file expresses of the effects."""
     lines = []
     for effect in model.effects:
-        lines += [f"{effect.name}: {text}" for hook, text in _WAYS.items() if effect.acts_through(hook)]
+        ways = _WAYS | {"arm": bodies_are(effect)}
+        lines += [f"{effect.name}: {text}" for hook, text in ways.items() if effect.acts_through(hook)]
         if effect.name == "dry_friction":
             lines.append(f"dry_friction: friction of {friction(model):g} N m at each joint, without its give before it slides")
     return tuple(lines)
 
 
+def bodies_are(effect: Effect) -> str:
+    """What becomes of an effect that changes the arm itself."""
+    return "a third hinge at every joint" if effect.name == "torsion_compliance" else _WAYS["arm"]
+
+
 def unseen(model: CorrectedModel) -> tuple[str, ...]:
     """What no place of a marker on its link can say."""
-    known = {"marker_offset": ("moved", "kept"), "gravity_tilt": ("world", "base", "cameras")}
+    beside, turned = ("moved", "kept"), ("world", "base", "cameras")
+    known = {"marker_offset": beside, "markers_beside": beside, "gravity_tilt": turned, "base_tilt": turned}
     lines = []
     for effect in model.effects:
         readings = known.get(effect.name, ())
         if effect.acts_through("observe") and any(value not in readings for _, value in effect.options or (("", ""),)):
             lines.append(f"{effect.name}: what it makes the cameras see ({numbers(effect)})")
     return tuple(lines)
+
+
+def approximate(model: CorrectedModel) -> tuple[str, ...]:
+    """What hinges make of joints in space."""
+    if not model.columns.space:
+        return ()
+    told = "hinges one after the other, in the opposite order from joint to joint, where hsr_pin has a rotation vector"
+    return (f"joints: {told}; they come near it as 1/N^2, and {model.arm.links} links are {_near(model.arm.links)}",)
+
+
+def _near(links: int) -> str:
+    return "enough" if links >= ENOUGH else f"few: take {ENOUGH} or more"
 
 
 def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[str, ...]:
@@ -52,22 +74,39 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
         bodies: its bodies.
         springs: whether the format has springs.
     """
-    lines = list(unseen(model))
+    lines = [*approximate(model), *unseen(model)]
     if not springs:
-        values = _row([link.spring for link in bodies.links])
-        lines.append(f"springs: a torque of -k times the angle at each joint, from base to tip k [Nm/rad] = {values}")
+        lines += _springs(model, bodies)
     if bodies.gravity_is_turned:
         lines.append(f"gravity_tilt: set the gravity of the world to ({_row(bodies.gravity)}) m/s^2")
     if model.torque_gain != 1.0:
         lines.append(f"torque_gain: multiply every command by {model.torque_gain:g}")
-    share = _row([link.share for link in bodies.links])
+    share = _row([link.share.sum() for link in bodies.links])
     for effect in model.effects:
         if effect.acts_through("actuation"):
             lines.append(f"{effect.name}: of the command, from base to tip the joints get {share}")
         elif not any(effect.acts_through(hook) for hook in _WAYS) and effect.name != "dry_friction":
             lines.append(f"{effect.name}: {effect.lacks} ({numbers(effect)})")
-    lines.append("actuator: the same torque, the command [N m], at every joint")
-    return tuple(lines)
+    return (*lines, *_actuator(model, bodies))
+
+
+def _springs(model: CorrectedModel, bodies: Bodies) -> list[str]:
+    values = _row([link.spring for link in bodies.links])
+    axes = " towards x and towards y alike," if model.columns.space else ""
+    lines = [f"springs: a torque of -k times the angle at each joint,{axes} from base to tip k [Nm/rad] = {values}"]
+    if twist := [hinge.spring for hinge in bodies.hinges if hinge.way == 2]:
+        lines.append(f"springs against twisting: likewise, k [Nm/rad] = {_row(twist)}")
+    return lines
+
+
+def _actuator(model: CorrectedModel, bodies: Bodies) -> list[str]:
+    if not model.columns.space:
+        return ["actuator: the same torque, the command [N m], at every joint"]
+    both = "two components of torque, the command [N m], on the hinges towards x and towards y"
+    if not model.arm.sections:
+        return [f"actuator: {both} of every joint"]
+    rows = (f"of section {k + 1} {_row([link.share[k] for link in bodies.links])}" for k in range(model.inputs))
+    return [f"actuator: {both}; from base to tip the joints get, {'; '.join(rows)}"]
 
 
 def numbers(effect: Effect) -> str:

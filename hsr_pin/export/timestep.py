@@ -30,11 +30,24 @@ def timestep(model: CorrectedModel, parts: Parts) -> float:
     stiff = stiff + arm.links * sum(added[effect.name] for effect in parts.called)
     lasting = sum(added[effect.name] for effect in model.effects if not effect.states) / model.arm.keq
     longest = TIMESTEPS[0] / np.sqrt(1 + lasting)
+    systems = [(mass, arrays.damper[0], stiff)]
+    if model.columns.space and np.isfinite(arrays.twist).all():
+        systems.append((_twisted(arrays.axial[0]), arrays.twist_damper[0], arrays.twist[0]))
     for step in TIMESTEPS:
-        left = 4 * mass + 2 * step * np.diag(arrays.damper[0]) - _SAFETY * step**2 * np.diag(stiff)
-        if step <= longest and np.linalg.eigvalsh(left)[0] > 0:
+        if step <= longest and all(_stable(step, *system) for system in systems):
             return step
     return TIMESTEPS[-1]
+
+
+def _stable(step: float, mass: Array, damper: Array, spring: Array) -> bool:
+    left = 4 * mass + 2 * step * np.diag(damper) - _SAFETY * step**2 * np.diag(spring)
+    return bool(np.linalg.eigvalsh(left)[0] > 0)
+
+
+def _twisted(axial: Array) -> Array:
+    """(N, N) [kg m^2] of the straight arm that twists: what lies beyond the farther joint of two turns with both."""
+    beyond = np.cumsum(axial[::-1])[::-1]
+    return np.asarray(beyond[np.maximum.outer(np.arange(len(axial)), np.arange(len(axial)))])
 
 
 def mass_matrix(chain: Chain) -> Array:

@@ -7,6 +7,7 @@ from hsr_pin.export.file import Exported
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.plain import friction, held, missing
 from hsr_pin.export.templating import render
+from hsr_pin.robot.urdf import SLIGHT
 
 
 def to_urdf(model: CorrectedModel) -> Exported:
@@ -14,6 +15,6 @@ def to_urdf(model: CorrectedModel) -> Exported:
     bodies = bodies_of(model)
     lost = missing(model, bodies, springs=False)
     kept = held(model)
-    text = render("arm.urdf.jinja", model=model, bodies=bodies, friction=friction(model), held=kept, missing=lost)
+    text = render("arm.urdf.jinja", model=model, bodies=bodies, friction=friction(model), held=kept, missing=lost, slight=SLIGHT)
     needs = ("a fixed base, and the torques of springs and muscles, which a simulator of URDFs must be given in every step",)
     return Exported(text, held=kept, missing=lost, needs=needs)

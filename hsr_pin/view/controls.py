@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import floor, log10
 
-from hsr_pin.effects.catalogue import EFFECTS
+from hsr_pin.effects.catalogue import effect_named, laws
+from hsr_pin.effects.effect import Effect, formless, neutral
 from hsr_pin.identification.hypothesis import ARM
 from hsr_pin.parameters import Parameter
 
@@ -50,9 +51,23 @@ def arm_sliders() -> list[Slider]:
     ]
 
 
+def effects_for(*, space: bool) -> dict[str, type[Effect]]:
+    """What an arm in a plane, or in space, may lack, by name; the flexible laws are no causes and have no sliders."""
+    kinds = [kind for kind in laws(space=space) if not kind.flexible]
+    return {kind.name: kind for kind in kinds if not formless([neutral(kind)], space=space)}
+
+
 def effect_sliders(name: str) -> list[Slider]:
     """The parameters of an effect."""
-    return [_slider(name, fact) for fact in EFFECTS[name].parameters()]
+    return [_slider(name, fact) for fact in effect_named(name).parameters()]
+
+
+def readings(kind: type[Effect], *, space: bool) -> dict[str, tuple[str, ...]]:
+    """The options of an effect with those of their values that have a form in a plane, or in space."""
+    return {
+        option: tuple(value for value in values if not formless([neutral(kind, **{option: value})], space=space))
+        for option, values in kind.choices().items()
+    }
 
 
 def within(slider: Slider, value: float) -> Slider:

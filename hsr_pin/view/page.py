@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hsr_pin.effects.catalogue import EFFECTS
 from hsr_pin.errors import InputError, MissingDependencyError
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
-from hsr_pin.view.controls import Slider, arm_sliders, effect_sliders, within
+from hsr_pin.view.controls import Slider, arm_sliders, effect_sliders, effects_for, readings, within
 from hsr_pin.view.report import LOOPBACK
 from hsr_pin.view.session import Answer, Session, overall
 from hsr_pin.view.settings import Settings
@@ -65,7 +64,8 @@ class Page:
         self._gui.main_panel.dock_right()
         self._gui.main_panel.set_width(_RIGHT)
         dataset = session.experiment.dataset
-        self._scene = Scene(self._server, dataset.length, mount_frame(dataset.mount)[0], len(session.experiment.markers))
+        along, count = mount_frame(dataset.mount)[0], len(session.experiment.markers)
+        self._scene = Scene(self._server, dataset.length, along, count, space=session.space)
         self._run: Run = session.run(self.trial)
         self._declared = self._answer = session.answer(self._run, Settings())
         self._build(report)
@@ -122,13 +122,13 @@ class Page:
             for slider in arm_sliders():
                 self._slider(slider)
         gui.add_markdown("**Effects** that the model may lack")
-        for name, kind in EFFECTS.items():
+        for name, kind in effects_for(space=self.session.space).items():
             self._folders[name] = folder = gui.add_folder(name, expand_by_default=False)
             with folder:
                 gui.add_markdown(f"{kind.lacks[0].upper()}{kind.lacks[1:]}: {kind.cause}.")
                 for slider in effect_sliders(name):
                     self._slider(slider)
-                for option, choices in kind.choices().items():
+                for option, choices in readings(kind, space=self.session.space).items():
                     self._keep(f"{name}.{option}", gui.add_dropdown(option, choices), choices[0])
 
     def _trials(self) -> None:
@@ -187,14 +187,15 @@ class Page:
             data = (np.array([0.0, 1.0]), *(np.zeros(2) for _ in curves))
             series = (uplot.Series(label="t"), *curves)
             padding = (14, 10, 0, 0)  # above, right: else the highest number is cut
-            return self._gui.add_uplot(data, series, title=title, axes=axes, scales=scales, height=205, padding=padding)
+            height = 155 if self.session.space else 205  # of three, or two
+            return self._gui.add_uplot(data, series, title=title, axes=axes, scales=scales, height=height, padding=padding)
 
         declared = uplot.Series(label="declared", stroke=_GREY, width=1.5)
         simulated = uplot.Series(label="simulated", stroke=_BLUE, width=2.0)
         measured = uplot.Series(label="measured", stroke=_ORANGE, width=1.5)
         noise = uplot.Series(label="noise", stroke=_ORANGE, width=1.0, dash=(4.0, 4.0))
         self._errors = plot("Distance of the markers from the measured ones", declared, simulated, noise)
-        self._tips = plot("Place of the outermost marker, across the straight arm", declared, measured, simulated)
+        self._tips = [(plot(title, declared, measured, simulated), way) for title, way in self.session.across.items()]
 
     def _work(self) -> None:
         shown: tuple[object, object] = None, None
@@ -234,11 +235,11 @@ class Page:
         time_axis = np.asarray(self._run.time - self._run.time[0])
         noise = np.full(len(time_axis), self.session.noise)
         tip = int(np.argmax([marker.arc_length for marker in self.session.experiment.markers]))
-        across = 2 if self.session.experiment.dataset.mount == "horizontal" else 0
-        measured = self._run.measured[:, tip, across]
         self._errors.data = (time_axis, *(1e3 * _drawn(part) for part in (self._declared.error, answer.error, noise)))
-        tips = (self._declared.markers[:, tip, across], measured, answer.markers[:, tip, across])
-        self._tips.data = (time_axis, *(1e3 * _drawn(part) for part in tips))
+        for plot, way in self._tips:
+            on = np.flatnonzero(way)
+            tips = (places[:, tip, on] @ way[on] for places in (self._declared.markers, self._run.measured, answer.markers))
+            plot.data = (time_axis, *(1e3 * _drawn(part) for part in tips))
 
     def _say(self, whole: float | None) -> None:
         answer, stopped = self._answer, ""

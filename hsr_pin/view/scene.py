@@ -22,20 +22,26 @@ class Scene:
         length: of the arm [m].
         along: (3,) where the straight arm points.
         markers: how many there are.
+        space: whether the arm bends in space: seen from above and aside, over a floor, in place of before a wall.
     """
 
-    def __init__(self, server: Any, length: float, along: Array, markers: int) -> None:
+    def __init__(self, server: Any, length: float, along: Array, markers: int, *, space: bool = False) -> None:
         scene = server.scene
         scene.set_up_direction("+z")
         middle = along * length / 2  # of the straight arm
-        server.initial_camera.position = middle + np.array([0.0, -2.2 * length, 0.3 * length])
+        aside = np.array([1.1, -1.9, 0.9]) if space else np.array([0.0, -2.2, 0.3])
+        server.initial_camera.position = middle + length * aside
         server.initial_camera.look_at = middle
         server.initial_camera.fov = np.deg2rad(45)
         lines = {"cell_color": (225, 225, 230), "section_color": (225, 225, 230), "cell_size": 0.05, "section_size": 0.05}
-        wall = (0.0, 0.1 * length, 0.0)
-        scene.add_grid("/wall", 4 * length, 4 * length, plane="xz", position=wall, shadow_opacity=0.0, **lines)
+        if space:
+            floor = (0.0, 0.0, length * (min(0.0, float(along[2])) - (0.7 if along[2] == 0 else 0.1)))
+            scene.add_grid("/floor", 2.4 * length, 2.4 * length, plane="xy", position=floor, shadow_opacity=0.0, **lines)
+        else:
+            wall = (0.0, 0.1 * length, 0.0)
+            scene.add_grid("/wall", 4 * length, 4 * length, plane="xz", position=wall, shadow_opacity=0.0, **lines)
         straight = np.linspace(np.zeros(3), length * along, 3)
-        behind = (0.0, 2 * _TUBE * length, 0.0)  # so that two curves in one place do not mingle
+        behind = (0.0, 0.0 if space else 2 * _TUBE * length, 0.0)  # so that two curves in one place do not mingle
         thin = _THIN * length
         self.declared = scene.add_spline_catmull_rom(
             "/declared", straight, thickness=thin, color=GREY, segments=48, position=behind

@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from hsr_pin.effects.effect import View
-from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.evaluation import respond, rms
 from hsr_pin.identification.experiment import Experiment, Run, prepare
 from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.specification import Placement
+from hsr_pin.robot.space import base_rotations
+from hsr_pin.robot.space_kinematics import space_marker_map
+from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.trajectory import Array, Dataset
 from hsr_pin.view.settings import Settings
 
 #: Points along the backbone that are drawn.
 POINTS = 33
+#: What moves the markers, not the arm.
+_OF_MARKERS = ("marker_offset", "markers_beside")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +35,7 @@ class Answer:
         backbone: (T, POINTS, 3) [m].
         markers: (T, M, 3) [m]; NaN from a failure on.
         error: (T,) [m] RMS distance of the markers from the measured ones; NaN where none is seen.
-        residual: (T, M, 2) [m] simulated minus measured, in the plane.
+        residual: (T, M, A) [m] simulated minus measured, in the plane (A = 2) or in space (3).
         stopped: [s] when the simulation failed; None: never.
     """
 
@@ -64,16 +69,28 @@ class Session:
         """The usable trials of a dataset.
 
         Raises:
-            IdentificationError: none is, or the arm bends in space.
+            IdentificationError: none is.
         """
-        if dataset.bending == "space":
-            raise IdentificationError("bending", expected="plane, to move an arm by hand", received="space")
         return cls(prepare(dataset), links, placement)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Of the trials."""
         return tuple(run.trial.name for run in self.experiment.runs)
+
+    @property
+    def space(self) -> bool:
+        """Whether the arm bends in space."""
+        return self.experiment.dataset.bending == "space"
+
+    @property
+    def across(self) -> dict[str, Array]:
+        """Title -> (3,) the direction, across the straight arm, in which its tip is drawn over time."""
+        dataset, title = self.experiment.dataset, "Place of the outermost marker"
+        if not self.space:
+            return {f"{title}, across the straight arm": np.eye(3)[2 if dataset.mount == "horizontal" else 0]}
+        axes = base_rotations(Arms.of([ArmSpecification.from_trial(dataset, dataset.trials[0])]))[0]
+        return {f"{title}, towards {way} of the base": axes[:, k] for k, way in enumerate("xy")}
 
     @property
     def noise(self) -> float:
@@ -101,10 +118,11 @@ class Session:
     def _backbone(self, found: object) -> Array:
         arms, effects = found.columns.arms, found.columns.effects  # type: ignore[attr-defined]
         reach = np.linspace(0.0, self.experiment.dataset.length, POINTS)
-        places, angles = marker_map(arms, reach), found.angles  # type: ignore[attr-defined]
+        places: Any = space_marker_map(arms, reach) if self.space else marker_map(arms, reach)
+        angles = found.angles  # type: ignore[attr-defined]
         shown = places.positions(angles)
         for effect in effects:
-            if effect.acts_through("observe") and effect.name != "marker_offset":  # that moves the markers, not the arm
+            if effect.acts_through("observe") and effect.name not in _OF_MARKERS:
                 shown = effect.observe(View(shown, reach, places, angles))
         return np.asarray(shown[:, 0])
 

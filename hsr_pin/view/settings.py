@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from hsr_pin.effects.catalogue import EFFECTS
+from hsr_pin.effects.catalogue import EFFECTS, effect_named
 from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.identification.hypothesis import ARM
 
@@ -40,12 +41,12 @@ class Settings:
 
     def acts(self, name: str) -> bool:
         """Whether an effect does anything."""
-        facts = [fact for fact in EFFECTS[name].parameters() if fact.amplitude]
+        facts = [fact for fact in effect_named(name).parameters() if fact.amplitude]
         return any(self.values.get(f"{name}.{fact.name}", fact.neutral) != fact.neutral for fact in facts)
 
     def effects(self) -> tuple[Effect, ...]:
         """Those that do something."""
-        return tuple(self._effect(name, kind) for name, kind in EFFECTS.items() if self.acts(name))
+        return tuple(self._effect(name, kind) for name, kind in (EFFECTS | SPATIAL).items() if self.acts(name))
 
     def changed(self, name: str, value: float | str) -> Settings:
         """The same with one number or option changed."""

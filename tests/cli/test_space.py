@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from hsr_pin.cli import diagnose, export, fit, replay, sim, view
+from hsr_pin.cli import diagnose, export, fit, replay, sim
 from hsr_pin.cli.command import run
 from hsr_pin.effects import parse_effect
 from hsr_pin.recordings.write import write_dataset
@@ -84,7 +84,6 @@ def test_a_trial_is_replayed_with_all_its_coordinates(folder, answered, tmp_path
 @pytest.mark.parametrize(
     ("module", "arguments", "word"),
     [
-        (view, (), "to move an arm by hand"),
         (fit, ("--free", "torque_bias,preset_bend,restraint"), "laws that hold about two axes, got restraint"),
         (diagnose, ("--effects", "restraint"), "laws that hold about two axes"),
     ],
@@ -94,7 +93,15 @@ def test_what_is_for_arms_in_a_plane_is_refused_in_one_line(folder, answered, mo
     assert code == 2 and out == "" and said.count("\n") == 1 and word in said
 
 
-def test_an_export_of_a_fit_in_space_is_refused_in_one_line(folder, answered, tmp_path):
-    assert answered(fit, folder, "--links", 4, "--json", tmp_path / "fit.json")[0] == 0
-    code, _, said = answered(export, "--from", tmp_path / "fit.json", "--to", "mjcf", "-o", tmp_path / "arm.xml")
-    assert code == 2 and "bending: expected plane for an export, got space" in said and not (tmp_path / "arm.xml").exists()
+def test_a_fit_in_space_is_exported_with_what_it_found(folder, answered, tmp_path):
+    free = ("--free", "keq,damping,turned_actuation", "--links", 10, "--json", tmp_path / "fit.json")
+    assert answered(fit, folder, *free)[0] == 0
+    code, out, _ = answered(export, "--from", tmp_path / "fit.json", "--to", "mjcf", "-o", tmp_path / "arm.xml")
+    assert code == 0 and "turned_actuation: coefficients of the tendon that carries the torque" in out
+    assert "not in it: joints: hinges one after the other" in out and "10 links are enough" in out
+    text = (tmp_path / "arm.xml").read_text()
+    assert text.count("<general ") == 2 and 'name="joint_10_y"' in text and "twist" not in text
+    code, _, said = answered(
+        export, "--from", tmp_path / "fit.json", "--bending", "space", "--to", "sdf", "-o", tmp_path / "arm.sdf"
+    )
+    assert code == 2 and "--from: expected only --keq, --links" in said and "got --bending" in said

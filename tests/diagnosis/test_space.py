@@ -64,7 +64,7 @@ def test_a_flat_section_is_told_with_its_direction(flat):
     sides = next(chart for chart in found.where.operating_range if chart.quantity == "direction of bending")
     assert [part.label for part in sides.bins] == list(SIDES)
     assert sum(part.share for part in sides.bins) == pytest.approx(1.0)
-    assert found.fingerprint is None and any("fingerprint" in note for note in found.experiment.notes)
+    assert found.fingerprint is not None and any("fingerprint is of the trials that stay" in n for n in found.experiment.notes)
     document = to_json(found)
     assert document["where"]["operating_range"]["direction_of_bending"]["unit"] == "mm"
     text = report(found)

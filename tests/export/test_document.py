@@ -178,3 +178,20 @@ def test_effects_that_are_not_known_are_refused(written):
 
 def test_the_arm_of_a_result_is_an_arm(written):
     assert isinstance(read_result(written(diagnosis()), keq=2.33).arm, ArmSpecification)
+
+
+def test_an_arm_in_space_keeps_its_torsion_and_its_markers_beside(written):
+    beside = [{"name": "side", "arc_length": 0.2, "radius": 0.03, "angle": 1.0}, {"name": "tip", "arc_length": 0.3}]
+    arm = {**ARM, "bending": "space", "markers": beside}
+    lag = {**BEST, "effects": ["actuator_lag"], "options": {}}
+    document = {**diagnosis(effects=["actuator_lag"], arm=arm | {"torsion": 0.7}), "candidates": [lag]}
+    model = read_result(written(document), keq=1.11)
+    assert (model.arm.bending, model.arm.torsion) == ("space", 0.7)
+    assert [(m.name, m.radius, m.angle) for m in model.markers] == [("side", 0.03, 1.0), ("tip", 0.0, 0.0)]
+    assert read_result(written({**document, "arm": arm | {"torsion": None}}), keq=1.11).arm.torsion == float("inf")
+    with pytest.raises(InputError, match=r"sections: expected none in a result that is exported"):
+        read_result(written({**document, "arm": arm | {"sections": [{"length": 0.1}]}}), keq=1.11)
+    with pytest.raises(InputError, match=r"arm.bending: expected plane or space, got 'sideways'"):
+        read_result(written({**document, "arm": arm | {"bending": "sideways"}}), keq=1.11)
+    with pytest.raises(InputError, match=r"arm.torsion: expected a number"):
+        read_result(written({**document, "arm": arm | {"torsion": "much"}}), keq=1.11)

@@ -47,7 +47,7 @@ def start_stretch(run: Run) -> Stretch:
     """How long something else still acts at the start of a run that starts from a pose, by its own acceleration."""
     if run.start_pose is None:
         return Stretch(0.0, "it starts settled")
-    if np.ptp(run.torque) > 0:
+    if run.span > 0:
         return Stretch(0.0, "a command moves the arm as well: this cannot tell what else does", told=False)
     way, noise = _way(run)
     if way is None or not np.ptp(way) > 100 * noise:
@@ -79,7 +79,7 @@ def start_stretch(run: Run) -> Stretch:
 
 
 def _way(run: Run) -> tuple[Array | None, float]:
-    """(T,) [m] of all markers together along the direction in which they move most in the plane, and the noise in it [m]."""
+    """(T,) [m] of all markers together along the direction in which they move most, and the noise in it [m]."""
     seen = np.isfinite(run.compared).all(axis=(0, 2)) | (np.isfinite(run.compared).mean(axis=(0, 2)) > 0.8)
     plane = run.compared[:, seen].reshape(len(run.time), -1)
     if not plane.shape[1]:
