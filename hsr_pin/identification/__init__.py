@@ -20,6 +20,7 @@
 - ``phases``: rest, command change, transient, settled
 - ``pose``: how an arm is bent whose markers are seen
 - ``profile``: profile likelihood
+- ``reach``: how far from the base a marker may be
 - ``release``: how a motion starts that does not start at rest
 - ``starts``: several starts of a search
 - ``step``: one damped Gauss-Newton step
