@@ -235,13 +235,12 @@ def _extend(
     beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
     enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
-    chosen = [
-        (base.fit, guess)
-        for base in beam
-        for guess in _promising(base, parts, crew)[:enough]
-        if _key(guess.hypothesis) not in tried
-    ]
-    quick = _laws_first(_from_one_basin(chosen, crew))
+    chosen: dict[Key, tuple[Fit, Guess]] = {}
+    for base in beam:
+        for guess in _promising(base, parts, crew)[:enough]:
+            if (name := _key(guess.hypothesis)) not in tried:
+                chosen.setdefault(name, (base.fit, guess))
+    quick = _laws_first(_from_one_basin(list(chosen.values()), crew))
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
@@ -272,14 +271,17 @@ def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]
 
 def _elsewhere(fitted: Fit, best: Fit) -> bool:
     """Whether a fit ended at quite another stiffness or damping than the best."""
-    ratios = _with_arm_of(best, fitted) / np.where(fitted.values == 0, 1.0, fitted.values)
-    return bool(np.abs(np.log(np.clip(ratios, 1e-6, None))).max() > np.log(APART))
+    own, other = _arm(fitted), _arm(best)
+    return any(max(own[name] / other[name], other[name] / own[name]) > APART for name in own.keys() & other)
 
 
 def _with_arm_of(best: Fit, fitted: Fit) -> Array:
     """(P,) values of a fit, with the stiffness and damping of another."""
-    arm = {name: value for name, value in best.named.items() if name.partition("@")[0] in ARM}
-    return np.array([arm.get(name, value) for name, value in fitted.named.items()])
+    return np.array(list((fitted.named | {name: value for name, value in _arm(best).items() if name in fitted.named}).values()))
+
+
+def _arm(fitted: Fit) -> dict[str, float]:
+    return {name: value for name, value in fitted.named.items() if name.partition("@")[0] in ARM}
 
 
 def _laws_first(fits: Sequence[Fit]) -> list[Fit]:
