@@ -206,11 +206,10 @@ def _was(reference: Candidate, frame: Frame) -> dict[str, tuple[float, float]]:
     }
 
 
-def _spread(frame: Frame, before: Before) -> tuple[float, float]:
-    """Mean square of OLD's own residuals, and of those of the worst of its trials."""
+def _spread(frame: Frame, before: Before) -> tuple[float, ...]:
+    """Mean square of the residuals of each of OLD's trials."""
     run = np.concatenate([rows.run for rows in before.rows])
-    each = [float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs]
-    return float(np.mean(before.seen**2)), max(each)
+    return tuple(float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs)
 
 
 def _proposals(found: Found, verdict: ChangeVerdict) -> tuple[Proposal, ...]:

@@ -81,16 +81,17 @@ def _rms(moved: Sequence[Array]) -> float:
 def moved(frame: Frame, suspect: Suspect, changed: Array, runs: Sequence[int], *, fine: bool = False) -> list[Array]:
     """For some of the runs (B, M, 2, C) [m] how the prediction moves with open values (C, K), from what it is with OLD's.
 
-    All take the steps in time that the first of them needs.
+    All take the steps in time that the first of them needs. A delay shifts what was seen, and not what the model makes of it.
     """
     experiment = frame.pair.experiment
+    late, changed = suspect.delays(changed)
     points = np.vstack([suspect.values(changed), suspect.before])
     model = suspect.hypothesis if fine else _rough(suspect.hypothesis)
     found = []
     for k in runs:
         seen = np.moveaxis(respond(experiment, experiment.runs[k], model, points).positions[..., experiment.axes], 1, -1)
         seen = np.nan_to_num(seen, nan=experiment.dataset.length)
-        found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]))
+        found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]) + (frame.pair.later(k, late) if late.any() else 0.0))
     return found
 
 
