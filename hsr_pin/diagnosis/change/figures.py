@@ -85,15 +85,15 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
     return figure
 
 
-def _seen(found: Found, marker: int, index: int) -> list[Array]:
-    """[m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
-    frame, answer = found.frame, []
-    places = np.cumsum([0, *(len(rows.run) for rows in frame.rows)])
-    foretold = frame.foretold
-    for axis in (0, 1):
-        k = next(k for k, rows in enumerate(frame.rows) if (rows.marker, rows.axis) == (marker, axis))
-        own = frame.rows[k].run == index
-        answer.append(-foretold[places[k] : places[k + 1]][own])
+def _seen(found: Found, marker: int, index: int) -> Array:
+    """(2, B) [m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
+    frame = found.frame
+    answer = np.full((2, len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
+    ends = np.cumsum([len(rows.run) for rows in frame.rows])[:-1]
+    for rows, part in zip(frame.rows, np.split(frame.foretold, ends), strict=True):
+        own = rows.run == index
+        so_far = np.nan_to_num(answer[:, rows.place[own]])
+        answer[:, rows.place[own]] = so_far - rows.mix[marker][:, None] * part[own]
     return answer
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
@@ -19,7 +20,7 @@ _ROWS, _NARROWEST = 1200, 0.02
 _NOISE, _LENGTH = 0.5, 2e-3
 #: A run moves at least this much, over what those of OLD do, and at most.
 _MOTION = (0.3, 10.0)
-#: Over how long motion is averaged before it is shifted in time [s].
+#: Over how long motion is made smooth before it is shifted in time [s], in five samples at least.
 _SMOOTH = 0.06
 #: Declared numbers that may differ by this share and still be of the same arm.
 _SAME = 1e-6
@@ -148,16 +149,18 @@ class Bins:
 
 
 def _smooth(run: Run) -> Array:
-    """(T, M, 2) [m] a moving mean, gaps bridged; zeros for a marker that was hardly seen."""
+    """(T, M, 2) [m] moving parabolas, gaps bridged; zeros for a marker that was hardly seen.
+
+    A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964).
+    """
     out = np.zeros(run.compared.shape)
-    half = max(1, round(_SMOOTH / run.step / 2))
-    window = np.full(2 * half + 1, 1 / (2 * half + 1))
+    window = 2 * max(2, round(_SMOOTH / run.step / 2)) + 1
     for marker in range(run.compared.shape[1]):
         seen = np.isfinite(run.compared[:, marker]).all(axis=1)
-        if seen.sum() > 1:
+        if seen.sum() > window:
             for axis in (0, 1):
                 whole = np.interp(run.time, run.time[seen], run.compared[seen, marker, axis])
-                out[:, marker, axis] = np.convolve(np.pad(whole, half, mode="edge"), window, mode="valid")
+                out[:, marker, axis] = savgol_filter(whole, window, 2)
     return out
 
 

@@ -108,9 +108,9 @@ class Found:
         return sum(size.moved for size in self.sizes[fitted.suspect.names])
 
     def sure(self, fitted: Fitted) -> bool:
-        """Whether a change is there: it explains enough, moves the markers, and trials agree that it is not none."""
+        """Whether a change is there: it explains enough, moves the markers, and nothing of it may be none."""
         explains = self.gain(fitted) > self.needed(fitted) and fitted.rms >= self.frame.pair.worth
-        return explains and self.moved(fitted) > 0
+        return explains and {each.name for each in self.sizes[fitted.suspect.names] if each.moved} == set(fitted.suspect.names)
 
     def suffices(self, fitted: Fitted, wider: Fitted) -> bool:
         """Whether a special case of a change explains as good as all that it does, and its further numbers may be none."""
