@@ -241,7 +241,7 @@ def _extend(
         for guess in _promising(base, parts, crew)[:enough]
         if _key(guess.hypothesis) not in tried
     ]
-    quick = _laws_first(_from_one_basin(chosen, crew))
+    quick = laws_first(_from_one_basin(chosen, crew))
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
@@ -282,7 +282,7 @@ def _with_arm_of(best: Fit, fitted: Fit) -> Array:
     return np.array([arm.get(name, value) for name, value in fitted.named.items()])
 
 
-def _laws_first(fits: Sequence[Fit]) -> list[Fit]:
+def laws_first(fits: Sequence[Fit]) -> list[Fit]:
     """The best reading of every law in their order, then the other readings: they shall not crowd out other laws."""
     first: dict[frozenset[str], Fit] = {}
     for fitted in fits:

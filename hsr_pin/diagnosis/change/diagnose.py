@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.change.cameras import CAMERAS
+from hsr_pin.diagnosis.change.cameras import CAMERAS, turns_cameras
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
 from hsr_pin.diagnosis.change.frame import Before, Frame, framed
@@ -159,7 +159,8 @@ def _parts(experiment: Experiment, names: Sequence[str] | None) -> list[Part]:
     """What may appear, in every reading."""
     known = EFFECTS | CAMERAS
     if names is None:
-        return [*catalogue([*EFFECTS.values()], experiment), *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
+        arm = [part for part in catalogue([*EFFECTS.values()], experiment) if not turns_cameras(part.effect)]
+        return [*arm, *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
     chosen = [known[name] if name in known else effect_named(name) for name in dict.fromkeys(names)]
     return catalogue(chosen, experiment, plain=())
 

@@ -187,6 +187,8 @@ def judge(found: Found) -> ChangeVerdict:
     common = tuple(sorted(set.intersection(*map(set, names))))
     kinds = tuple(sorted(set.intersection(*({each.suspect.kinds[s.name] for s in found.told(each)} for each in ties))))
     rest = "nothing else" if left <= REST * total else "something else as well, that no candidate explains"
+    if beside := [size for size in found.sizes[best.suspect.names] if size not in own]:
+        rest += f": {told(beside)} is no more than a swing at another rate may make"
     share = f"{100 * difference.share:.0f} % of the difference on held-out trials"
 
     def said(status: str, sentence: str, effects: tuple[str, ...], sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
