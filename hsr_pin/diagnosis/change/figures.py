@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.verdict import Found
 from hsr_pin.diagnosis.inline_svg import ROLES, drawing
@@ -48,8 +49,7 @@ def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
     """Which of NEW's trials to look at, with a caption: where the change moves the markers most."""
     if diagnosis.found is None or not diagnosis.verdict.changes:
         return []
-    best = diagnosis.found.fits[0][0]
-    moves = [float(np.mean(each**2)) for each in best.moved]
+    moves = [float(np.mean(each**2)) for each in _named(diagnosis.found, diagnosis).moved]
     chosen = np.argsort(moves)[::-1][:_SHOWN]
     names = [diagnosis.pair.new.runs[k].trial.name for k in chosen]
     marker = diagnosis.pair.new.markers[_far(diagnosis)].name
@@ -65,7 +65,7 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
 
     found, pair = diagnosis.found, diagnosis.pair
     assert found is not None
-    fitted, marker = found.fits[0][0], _far(diagnosis)
+    fitted, marker = _named(found, diagnosis), _far(diagnosis)
     bins = pair.bins[len(pair.old.runs) + index]
     seen = _seen(found, marker, index)
     with drawing():
@@ -73,7 +73,7 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
         for place, (axis, name) in enumerate(((0, "x"), (1, "z"))):
             axes = figure.add_subplot(1, 2, place + 1)
             shown = bins.counts[:, marker] > 0
-            axes.plot(bins.time[shown], 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
+            axes.plot(bins.time, 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
             axes.plot(
                 bins.time[shown], 1e3 * fitted.moved[index][shown, marker, axis], color=ROLES["model"], label="by the change"
             )
@@ -83,6 +83,12 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
             if not place:
                 axes.legend(frameon=False, loc="best")
     return figure
+
+
+def _named(found: Found, diagnosis: ChangeDiagnosis) -> Fitted:
+    """The change that the verdict names first: the smallest that holds it, and of those the one that explains most."""
+    named = set(next(iter(diagnosis.verdict.alternatives), diagnosis.verdict.effects))
+    return min((f for f, _ in found.fits if named <= set(f.suspect.names)), key=lambda f: len(f.suspect.names))
 
 
 def _seen(found: Found, marker: int, index: int) -> Array:

@@ -34,7 +34,7 @@ class Frame:
     Attributes:
         pair: the recordings.
         hypothesis, values: the model of OLD, (P,); what is declared and seldom exact is open in it too.
-        rows: of NEW, one for each coordinate of each marker.
+        rows: of NEW, one for each sum over the markers' coordinates that is looked at.
         roots: for each the factor (n, n) [m] of the covariance of NEW where OLD is known.
         rooted: (n, 1 + K) whitened residuals of both, OLD's first; and what is shared and the trials' own.
         run: (n,) to which each row belongs.

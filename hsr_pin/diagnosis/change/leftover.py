@@ -1,8 +1,8 @@
 """What the model of OLD lacks and has no name for: how it goes on in NEW, and how sure that is.
 
-The residuals of a model are taken as a Gaussian process, for each coordinate of each marker (C. E. Rasmussen, C. K. I. Williams,
-Gaussian Processes for Machine Learning, 2006; M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, J. R. Stat.
-Soc. B 63, 2001):
+The residuals of a model are taken as Gaussian processes, one for each principal component of all markers' coordinates
+(C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006; M. C. Kennedy, A. O'Hagan, Bayesian
+calibration of computer models, J. R. Stat. Soc. B 63, 2001):
 
 - a smooth function of what the arm does and is told to do (pose, rate, command, filtered commands, stiffness level, payload,
   time), the same in every trial: where NEW repeats a command of OLD, it is what OLD's trials of it had in common, and drops out;
