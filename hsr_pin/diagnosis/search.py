@@ -240,7 +240,7 @@ def _extend(
         for guess in _promising(base, parts, crew)[:enough]:
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
-    quick = _laws_first(_from_one_basin(list(chosen.values()), crew))
+    quick = laws_first(_from_one_basin(list(chosen.values()), crew))
     so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
@@ -284,7 +284,7 @@ def _arm(fitted: Fit) -> dict[str, float]:
     return {name: value for name, value in fitted.named.items() if name.partition("@")[0] in ARM}
 
 
-def _laws_first(fits: Sequence[Fit]) -> list[Fit]:
+def laws_first(fits: Sequence[Fit]) -> list[Fit]:
     """The best reading of every law in their order, then the other readings: they shall not crowd out other laws."""
     first: dict[frozenset[str], Fit] = {}
     for fitted in fits:

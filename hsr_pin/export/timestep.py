@@ -6,7 +6,7 @@ import numpy as np
 
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import Parts
-from hsr_pin.robot.chain import Chain, chain_of
+from hsr_pin.robot.chain import chain_of, mass_matrix
 from hsr_pin.trajectory import Array
 
 #: Steps [s]: the first keeps an arm within 0.5 mm of hsr_pin's motion (a test compares them), the others are for stiffer ones.
@@ -48,16 +48,3 @@ def _twisted(axial: Array) -> Array:
     """(N, N) [kg m^2] of the straight arm that twists: what lies beyond the farther joint of two turns with both."""
     beyond = np.cumsum(axial[::-1])[::-1]
     return np.asarray(beyond[np.maximum.outer(np.arange(len(axial)), np.arange(len(axial)))])
-
-
-def mass_matrix(chain: Chain) -> Array:
-    """(N, N) [kg m^2] of the straight arm: what lies beyond the farther joint of two turns with both.
-
-    In closed form, since Pinocchio's data of a thousand links take 20 GB.
-    """
-    joint = np.cumsum(chain.reach[0]) - chain.reach[0]
-    mass, centre = chain.mass[0], joint + chain.lever[0]
-    zeroth, first, second = (np.cumsum(m[::-1])[::-1] for m in (mass, mass * centre, mass * centre**2 + chain.inertia[0]))
-    beyond = np.maximum.outer(np.arange(len(joint)), np.arange(len(joint)))
-    moved = np.add.outer(joint, joint) * first[beyond]
-    return np.asarray(second[beyond] - moved + np.outer(joint, joint) * zeroth[beyond])

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.robot.sections import bodies_of
 from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
@@ -121,3 +122,28 @@ def chain_of(arms: Arms) -> Chain:
     inertia = inertia + mass * (lever - centre) ** 2 + tip * (reach - centre) ** 2
     along, across = arms.frame()
     return Chain(together, centre, inertia, reach, axial, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))
+
+
+def mass_matrix(chain: Chain) -> Array:
+    """(N, N) [kg m^2] of the first arm where it is straight: what lies beyond the farther joint of two turns with both.
+
+    In closed form, since Pinocchio's data of a thousand links take 20 GB.
+    """
+    joint, beyond, (zeroth, first, second) = _beyond(chain)
+    moved = np.add.outer(joint, joint) * first[beyond]
+    return np.asarray(second[beyond] - moved + np.outer(joint, joint) * zeroth[beyond])
+
+
+def weight_matrix(chain: Chain) -> Array:
+    """(N, N) [N m/rad] what gravity makes stiffer of the first arm where it is straight; softer where it stands upright."""
+    joint, beyond, (zeroth, first, _) = _beyond(chain)
+    return np.asarray(chain.gravity[0, 0] * (first[beyond] - joint[beyond] * zeroth[beyond]))
+
+
+def _beyond(chain: Chain) -> tuple[Array, NDArray[np.intp], list[Array]]:
+    """(N,) [m] where the joints are, (N, N) the farther of two, and the moments (N,) of the mass beyond each about the base."""
+    joint = np.cumsum(chain.reach[0]) - chain.reach[0]
+    mass, centre = chain.mass[0], joint + chain.lever[0]
+    moments = (mass, mass * centre, mass * centre**2 + chain.inertia[0])
+    beyond = np.maximum.outer(np.arange(len(joint)), np.arange(len(joint)))
+    return joint, beyond, [np.cumsum(each[::-1])[::-1] for each in moments]

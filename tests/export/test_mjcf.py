@@ -16,9 +16,8 @@ from hsr_pin.export.file import write
 from hsr_pin.export.mjcf import to_mjcf
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import sort
-from hsr_pin.export.timestep import mass_matrix
 from hsr_pin.parameters import parameter
-from hsr_pin.robot.chain import Arms, chain_of
+from hsr_pin.robot.chain import Arms, chain_of, mass_matrix
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
 

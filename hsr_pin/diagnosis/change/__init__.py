@@ -14,6 +14,7 @@
 - ``report``: a change as one HTML page
 - ``size``: how large a change is, and how sure that is
 - ``suspects``: what may have changed
+- ``swing``: what damping may do by itself where a change makes an arm swing slower or faster
 - ``verdict``: what may be said
 - ``words``: a change as a person would say it
 """

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View
+from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
@@ -33,6 +34,11 @@ class FrameTurn(Effect):
         p, axis, angle = view.positions, view.axis, np.asarray(self.angle)[..., None, None]
         along = axis * (p @ axis)[..., None]  # Rodrigues' formula
         return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
+
+
+def turns_cameras(effect: Effect | None) -> bool:
+    """Whether it is the law of :class:`FrameTurn` under the name that it has in a single recording."""
+    return isinstance(effect, GravityTilt) and effect.frame == "cameras"
 
 
 #: By name.

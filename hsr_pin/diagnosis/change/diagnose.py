@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.change.cameras import CAMERAS
+from hsr_pin.diagnosis.change.cameras import CAMERAS, turns_cameras
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
 from hsr_pin.diagnosis.change.frame import Before, Frame, framed
@@ -35,8 +35,8 @@ _FITTED, _LOOKED = 14, 10
 _SETTLED = 5
 #: Of these it is told how small a change would have shown.
 _ALWAYS = (("keq_scale",), ("damping_scale",))
-#: Second changes that get a fit.
-_SECOND = 6
+#: Second changes that get a fit; and pairs of which each is fitted once more alone.
+_SECOND, _TWICE = 6, 3
 #: Changes that are tried with others; and factors on the damping that are.
 _FIRST, _DAMPED = 2, (0.5, 2.0)
 
@@ -126,8 +126,10 @@ def diagnose_change(
         plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]
         single = bench.refined([*guesses[:_FITTED], *plain])
         several = _several(bench, frame, _distinct(single), asked) if max_changes > 1 else []
-    best = _distinct([*single, *several])
-    shown = [*best[:_SETTLED], *(each for each in best[_SETTLED:] if each.suspect.names in _ALWAYS)]
+        single = _distinct([*single, *bench.refined(_alone(several, single))])
+    best = _distinct([*single, *_needed(frame, single[0], several)])
+    told = (single[0].suspect.names, *_ALWAYS)
+    shown = [*best[:_SETTLED], *(each for each in best[_SETTLED:] if each.suspect.names in told)]
     looked = list(dict.fromkeys([*best[:_LOOKED], *shown]))
     found = Found(
         frame,
@@ -157,7 +159,8 @@ def _parts(experiment: Experiment, names: Sequence[str] | None) -> list[Part]:
     """What may appear, in every reading."""
     known = EFFECTS | CAMERAS
     if names is None:
-        return [*catalogue([*EFFECTS.values()], experiment), *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
+        arm = [part for part in catalogue([*EFFECTS.values()], experiment) if not turns_cameras(part.effect)]
+        return [*arm, *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
     chosen = [known[name] if name in known else effect_named(name) for name in dict.fromkeys(names)]
     return catalogue(chosen, experiment, plain=())
 
@@ -171,12 +174,9 @@ def _distinct(fits: Sequence[Fitted]) -> list[Fitted]:
 
 
 def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequence[Suspect]) -> list[Fitted]:
-    """Two changes together, if what the best of one leaves asks for it, they take away most of that, and it shows."""
+    """Two changes together, if what the best of one leaves asks for it."""
     best = single[0]
-    gain = float(frame.seen @ frame.seen) - best.square
-    new = frame.run >= len(frame.pair.old.runs)
-    left = float((best.residual[new] ** 2).sum()) - float(new.sum())
-    least = max(2 * SURE, SECOND * gain, HALF * left)
+    left, least = _rest(frame, best)
     if left < least:
         return []
     damping = next(each for each in asked if each.names == ("damping_scale",))
@@ -187,8 +187,33 @@ def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequen
         apart = [other for other in asked if other.names != first.suspect.names]
         others = [replace(first.suspect.together(other), probes=other.probes) for other in apart]
         guesses += bench.guessed(others, first)[:_SECOND]
-    found = bench.refined(sorted(guesses, key=lambda guess: guess.square)[: 2 * _SECOND])
-    return [each for each in found if best.square - each.square > least and each.apart(best) >= frame.pair.worth]
+    return bench.refined(sorted(guesses, key=lambda guess: guess.square)[: 2 * _SECOND])
+
+
+def _rest(frame: Frame, best: Fitted) -> tuple[float, float]:
+    """Squares that one change leaves in NEW beyond noise, and how many of them another must take away."""
+    gain = float(frame.seen @ frame.seen) - best.square
+    new = frame.run >= len(frame.pair.old.runs)
+    left = float((best.residual[new] ** 2).sum()) - float(new.sum())
+    return left, max(2 * SURE, SECOND * gain, HALF * left)
+
+
+def _alone(several: Sequence[Fitted], single: Sequence[Fitted]) -> list[Guess]:
+    """Each of two changes, from where it ended beside the other: a law with a shape fits well in more than one place."""
+    known = {each.suspect.names: each.suspect for each in _distinct(single)}
+    guesses = []
+    for both in several[:_TWICE]:
+        for suspect in (known[(name,)] for name in both.suspect.names if (name,) in known):
+            if len(suspect.open) > 1 and set(suspect.open) <= set(both.suspect.open):
+                start = both.after[[both.suspect.open.index(name) for name in suspect.open]]
+                guesses.append(Guess(suspect, (start,), both.square))
+    return guesses
+
+
+def _needed(frame: Frame, best: Fitted, several: Sequence[Fitted]) -> list[Fitted]:
+    """Those of two changes that take away most of what the best of one leaves, where that shows."""
+    _, least = _rest(frame, best)
+    return [each for each in several if best.square - each.square > least and each.apart(best) >= frame.pair.worth]
 
 
 def _settled(frame: Frame, fitted: Fitted) -> tuple[Fitted, Frame]:
@@ -206,11 +231,10 @@ def _was(reference: Candidate, frame: Frame) -> dict[str, tuple[float, float]]:
     }
 
 
-def _spread(frame: Frame, before: Before) -> tuple[float, float]:
-    """Mean square of OLD's own residuals, and of those of the worst of its trials."""
+def _spread(frame: Frame, before: Before) -> tuple[float, ...]:
+    """Mean square of the residuals of each of OLD's trials."""
     run = np.concatenate([rows.run for rows in before.rows])
-    each = [float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs]
-    return float(np.mean(before.seen**2)), max(each)
+    return tuple(float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs)
 
 
 def _proposals(found: Found, verdict: ChangeVerdict) -> tuple[Proposal, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
+from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.verdict import Found
 from hsr_pin.diagnosis.inline_svg import ROLES, drawing
@@ -48,8 +49,7 @@ def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
     """Which of NEW's trials to look at, with a caption: where the change moves the markers most."""
     if diagnosis.found is None or not diagnosis.verdict.changes:
         return []
-    best = diagnosis.found.fits[0][0]
-    moves = [float(np.mean(each**2)) for each in best.moved]
+    moves = [float(np.mean(each**2)) for each in _named(diagnosis.found, diagnosis).moved]
     chosen = np.argsort(moves)[::-1][:_SHOWN]
     names = [diagnosis.pair.new.runs[k].trial.name for k in chosen]
     marker = diagnosis.pair.new.markers[_far(diagnosis)].name
@@ -65,7 +65,7 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
 
     found, pair = diagnosis.found, diagnosis.pair
     assert found is not None
-    fitted, marker = found.fits[0][0], _far(diagnosis)
+    fitted, marker = _named(found, diagnosis), _far(diagnosis)
     bins = pair.bins[len(pair.old.runs) + index]
     seen = _seen(found, marker, index)
     with drawing():
@@ -73,7 +73,7 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
         for place, (axis, name) in enumerate(((0, "x"), (1, "z"))):
             axes = figure.add_subplot(1, 2, place + 1)
             shown = bins.counts[:, marker] > 0
-            axes.plot(bins.time[shown], 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
+            axes.plot(bins.time, 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
             axes.plot(
                 bins.time[shown], 1e3 * fitted.moved[index][shown, marker, axis], color=ROLES["model"], label="by the change"
             )
@@ -85,15 +85,21 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
     return figure
 
 
-def _seen(found: Found, marker: int, index: int) -> list[Array]:
-    """[m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
-    frame, answer = found.frame, []
-    places = np.cumsum([0, *(len(rows.run) for rows in frame.rows)])
-    foretold = frame.foretold
-    for axis in (0, 1):
-        k = next(k for k, rows in enumerate(frame.rows) if (rows.marker, rows.axis) == (marker, axis))
-        own = frame.rows[k].run == index
-        answer.append(-foretold[places[k] : places[k + 1]][own])
+def _named(found: Found, diagnosis: ChangeDiagnosis) -> Fitted:
+    """The change that the verdict names first: the smallest that holds it, and of those the one that explains most."""
+    named = set(next(iter(diagnosis.verdict.alternatives), diagnosis.verdict.effects))
+    return min((f for f, _ in found.fits if named <= set(f.suspect.names)), key=lambda f: len(f.suspect.names))
+
+
+def _seen(found: Found, marker: int, index: int) -> Array:
+    """(2, B) [m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
+    frame = found.frame
+    answer = np.full((2, len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
+    ends = np.cumsum([len(rows.run) for rows in frame.rows])[:-1]
+    for rows, part in zip(frame.rows, np.split(frame.foretold, ends), strict=True):
+        own = rows.run == index
+        so_far = np.nan_to_num(answer[:, rows.place[own]])
+        answer[:, rows.place[own]] = so_far - rows.mix[marker][:, None] * part[own]
     return answer
 
 

@@ -18,8 +18,8 @@ from hsr_pin.trajectory import Array
 
 #: Links and error of a step [m at the tip] of the chain that is tried: what counts is the difference of two predictions.
 _LINKS, _TOLERANCE = 8, 5e-4
-#: Starts of a fit.
-_STARTS = 2
+#: Starts of a fit, of what has no shape and of what has; and how far within its bounds each is, over its scale.
+_STARTS, _SHAPES, _INSIDE = 2, 3, 0.2
 #: From one probe to the next: a size between them is guessed within these factors.
 _BETWEEN = (0.6, 1.6)
 #: Relative change of cost and values at which a fit has converged, and evaluations at most.
@@ -81,16 +81,17 @@ def _rms(moved: Sequence[Array]) -> float:
 def moved(frame: Frame, suspect: Suspect, changed: Array, runs: Sequence[int], *, fine: bool = False) -> list[Array]:
     """For some of the runs (B, M, 2, C) [m] how the prediction moves with open values (C, K), from what it is with OLD's.
 
-    All take the steps in time that the first of them needs.
+    All take the steps in time that the first of them needs. A delay shifts what was seen, and not what the model makes of it.
     """
     experiment = frame.pair.experiment
+    late, changed = suspect.delays(changed)
     points = np.vstack([suspect.values(changed), suspect.before])
     model = suspect.hypothesis if fine else _rough(suspect.hypothesis)
     found = []
     for k in runs:
         seen = np.moveaxis(respond(experiment, experiment.runs[k], model, points).positions[..., experiment.axes], 1, -1)
         seen = np.nan_to_num(seen, nan=experiment.dataset.length)
-        found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]))
+        found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]) + (frame.pair.later(k, late) if late.any() else 0.0))
     return found
 
 
@@ -124,7 +125,7 @@ def guessed(frame: Frame, suspect: Suspect, beside: Fitted | None = None) -> Gue
         starts.setdefault(shape, np.where(sized, np.clip(start + factors[c] * (probes[c] - start), low, high), probes[c]))
     if not order:
         return None
-    return Guess(suspect, tuple(starts.values())[:_STARTS], float(left[order[0]]))
+    return Guess(suspect, tuple(starts.values())[: _STARTS if sized[len(known) :].all() else _SHAPES], float(left[order[0]]))
 
 
 def refined(frame: Frame, guess: Guess, *, fine: bool = False) -> Fitted:
@@ -145,7 +146,8 @@ def refined(frame: Frame, guess: Guess, *, fine: bool = False) -> Fitted:
 
     answers = []
     for start in guess.starts:
-        x = np.clip(start / scale, lower + 1e-6, upper - 1e-6)
+        inside = np.minimum(_INSIDE, 0.4 * (upper - lower))
+        x = np.clip(start / scale, lower + inside, upper - inside)  # a fit that begins at a bound hardly leaves it
         answers.append(
             least_squares(
                 lambda x: at(x)[0],

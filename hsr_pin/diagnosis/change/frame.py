@@ -34,7 +34,7 @@ class Frame:
     Attributes:
         pair: the recordings.
         hypothesis, values: the model of OLD, (P,); what is declared and seldom exact is open in it too.
-        rows: of NEW, one for each coordinate of each marker.
+        rows: of NEW, one for each sum over the markers' coordinates that is looked at.
         roots: for each the factor (n, n) [m] of the covariance of NEW where OLD is known.
         rooted: (n, 1 + K) whitened residuals of both, OLD's first; and what is shared and the trials' own.
         run: (n,) to which each row belongs.
@@ -144,11 +144,12 @@ def framed(pair: Pair, hypothesis: Hypothesis, values: Array) -> tuple[Frame, Be
     columns, _ = _columns(slopes, own)
     found = features(pair, hypothesis, values)
     old_rows, new_rows, old_roots, new_roots, sizes, sides = [], [], [], [], [], []
-    for each in rows_of(pair):
+    off = [float(np.sqrt(np.mean(each**2))) for each in missed]
+    for each in rows_of(pair, missed):
         some, first = thinned(each, ~pair.is_new), int(np.sum(~pair.is_new[each.run]))
         residual, known = each.of(missed), each.of(columns)
-        size = learnt(Covariance.of(pair, each, found, residual, some), residual[some], known[some])
-        whole = Covariance.of(pair, each, found, residual, np.arange(len(residual))).matrix(size)
+        size = learnt(Covariance.of(pair, each, found, residual, off, some), residual[some], known[some])
+        whole = Covariance.of(pair, each, found, residual, off, np.arange(len(residual))).matrix(size)
         root = np.asarray(np.linalg.cholesky(whole), dtype=float)
         both = solve_triangular(root, np.column_stack([residual, known]), lower=True)
         sides.append((both[:first], both[first:]))

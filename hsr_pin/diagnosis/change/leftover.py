@@ -1,8 +1,8 @@
 """What the model of OLD lacks and has no name for: how it goes on in NEW, and how sure that is.
 
-The residuals of a model are taken as a Gaussian process, for each coordinate of each marker (C. E. Rasmussen, C. K. I. Williams,
-Gaussian Processes for Machine Learning, 2006; M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, J. R. Stat.
-Soc. B 63, 2001):
+The residuals of a model are taken as Gaussian processes, one for each principal component of all markers' coordinates
+(C. E. Rasmussen, C. K. I. Williams, Gaussian Processes for Machine Learning, 2006; M. C. Kennedy, A. O'Hagan, Bayesian
+calibration of computer models, J. R. Stat. Soc. B 63, 2001):
 
 - a smooth function of what the arm does and is told to do (pose, rate, command, filtered commands, stiffness level, payload,
   time), the same in every trial: where NEW repeats a command of OLD, it is what OLD's trials of it had in common, and drops out;
@@ -35,6 +35,8 @@ from hsr_pin.trajectory import Array
 _INEXACT = 0.05
 #: Time constants of the filtered commands that are features [s].
 _FILTERS = (0.15, 1.0)
+#: Share of the bins in which some marker is not seen, from which on markers are not taken together.
+_LOST = 0.05
 #: Rows at most from which the sizes are learnt: their cost grows with the third power.
 _LEARNT = 320
 #: Sizes: shared, constant of a trial, process of a trial, its time [s], noise, reach of a feature, releases over commands; as
@@ -47,45 +49,58 @@ _LOW, _HIGH = np.log([1e-3, 1e-3, 1e-2, 0.02, 0.5, 0.3, 0.5]), np.log([3.0, 3.0,
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Of one coordinate of one marker, over both recordings, OLD's first.
+    """Of one sum over the markers' coordinates, over both recordings, OLD's first.
 
     Attributes:
-        marker, axis: which.
+        mix: (M, 2) of how much of each; its squares add up to one.
         run: (n,) to which each row belongs.
         place: (n,) its bin.
-        counts: (n,) samples in it.
+        white: (n,) [m^2] variance of the noise floor in it.
         time: (n,) [s] in the run.
     """
 
-    marker: int
-    axis: int
+    mix: Array
     run: NDArray[np.intp]
     place: NDArray[np.intp]
-    counts: Array
+    white: Array
     time: Array
 
     def part(self, chosen: slice, first: int) -> Rows:
         """Some of them, their runs counted from ``first`` on."""
         run, place = self.run[chosen] - first, self.place[chosen]
-        return Rows(self.marker, self.axis, run, place, self.counts[chosen], self.time[chosen])
+        return Rows(self.mix, run, place, self.white[chosen], self.time[chosen])
 
     def of(self, binned: Sequence[Array]) -> Array:
         """(n, ...) rows of one (B, M, 2, ...) per run."""
-        whole = np.concatenate([values[:, self.marker, self.axis] for values in binned])
+        whole = np.concatenate([np.einsum("bma...,ma->b...", values, self.mix) for values in binned])
         first = np.cumsum([0, *(len(values) for values in binned)])
         return np.asarray(whole[first[self.run] + self.place])
 
 
-def rows_of(pair: Pair) -> list[Rows]:
-    """One for each coordinate of each marker."""
-    found = []
-    for marker in range(len(pair.experiment.markers)):
-        seen = [np.flatnonzero(bins.counts[:, marker] > 0) for bins in pair.bins]
-        run = np.concatenate([np.full(len(places), k) for k, places in enumerate(seen)])
-        counts = np.concatenate([b.counts[places, marker] for b, places in zip(pair.bins, seen, strict=True)])
-        time = np.concatenate([b.time[places] for b, places in zip(pair.bins, seen, strict=True)])
-        found += [Rows(marker, axis, run, np.concatenate(seen), counts, time) for axis in (0, 1)]
-    return found
+def rows_of(pair: Pair, missed: Sequence[Array]) -> list[Rows]:
+    """One for each of the ways in which the residuals of OLD go together, (B, M, 2) [m] for each run; or for each coordinate.
+
+    A trial that bends more than the others is off at all markers, each by its share: what is left across that is known better
+    than any coordinate alone (principal components: I. T. Jolliffe, Principal Component Analysis, 2002).
+    """
+    count = len(pair.experiment.markers)
+    together = [np.asarray((bins.counts > 0).all(axis=1)) for bins in pair.bins]
+    lost = 1 - sum(each.sum() for each in together) / max(sum((b.counts > 0).any(axis=1).sum() for b in pair.bins), 1)
+    if count > 1 and lost < _LOST:
+        old = np.concatenate([missed[k][together[k]] for k in pair.old_runs]).reshape(-1, 2 * count)
+        turned = np.linalg.eigh(old.T @ old)[1].T.reshape(-1, count, 2)
+        return [_rows(pair, mix, together) for mix in turned]
+    single = np.eye(2 * count).reshape(-1, count, 2)
+    return [_rows(pair, mix, [bins.counts[:, k // 2] > 0 for bins in pair.bins]) for k, mix in enumerate(single)]
+
+
+def _rows(pair: Pair, mix: Array, seen: Sequence[NDArray[np.bool_]]) -> Rows:
+    places = [np.flatnonzero(each) for each in seen]
+    run = np.concatenate([np.full(len(each), k) for k, each in enumerate(places)])
+    power = (mix**2).sum(axis=1) * pair.experiment.noise**2
+    white = np.concatenate([(power / np.maximum(b.counts[at], 1.0)).sum(axis=1) for b, at in zip(pair.bins, places, strict=True)])
+    time = np.concatenate([b.time[at] for b, at in zip(pair.bins, places, strict=True)])
+    return Rows(mix, run, np.concatenate(places), white, time)
 
 
 def features(pair: Pair, hypothesis: Hypothesis, values: Array) -> list[Array]:
@@ -120,7 +135,7 @@ def _filtered(command: Array, step: float, time: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
-    """Of the rows of one coordinate, for sizes (7,) as :data:`_NAMES`.
+    """Of some rows, for sizes (7,) as :data:`_NAMES`.
 
     Attributes:
         distance: (n, n) squared, between features.
@@ -143,12 +158,13 @@ class Covariance:
     scale: float
 
     @classmethod
-    def of(cls, pair: Pair, rows: Rows, found: Sequence[Array], residual: Array, some: NDArray[np.intp]) -> Covariance:
-        """For some of the rows, of whose residuals (n,) [m] those of OLD tell the scale."""
+    def of(
+        cls, pair: Pair, rows: Rows, found: Sequence[Array], residual: Array, off: Sequence[float], some: NDArray[np.intp]
+    ) -> Covariance:
+        """For some of the rows, of whose residuals (n,) [m] those of OLD tell the scale; each run is off by so much [m]."""
         old = residual[~pair.is_new[rows.run]]
-        noise = float(pair.experiment.noise[rows.marker])
+        noise = float(np.sqrt(((rows.mix**2).sum(axis=1) * pair.experiment.noise**2).sum()))
         scale = max(float(np.sqrt(np.mean(old**2))), noise)
-        off = [float(np.sqrt(np.mean(residual[rows.run == k] ** 2))) if k in rows.run else 0.0 for k in range(len(pair.is_new))]
         run, time = rows.run[some], rows.time[some]
         first = np.cumsum([0, *(len(each) for each in found)])
         x = np.concatenate(found)[first[run] + rows.place[some]]
@@ -157,7 +173,7 @@ class Covariance:
         released = np.array([float(each.start_pose is not None) for each in pair.experiment.runs])[run]
         inexact = _INEXACT * np.where(pair.is_new, off, 0.0)[run]
         motion, same = np.array(pair.motion)[run], (run[:, None] == run).astype(float)
-        return cls(distance, same, np.abs(time[:, None] - time), released, motion, inexact, noise**2 / rows.counts[some], scale)
+        return cls(distance, same, np.abs(time[:, None] - time), released, motion, inexact, rows.white[some], scale)
 
     def parts(self, sizes: Array) -> list[Array]:
         """(n, n) each [m^2]: shared, constant, own, and the diagonal of the noise (n,)."""

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
@@ -19,6 +20,8 @@ _ROWS, _NARROWEST = 1200, 0.02
 _NOISE, _LENGTH = 0.5, 2e-3
 #: A run moves at least this much, over what those of OLD do, and at most.
 _MOTION = (0.3, 10.0)
+#: Over how long motion is made smooth before it is shifted in time [s], in five samples at least.
+_SMOOTH = 0.06
 #: Declared numbers that may differ by this share and still be of the same arm.
 _SAME = 1e-6
 
@@ -75,6 +78,25 @@ class Pair:
         return tuple(float(np.clip(size / usual, *_MOTION)) for size in sizes)
 
     @cached_property
+    def smooth(self) -> tuple[Array, ...]:
+        """Of each run (T, M, 2) [m] where the markers were, without gaps and with less noise."""
+        return tuple(_smooth(run) for run in self.experiment.runs)
+
+    def later(self, index: int, delays: Array) -> Array:
+        """(B, M, 2, C) [m] how much farther a run was than it would have been without delays (C,) [s] of its command.
+
+        A command that comes later shifts whatever the arm did in answer, also what no model of it explains.
+        """
+        run, seen = self.experiment.runs[index], self.smooth[index]
+        if run.start_pose is not None:
+            return np.zeros((len(self.bins[index].starts), *seen.shape[1:], len(delays)))
+        flat = seen.reshape(len(seen), -1)
+        ahead = np.stack(
+            [np.stack([np.interp(run.time + each, run.time, one) for one in flat.T], axis=-1) for each in delays], axis=-1
+        )
+        return self.bins[index](seen[..., None] - ahead.reshape(*seen.shape, len(delays)))
+
+    @cached_property
     def width(self) -> float:
         """Of a bin [s]."""
         runs = self.experiment.runs
@@ -124,6 +146,22 @@ class Bins:
         """(B, ...) means of values (T, ...) over all samples."""
         sizes = np.diff(self.starts, append=len(values)).reshape(-1, *[1] * (values.ndim - 1))
         return np.asarray(np.add.reduceat(values, self.starts, axis=0) / sizes)
+
+
+def _smooth(run: Run) -> Array:
+    """(T, M, 2) [m] moving parabolas, gaps bridged; zeros for a marker that was hardly seen.
+
+    A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964).
+    """
+    out = np.zeros(run.compared.shape)
+    window = 2 * max(2, round(_SMOOTH / run.step / 2)) + 1
+    for marker in range(run.compared.shape[1]):
+        seen = np.isfinite(run.compared[:, marker]).all(axis=1)
+        if seen.sum() > window:
+            for axis in (0, 1):
+                whole = np.interp(run.time, run.time[seen], run.compared[seen, marker, axis])
+                out[:, marker, axis] = savgol_filter(whole, window, 2)
+    return out
 
 
 def pair(old: Experiment, new: Experiment) -> Pair:

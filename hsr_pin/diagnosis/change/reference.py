@@ -6,11 +6,14 @@ Few, and no flexible laws: a model that bends to OLD does not foretell NEW. What
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from hsr_pin.diagnosis.candidates import Candidate
+import numpy as np
+
+from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.search import APART, laws_first, mean_square
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
@@ -44,13 +47,25 @@ def described(
     while len(best.names) < max_effects:
         tell(f"what describes the first recording: effect {len(best.names) + 1}")
         ranked = sorted(crew.guess(best, [part for part in parts if part.name not in best.names]), key=lambda guess: -guess.gain)
-        quick = sorted(crew.glance([(best.fit, guess) for guess in ranked[:_GLANCES]]), key=lambda fitted: fitted.rms)
+        tasks = [(best.fit, each) for guess in ranked[:_GLANCES] for each in (guess, *_as_declared(guess, best))]
+        quick = laws_first(sorted(crew.glance(tasks), key=lambda fitted: fitted.rms))
         better = min(crew.finish(quick[:_FINISHED]), key=_cost, default=best)
         helps = mean_square(best) - mean_square(better) > _HELPS * (mean_square(best) - noise)
         if not helps or not certainly_better(better.heldout, best.heldout, seed):
             break
         best = better
     return best
+
+
+def _as_declared(guess: Guess, best: Candidate) -> tuple[Guess, ...]:
+    """The same guess about an arm that is damped as declared, where the fit is far from that.
+
+    A slow actuator and a damped arm are two lags in a row, and these can be exchanged: the one is a basin beside the other.
+    """
+    if abs(np.log(best.fit.named["damping_scale"])) < np.log(APART):
+        return ()
+    at = guess.hypothesis.free.index("damping_scale")
+    return (replace(guess, starts=tuple(np.where(np.arange(len(each)) == at, 1.0, each) for each in guess.starts)),)
 
 
 def _cost(candidate: Candidate) -> float:

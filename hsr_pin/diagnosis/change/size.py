@@ -41,6 +41,12 @@ class Size:
     becomes: tuple[float, float]
     step: tuple[float, float] | None
 
+    @property
+    def moved(self) -> bool:
+        """Whether it is certainly another than it was."""
+        still = 1.0 if self.name in ARM else 0.0
+        return self.step is not None and not self.step[0] <= still <= self.step[1]
+
 
 def left_out(frame: Frame, fitted: Fitted) -> tuple[Array, Array]:
     """(T, K) the values with each of NEW's trials left out, and (n,) the residuals, each trial's with the values without it."""

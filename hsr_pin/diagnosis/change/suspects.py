@@ -63,16 +63,21 @@ class Suspect:
         return np.asarray(self.before[self.places])
 
     @property
-    def kinds(self) -> tuple[str, ...]:
-        """Of physics."""
+    def kinds(self) -> dict[str, str]:
+        """Of physics, by name."""
         own = {part.name: part.kind for part in self.hypothesis.parts} | {"keq_scale": "elastic", "damping_scale": "damping"}
-        return tuple(sorted({own[name] for name in self.names}))
+        return {name: own[name] for name in self.names}
 
     def values(self, changed: Array) -> Array:
         """(C, P) of the model, for open values (C, K)."""
         points = np.tile(self.before, (len(changed), 1))
         points[:, self.places] = changed
         return points
+
+    def delays(self, changed: Array) -> tuple[Array, Array]:
+        """(C,) [s] by how much later the command arrives with open values (C, K); and these with the delay as it was in OLD."""
+        late = np.array([name.endswith(".delay") for name in self.open])
+        return (changed - self.start)[:, late].sum(axis=1), np.where(late, self.start, changed)
 
     def contains(self, other: Suspect) -> bool:
         """Whether the other is a special case of this one."""

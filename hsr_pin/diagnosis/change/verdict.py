@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 
 from hsr_pin.diagnosis.change.chance import Chance
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.size import Size, left_out, sizes
+from hsr_pin.diagnosis.change.swing import slack
 from hsr_pin.diagnosis.change.words import listed, millimetres, told
 from hsr_pin.trajectory import Array
 
@@ -85,7 +88,7 @@ class Found:
         chance: what OLD shows of ``looked`` by chance.
         looked: of which changes.
         was: 95 % intervals of the values of OLD's model, by name.
-        spread: mean square of OLD's own residuals, and of the worst of its trials.
+        spread: mean square of the residuals of each of OLD's trials.
     """
 
     frame: Frame
@@ -93,7 +96,35 @@ class Found:
     chance: Chance
     looked: tuple[tuple[str, ...], ...]
     was: Mapping[str, tuple[float, float]]
-    spread: tuple[float, float]
+    spread: tuple[float, ...]
+
+    @cached_property
+    def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
+        """Of each of the fits, by its names."""
+        return {f.suspect.names: sizes(frame, f, self.was, self.inflation(f)) for f, frame in self.fits}
+
+    def moved(self, fitted: Fitted) -> int:
+        """How many numbers are certainly others than they were."""
+        return sum(size.moved for size in self.sizes[fitted.suspect.names])
+
+    def sure(self, fitted: Fitted) -> bool:
+        """Whether a change is there: it explains enough, moves the markers, and nothing of it may be none."""
+        explains = self.gain(fitted) > self.needed(fitted) and fitted.rms >= self.frame.pair.worth
+        return explains and {each.name for each in self.sizes[fitted.suspect.names] if each.moved} == set(fitted.suspect.names)
+
+    def suffices(self, fitted: Fitted, wider: Fitted) -> bool:
+        """Whether a special case of a change explains as good as all that it does, and its further numbers may be none."""
+        special = wider.suspect.contains(fitted.suspect) and self.moved(wider) <= self.moved(fitted)
+        return special and self.gain(fitted) > (1 - REST) * self.gain(wider)
+
+    def told(self, fitted: Fitted) -> tuple[Size, ...]:
+        """What is said of a change: no damping that a swing at another rate may make."""
+        found = self.sizes[fitted.suspect.names]
+        own = [size for size in found if size.parameter == "damping_scale" and size.step is not None]
+        if not own or len(fitted.suspect.names) < 2 or own[0].step is None:
+            return found
+        (low, high), (least, most) = own[0].step, slack(self.frame.pair, fitted)
+        return tuple(size for size in found if size is not own[0]) if least < most and low <= most and high >= least else found
 
     @property
     def nothing(self) -> float:
@@ -124,9 +155,10 @@ class Found:
         return np.asarray(self.frame.run >= len(self.frame.pair.old.runs))
 
     def inexact(self, fitted: Fitted) -> float:
-        """Squares left in NEW beyond what OLD's trials have on average."""
-        left = fitted.residual[self.new] ** 2
-        return max(0.0, float(left.sum()) - max(1.0, self.spread[0]) * len(left))
+        """Squares left in NEW beyond what OLD's trials have, and as many others of them might have (one-sided, 95 %)."""
+        left, own, count = fitted.residual[self.new] ** 2, np.array(self.spread), len(self.frame.pair.new.runs)
+        doubt = float(stats.t.ppf(0.95, len(own) - 1) * own.std(ddof=1)) * sqrt(1 / len(own) + 1 / count)
+        return max(0.0, float(left.sum()) - max(1.0, float(own.mean()) + doubt) * len(left))
 
     def left(self, residual: Array) -> float:
         """Squares left in NEW beyond what could be a bad trial of OLD; 0 where it could."""
@@ -140,21 +172,23 @@ class Found:
 
 def judge(found: Found) -> ChangeVerdict:
     """The verdict."""
-    sure = [(f, frame) for f, frame in found.fits if found.gain(f) > found.needed(f) and f.rms >= found.frame.pair.worth]
+    sure = [fitted for fitted, _ in found.fits if found.sure(fitted)]
     if not sure:
         return _nothing(found)
-    best, seen = min(sure, key=lambda each: found.cost(each[0]))
-    ties = tied(found, best, [each for each, _ in found.fits if found.gain(each) > HALF * found.gain(best)])
-    frames = {id(fitted): frame for fitted, frame in found.fits}
+    first = min(sure, key=found.cost)
+    first = min((each for each in sure if found.suffices(each, first)), key=found.cost, default=first)
+    best, *others = ties = tied(found, first, [each for each in sure if found.gain(each) > HALF * found.gain(first)])
     left = found.left(best.residual)
     total = found.gain(best) + left
-    difference = _difference(found, best, seen)
-    names = [each.suspect.names for each in ties]
+    difference = _difference(found, best, next(frame for fitted, frame in found.fits if fitted is best))
+    own = found.told(best)
+    changes = tuple(dict.fromkeys((*own, *(size for each in others for size in found.told(each)))))
+    names = list(dict.fromkeys(tuple(sorted({size.name for size in found.told(each)})) for each in ties))
     common = tuple(sorted(set.intersection(*map(set, names))))
-    kinds = tuple(sorted(set.intersection(*(set(each.suspect.kinds) for each in ties))))
-    changes = tuple(size for each in ties for size in sizes(frames[id(each)], each, found.was, found.inflation(each)))
-    own = changes[: len(best.after)]
+    kinds = tuple(sorted(set.intersection(*({each.suspect.kinds[s.name] for s in found.told(each)} for each in ties))))
     rest = "nothing else" if left <= REST * total else "something else as well, that no candidate explains"
+    if beside := [size for size in found.sizes[best.suspect.names] if size not in own]:
+        rest += f": {told(beside)} is no more than a swing at another rate may make"
     share = f"{100 * difference.share:.0f} % of the difference on held-out trials"
 
     def said(status: str, sentence: str, effects: tuple[str, ...], sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
@@ -162,18 +196,18 @@ def judge(found: Found) -> ChangeVerdict:
         return ChangeVerdict(status, effects, tuple(sets), sentence, known, changes, difference)
 
     if left > (1 - HALF) * total or difference.share < HALF:
-        what = f"the best that the catalogue offers ({listed(best.suspect.names)}) explains {share}"
+        what = f"the best that the catalogue offers ({listed(names[0])}) explains {share}"
         return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
-    if len(ties) > 1:
+    if len(names) > 1:
         each = ", or ".join(" with ".join(one) for one in names)
         certain = f"{listed(common)} certainly; " if common else ""
         return said("ambiguous", f"These recordings cannot tell what has changed: {certain}{each} ({share}).", common, names)
     status = "identified" if left <= REST * total else "partly_identified"
-    return said(status, f"{told(own)}; {rest} ({share}).", best.suspect.names)
+    return said(status, f"{told(own)}; {rest} ({share}).", names[0])
 
 
 def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:
-    """The best, and the other changes that explain as much; none that only has more numbers to bend."""
+    """The changes that explain as much as the best, which come first; none that only has more numbers to bend."""
     allowed = NEARLY * found.noisier(best) + max(TIED * found.gain(best), OF_LEFT * found.inexact(best))
     near = [each for each in rivals if found.cost(each) - found.cost(best) <= allowed]
     kept = [best]
@@ -183,7 +217,7 @@ def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:
             for other in near
         )
         extended = any(set(other.suspect.names) < set(each.suspect.names) for other in near)
-        if each is not best and not wider and not extended and each.suspect.names not in [k.suspect.names for k in kept]:
+        if each is not best and not wider and not extended:
             kept.append(each)
     return kept
 

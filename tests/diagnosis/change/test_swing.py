@@ -1,0 +1,86 @@
+"""Damping that a slower swing may make is told from damping that has changed, by how fast the straight arm swings."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.diagnosis.change.suspects import Suspect
+from hsr_pin.diagnosis.change.swing import rate, slack
+from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.effects import EFFECTS
+from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.robot.chain import Arms, chain_of, weight_matrix
+from hsr_pin.robot.model import build_model
+from hsr_pin.robot.specification import ArmSpecification
+
+from ..made import made
+
+MODEL = Hypothesis(links=40)
+HEAVIER = MODEL.with_part(Part("tip_mass", EFFECTS["tip_mass"]()))
+
+
+@pytest.fixture(scope="module")
+def experiment():
+    return prepare(made(trials=((1.11, 0.05, (0.5, 0.15)),)))
+
+
+@pytest.mark.parametrize("mount", ["hanging", "upright"])
+def test_what_gravity_makes_stiffer_is_the_slope_of_its_torque(mount):
+    arm = ArmSpecification(mount=mount, links=6, tip_mass=0.1)
+    model = build_model(arm).model
+    slope = pin.computeGeneralizedGravityDerivatives(model, model.createData(), np.zeros(model.nq))
+    np.testing.assert_allclose(weight_matrix(chain_of(Arms.of([arm]))), slope, rtol=1e-9, atol=1e-12)
+
+
+def test_an_arm_without_weight_swings_as_a_cantilever(experiment):
+    light = replace(experiment, dataset=replace(experiment.dataset, mount="horizontal"))
+    (run,), arm = light.runs, light.dataset
+    cantilever = 1.8751**2 * np.sqrt(run.trial.keq * arm.length / (arm.mass * arm.length**3))
+    run.declared.clear()
+    assert rate(light, run, MODEL, np.array([1.0, 1e-3])) == pytest.approx(cantilever, rel=0.02)
+    run.declared.clear()
+
+
+def test_an_arm_that_creeps_does_not_swing_nor_one_that_falls(experiment):
+    (run,) = experiment.runs
+    assert rate(experiment, run, MODEL, np.array([1.0, 0.02])) > 0
+    assert rate(experiment, run, MODEL, np.array([1.0, 50.0])) == 0
+
+
+def _fitted(damping, after):
+    suspect = Suspect(("damping_scale", "tip_mass"), HEAVIER, np.array([1.0, damping, 0.0]), ("damping_scale", "tip_mass.mass"))
+    return SimpleNamespace(suspect=suspect, after=np.array(after))
+
+
+def test_damping_is_free_by_the_square_of_how_much_slower_an_arm_swings(experiment):
+    pair = SimpleNamespace(experiment=experiment, old=experiment, new=experiment)
+    (run,) = experiment.runs
+    was, is_ = (rate(experiment, run, HEAVIER, np.array([1.0, 0.02, mass])) for mass in (0.0, 0.1))
+    assert slack(pair, _fitted(0.02, (0.02, 0.1))) == pytest.approx((1.0, (was / is_) ** 2))
+    assert slack(pair, _fitted(0.02, (0.04, 0.0))) == pytest.approx((1.0, 1.0), abs=1e-6)
+    assert slack(pair, _fitted(50.0, (50.0, 0.1))) == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("times", [(0.01,), (3.0,), (0.02, 0.3, 2.0)])
+def test_no_sum_of_maxwell_elements_leaves_these_bounds(times):
+    w = np.geomspace(0.1, 100, 50)
+    c = sum(t / (1 + (w * t) ** 2) for t in times)
+    assert (np.diff(c) <= 0).all()
+    assert (np.diff(c * w**2) >= 0).all()
+
+
+@pytest.mark.parametrize("step, said", [((1.1, 1.3), {"tip_mass"}), ((2.9, 3.4), {"damping_scale", "tip_mass"})])
+def test_only_damping_beyond_them_is_told(experiment, step, said, monkeypatch):
+    monkeypatch.setattr("hsr_pin.diagnosis.change.verdict.slack", lambda pair, fitted: (1.0, 2.0))
+    fitted = _fitted(0.02, (0.03, 0.1))
+    sizes = (
+        Size("damping_scale", "damping_scale", "1", 0.02, 0.03, (0.02, 0.02), (0.02, 0.04), step),
+        Size("tip_mass", "tip_mass.mass", "kg", 0.0, 0.1, (0.0, 0.0), (0.09, 0.11), (0.09, 0.11)),
+    )
+    found = SimpleNamespace(sizes={fitted.suspect.names: sizes}, frame=SimpleNamespace(pair=None))
+    assert {size.name for size in Found.told(found, fitted)} == said

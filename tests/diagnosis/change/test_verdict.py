@@ -1,0 +1,68 @@
+"""What is named: only what is certainly another than it was, and no law with more numbers than are."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hsr_pin.diagnosis.change.size import Size
+from hsr_pin.diagnosis.change.suspects import Suspect
+from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import neutral
+from hsr_pin.identification.hypothesis import Hypothesis, Part
+
+
+def size(parameter, step):
+    return Size(parameter.partition(".")[0], parameter, "s", 0.0, sum(step) / 2, (0.0, 0.0), step, step)
+
+
+class Judged(Found):
+    """Of changes with given sizes and gains; all explain enough and move the markers."""
+
+    def __init__(self, *changes):
+        self.given = {names: (sizes, gain) for names, sizes, gain in changes}
+        self.__dict__["sizes"] = {names: sizes for names, (sizes, _) in self.given.items()}
+        self.__dict__["frame"] = SimpleNamespace(pair=SimpleNamespace(worth=0.0))
+
+    def gain(self, fitted):
+        return self.given[fitted.suspect.names][1]
+
+    def needed(self, fitted):
+        return 60.0
+
+
+def fitted(*names):
+    model = Hypothesis()
+    for name in names:
+        model = model.with_part(Part(name, neutral(EFFECTS[name])))
+    return SimpleNamespace(suspect=Suspect(names, model, model.start, ()), rms=1.0)
+
+
+LAGS = (size("unequal_lag.rise", (-0.05, 0.11)), size("unequal_lag.fall", (-0.03, 0.10)), size("unequal_lag.delay", (0.06, 0.11)))
+DELAY = (size("dead_time.delay", (0.07, 0.11)),)
+
+
+def test_a_change_whose_size_may_be_none_is_not_named():
+    for step, there in (((0.01, 0.03), True), ((-0.01, 0.03), False)):
+        found = Judged((("tip_mass",), (size("tip_mass.mass", step),), 1000.0))
+        assert found.sure(fitted("tip_mass")) is there
+
+
+def test_two_changes_are_named_only_where_neither_may_be_none():
+    for step, there in (((0.01, 0.03), True), ((-0.01, 0.03), False)):
+        both = size("marker_offset.offset", step), size("soft_spot.depth", (0.8, 0.9))
+        found = Judged((("marker_offset", "soft_spot"), both, 1000.0))
+        assert found.sure(fitted("marker_offset", "soft_spot")) is there
+
+
+@pytest.mark.parametrize("gain, suffices", [(929.0, True), (700.0, False)])
+def test_a_law_whose_further_numbers_may_be_none_yields_to_its_special_case_that_explains_as_much(gain, suffices):
+    found = Judged((("unequal_lag",), LAGS, 1001.0), (("dead_time",), DELAY, gain))
+    assert found.suffices(fitted("dead_time"), fitted("unequal_lag")) is suffices
+
+
+def test_it_does_not_where_they_are_certain_nor_to_another_law():
+    certain = (size("unequal_lag.rise", (0.05, 0.11)), *LAGS[1:])
+    found = Judged((("unequal_lag",), certain, 1001.0), (("dead_time",), DELAY, 990.0), (("tip_mass",), DELAY, 990.0))
+    assert not found.suffices(fitted("dead_time"), fitted("unequal_lag"))
+    assert not found.suffices(fitted("tip_mass"), fitted("unequal_lag"))
