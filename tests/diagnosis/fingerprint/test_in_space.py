@@ -75,6 +75,8 @@ def test_friction_leaves_the_loop_that_it_leaves_in_a_plane():
     assert space.kinds == plane.kinds == ("friction",)
     assert space.standing.value == pytest.approx(plane.standing.value, rel=0.1)
     assert space.returned.value == pytest.approx(plane.returned.value, rel=0.1)
+    for (_, ours), (_, theirs) in zip(space.curves, plane.curves, strict=True):
+        assert np.ptp(ours) == pytest.approx(np.ptp(theirs), rel=0.05)
 
 
 def test_a_decay_is_that_of_the_plane():
