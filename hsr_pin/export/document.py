@@ -95,7 +95,7 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
-        if getattr(read, "sections", ()):
+        if read.sections:
             _refuse_sections(path)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
         markers = [{field.name: getattr(marker, field.name) for field in fields(marker)} for marker in read.markers]

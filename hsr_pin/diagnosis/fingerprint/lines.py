@@ -84,9 +84,7 @@ def _bent(run: Run, axes: Array, kept: list[int]) -> tuple[Array, Array]:
 def _of_command(run: Run) -> complex:
     """The direction of the line through no torque on which a command stays; 0: on none."""
     largest = run.torque[np.argmax(np.abs(run.torque))]
-    if (
-        not abs(largest) > 0 or not run.span > 0 or getattr(run, "by_section", None) is not None
-    ):  # sections driven apart are on no one line
+    if not abs(largest) > 0 or not run.span > 0 or run.by_section is not None:  # sections driven apart are on no one line
         return 0j
     side = complex(largest / abs(largest))
     return side if np.abs((run.torque * np.conj(side)).imag).max() < _COMMAND * abs(largest) else 0j
