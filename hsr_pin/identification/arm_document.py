@@ -5,6 +5,7 @@ In SI units, as in ``dataset.toml``: this part of a document can be read without
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
@@ -42,7 +43,8 @@ def _of_space(dataset: Dataset) -> dict[str, Any]:
     """What only an arm in space has; a torsion of null is infinite."""
     if dataset.bending == "plane":
         return {}
-    return {"bending": dataset.bending, "torsion": dataset.torsion if isfinite(dataset.torsion) else None}
+    sections = {"sections": [asdict(section) for section in dataset.sections]} if dataset.sections else {}
+    return {"bending": dataset.bending, "torsion": dataset.torsion if isfinite(dataset.torsion) else None, **sections}
 
 
 def _marker(marker: Marker) -> dict[str, Any]:
