@@ -1,18 +1,24 @@
-"""Write a real pneumatic arm's recordings as those of an arm in space: of two sections, and of one under their mean torque.
+"""A real pneumatic arm as one arm in a plane, one in space, and one of two sections under the pressures of each.
 
-    python examples/pneumatic_in_sections.py ../shared/recordings/real-pneumatic pneumatic
-    hsr-fit pneumatic/two-sections --free keq,length_change --effect unequal_lag:rise=0.6,fall=2,delay=0.3
+    python examples/pneumatic_in_sections.py ../shared/recordings/real-pneumatic
 
 The sections' pressures stand beside the recordings, commanded and measured. Chambers A and B of a section bend it towards +x and
--x by what its makers' torque of 0.09 N m/psi makes of their difference; chambers C stay as they are.
+-x by what its makers' torque of 0.09 N m/psi makes of their difference; chambers C stay as they are. Each description is fitted
+as ``hsr-fit`` does it: stiffness and damping; and stiffness, a length that grows, and a torque that comes slowly.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+
+from hsr_pin.effects import parse_effect
+from hsr_pin.identification.evaluation import rms
+from hsr_pin.identification.identify import identify
+from hsr_pin.recordings.read import read_dataset
 
 GAIN = 0.09 / 0.0689475729  # N m/bar: 0.09 N m/psi
 MIDDLE, LENGTH = 0.153, 0.290  # m: the marker between the sections, and the tip's
@@ -26,6 +32,7 @@ mass = 0.293
 diameter = 0.086
 mount = "hanging"
 bending = "space"
+input = "{held}"
 keq = 1.0
 damping = 0.1
 
@@ -47,7 +54,7 @@ length = {length:.3f}
 
 [[input]]
 section = {section}
-columns = ["command{section}A", "command{section}B"]  # opposite to one another, the first towards +x
+columns = ["{drive}{section}A", "{drive}{section}B"]  # opposite to one another, the first towards +x
 gain = {gain!r}
 
 [[measured]]
@@ -55,43 +62,73 @@ columns = [{others}]
 """
 
 
-def main(arguments: Sequence[str] | None = None) -> list[Path]:
-    """The folders that were written."""
+#: What is fitted: names of open numbers, and laws.
+MODELS = {
+    "stiffness, damping": (("keq", "damping"), ()),
+    "stiffness, length_change, unequal_lag": (("keq", "length_change"), ("unequal_lag:rise=0.6,fall=2,delay=0.3",)),
+}
+#: How the arm is described: whether it has sections, and which pressures drive it.
+DESCRIPTIONS = {
+    "one section": (False, "command"),
+    "two sections": (True, "command"),
+    "two sections, measured pressures": (True, "measured"),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> dict[tuple[str, str], float]:
+    """RMS distance of the markers [mm] in each trial by a fit to the others, by model and description."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", type=Path, help="the folder of real-pneumatic")
-    parser.add_argument("output", type=Path, help="a new folder")
+    parser.add_argument("--keep", type=Path, help="a new folder for the descriptions, which hsr-fit and hsr-diagnose can read")
+    parser.add_argument("--quick", action="store_true", help="three trials, stiffness and damping alone")
     chosen = parser.parse_args(arguments)
-    sections = "".join(
-        SECTION.format(length=length, section=section, gain=GAIN, others=", ".join(f'"{name}"' for name in _others(section)))
-        for section, length in ((1, MIDDLE), (2, LENGTH - MIDDLE))
-    )
-    written = []
-    for name, more in (("one-section", ""), ("two-sections", sections)):
-        folder = chosen.output / name
+    with tempfile.TemporaryDirectory() as scratch:
+        folders = written(chosen.recordings, chosen.keep or Path(scratch))
+        folders = {"in a plane": chosen.recordings, **folders}
+        found = {}
+        for model, (free, laws) in list(MODELS.items())[: 1 if chosen.quick else 2]:
+            print(f"{model:42} fitted   each trial by a fit to the others [mm]")
+            for name, folder in folders.items():
+                effects, train = [parse_effect(law) for law in laws], ("trial_0[147]",) if chosen.quick else ()
+                answer = identify(read_dataset(folder), free=free, effects=effects, train=train, test=train and ("trial_02",))
+                found[model, name] = 1e3 * rms(answer.heldout)
+                print(f"    {name:38} {1e3 * rms(answer.after):6.2f}   {found[model, name]:6.2f}", flush=True)
+    return found
+
+
+def written(recordings: Path, output: Path) -> dict[str, Path]:
+    """The descriptions in space, as datasets."""
+    found = {}
+    for name, (by_section, drive) in DESCRIPTIONS.items():
+        folder = output / name.replace(",", "").replace(" ", "-")
         folder.mkdir(parents=True)
-        trials = sorted(chosen.recordings.glob("trial_*.csv"))
+        sections = "".join(_section(k, length, drive) for k, length in ((1, MIDDLE), (2, LENGTH - MIDDLE)))
+        trials = sorted(recordings.glob("trial_*.csv"))
         declared = "".join(f'\n[[trial]]\nfile = "{path.name}"\n' for path in trials)
-        (folder / "dataset.toml").write_text(ROBOT.format(name=name) + more + declared, encoding="utf-8")
+        robot = ROBOT.format(name=folder.name, held="held" if drive == "command" else "interpolated")
+        (folder / "dataset.toml").write_text(robot + sections * by_section + declared, encoding="utf-8")
         for path in trials:
-            _write(path, folder / path.name, by_section=bool(more))
-        written.append(folder)
-        print(folder)
-    return written
+            _write(path, folder / path.name, by_section=by_section)
+        found[name] = folder
+    return found
 
 
-def _others(section: int) -> list[str]:
-    return [f"command{section}C", *(f"measured{section}{chamber}" for chamber in "ABC")]
+def _section(section: int, length: float, drive: str) -> str:
+    every = [f"{kind}{section}{chamber}" for kind in ("command", "measured") for chamber in "ABC"]
+    others = ", ".join(f'"{name}"' for name in every if name not in (f"{drive}{section}A", f"{drive}{section}B"))
+    return SECTION.format(length=length, section=section, gain=GAIN, drive=drive, others=others)
 
 
 def _write(path: Path, target: Path, *, by_section: bool) -> None:
+    """One trial: motion, and its pressures or (in a plane) its torque."""
     with path.open() as motion, (path.parent / "pressures" / path.name).open() as pressures, target.open("w", newline="") as out:
-        rows = csv.DictReader(motion)
+        rows, given = csv.DictReader(motion), csv.DictReader(pressures)
         places = [name for name in rows.fieldnames or () if name not in ("t", "tau")]
-        chambers = [f"command{s}{c}" for s in "12" for c in "AB"] + _others(1) + _others(2)
+        chambers = [name for name in given.fieldnames or () if name != "t"]
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(["t", *(chambers if by_section else ("tau_x", "tau_y")), *places])
-        for row, given in zip(rows, csv.DictReader(pressures), strict=True):
-            drive = [given[name] for name in chambers] if by_section else [row["tau"], "0"]
+        for row, pressure in zip(rows, given, strict=True):
+            drive = [pressure[name] for name in chambers] if by_section else [row["tau"], "0"]
             writer.writerow([row["t"], *drive, *(row[name] for name in places)])
 
 

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from hsr_pin.recordings.read import read_dataset
+
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 #: By how much less, at least, the tip errs in closed loop.
 FACTORS = {"computed_torque": 2.5, "feedforward_pd": 2.5, "lqr": 2.5, "observer": 5.0}
@@ -39,6 +41,18 @@ def test_a_trunk_is_told_better_in_space(shared, monkeypatch, capsys):
     assert "13 releases fitted, 21 held out" in capsys.readouterr().out
 
 
+@pytest.mark.long
+def test_a_pneumatic_arm_is_read_and_fitted_in_sections(shared, monkeypatch, tmp_path, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    folder = str(shared / "recordings" / "real-pneumatic")
+    errors = importlib.import_module("pneumatic_in_sections").main([folder, "--quick", "--keep", str(tmp_path / "kept")])
+    plane, one, two, measured = errors.values()
+    assert one == pytest.approx(plane, rel=0.02)  # it bends in a plane
+    assert abs(two - one) > 0.1 and measured != pytest.approx(two, rel=1e-3)
+    assert len(read_dataset(tmp_path / "kept" / "two-sections").channels) == 12
+    assert "two sections" in capsys.readouterr().out
+
+
 def test_every_example_is_tested():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == {
         *FACTORS,
@@ -47,6 +61,7 @@ def test_every_example_is_tested():
         "what_changed",
         "loop",
         "picture",
+        "pneumatic_in_sections",
     }
 
 

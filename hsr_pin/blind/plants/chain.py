@@ -6,17 +6,18 @@ n hinges, each in the middle of its element, so that a uniform moment gives the 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
 from hsr_pin.errors import MissingDependencyError
 
 from .arm import Arm, Array, Motion
-from .laws.law import Joints, Law, Nodes
-from .march import March, planar, profile
+from .laws.law import Law, Nodes
+from .march import loaded, planar, simulated
 from .plant import Plant
 from .program import Trial
 
@@ -36,24 +37,25 @@ class ChainPlant(Plant):
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
         """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
-        arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
-        for law in laws:
-            arm = law.arm(arm, trial)
-        s = (np.arange(self.elements) + 0.5) / self.elements
-        stiffness = k * trial.keq * profile(laws, "stiffness", s)
-        damping = c * trial.damping * profile(laws, "damping", s)
-        engine = Chain(arm, stiffness, damping, self.step)
-        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, self.step, planar)
-        return march.run(np.linspace(0.0, arm.length, self.elements + 1))
+        arm = loaded(self.bare, trial, laws)
+        return simulated(Chain, arm, trial, laws, (k, c), middles(self.elements), self.step, planar)
 
 
-class Chain:
-    """The engine: see `march.Engine`.
+def middles(n: int) -> Array:
+    """(n,) of the elements, over L."""
+    return np.asarray((np.arange(n) + 0.5) / n)
+
+
+class Linked(ABC):
+    """An engine of MuJoCo: see `march.Engine`.
 
     Args:
         arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad].
         step: [s].
     """
+
+    #: Numbers of a joint that move.
+    freedom: ClassVar[int]
 
     def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
         try:
@@ -63,17 +65,43 @@ class Chain:
         self._mujoco = mujoco
         self.n = stiffness.size
         self.h = arm.length / self.n
-        self.damping = self.n * damping
-        self.model = build(arm, stiffness, damping, step)
+        self.places = np.linspace(0.0, arm.length, self.n + 1)
+        self.damping = np.repeat(self.n * damping, self.freedom)
+        self.model = build(arm, stiffness, damping, step, ball=self.freedom == 3)
         self.data = mujoco.MjData(self.model)
-        self._nodes: Nodes | None = None  # of the present instant, once asked for
+        self._nodes: Any = None  # of the present instant, once asked for
 
+    @abstractmethod
     def read(self) -> tuple[Array, Array]:
         """See `march.Engine`."""
+
+    @abstractmethod
+    def nodes(self) -> Any:
+        """The middles of the bodies, which are the elements' ends: node 0 is the base."""
+
+    @abstractmethod
+    def apply(self, moment: Array, force: Array | None) -> None:
+        """Moments (n,) [N m] and forces on nodes [N] onto the bodies, until the next."""
+
+    def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
+        """See `march.Engine`."""
+        self.model.opt.gravity[:] = gravity if gravity.size == 3 else (gravity[0], 0.0, gravity[1])
+        if viscous is not None:
+            self.model.dof_damping[:] = self.damping + np.repeat(self.n * viscous, self.freedom)
+        self.apply(moment, force)
+        self._mujoco.mj_step(self.model, self.data)
+        self._nodes = None
+
+
+class Chain(Linked):
+    """Of hinges."""
+
+    freedom = 1
+
+    def read(self) -> tuple[Array, Array]:
         return self.n * self.data.qpos, self.n * self.data.qvel
 
     def nodes(self) -> Nodes:
-        """The middles of the bodies, which are the elements' ends: node 0 is the base."""
         if self._nodes is None:
             angle, rate = np.zeros(self.n + 1), np.zeros(self.n + 1)
             np.cumsum(self.data.qpos, out=angle[1:])
@@ -83,16 +111,10 @@ class Chain:
             nodes = np.zeros_like(ways)
             np.cumsum((ways[:, :-1] + ways[:, 1:]) * (self.h / 2), axis=1, out=nodes[:, 1:])  # half a link of each neighbour
             self._nodes = Nodes(nodes[:2], nodes[2:], angle)
-        return self._nodes
+        return self._nodes  # type: ignore[no-any-return]
 
-    def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
-        """See `march.Engine`."""
-        self.model.opt.gravity[:] = gravity[0], 0.0, gravity[1]
-        if viscous is not None:
-            self.model.dof_damping[:] = self.damping + self.n * viscous
+    def apply(self, moment: Array, force: Array | None) -> None:
         self.data.qfrc_applied[:] = moment if force is None else moment + self._torque(force)
-        self._mujoco.mj_step(self.model, self.data)
-        self._nodes = None
 
     def _torque(self, force: Array) -> Array:
         """Joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
@@ -105,8 +127,8 @@ class Chain:
         return torque
 
 
-def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
-    """The ``mujoco.MjModel`` of an arm along z that bends about y.
+def build(arm: Arm, stiffness: Array, damping: Array, step: float, *, ball: bool = False) -> Any:
+    """The ``mujoco.MjModel`` of an arm along z that bends about y, or of balls about every axis.
 
     Spring and damper of joint i are n times ``stiffness[i]`` and ``damping[i]`` of the whole arm
     [Nm/rad, Nm s/rad].
@@ -122,7 +144,8 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float) -> Any:
     for i in range(n):
         length = h if i < n - 1 else h / 2
         body = body.add_body(pos=[0, 0, h / 2 if i == 0 else h])
-        joint = body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 1, 0])
+        kind = mujoco.mjtJoint.mjJNT_BALL if ball else mujoco.mjtJoint.mjJNT_HINGE
+        joint = body.add_joint(type=kind, axis=[0, 1, 0])
         joint.stiffness = linear(joint.stiffness, n * stiffness[i])
         joint.damping = linear(joint.damping, n * damping[i])
         body.explicitinertial = True

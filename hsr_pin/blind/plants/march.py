@@ -7,6 +7,7 @@ dampers, and whatever a law adds to the dampers, are the engine's own business.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import reduce
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -24,10 +25,17 @@ SLACK = 0.02  # of the length: the rod stretches a little; what is farther from 
 
 
 AnyMotion = TypeVar("AnyMotion")
+AnyArm = TypeVar("AnyArm", bound=Arm)
 
 
 class Engine(Protocol):
-    """One arm in one engine, at one instant."""
+    """One arm in one engine, at one instant; in space bending, rates and moments are complex, x + i y, and vectors (3,).
+
+    Attributes:
+        places: (N,) arc lengths of the nodes [m].
+    """
+
+    places: Array
 
     def read(self) -> tuple[Array, Array]:
         """Bending (n,) [rad] and its rate (n,) [rad/s] of the joints, each times n."""
@@ -45,6 +53,43 @@ def profile(laws: Sequence[Law], place: str, s: Array) -> Array:
     for law in acting(laws, place):
         out = out * getattr(law, place)(s)
     return out
+
+
+def loaded(bare: AnyArm, trial: Trial, laws: Sequence[Law]) -> AnyArm:
+    """The arm as it truly is in a trial."""
+    arm = replace(bare, tip_mass=bare.tip_mass + trial.tip_mass)
+    for law in laws:
+        arm = law.arm(arm, trial)  # type: ignore[assignment]  # of the same kind
+    return arm
+
+
+def simulated(
+    make: Callable[[Any, Array, Array, float], Engine],
+    arm: Arm,
+    trial: Trial,
+    laws: Sequence[Law],
+    scales: tuple[float, float],
+    s: Array,
+    step: float,
+    motion: Callable[[Array, Array, Sequence[Any]], AnyMotion],
+) -> AnyMotion:
+    """The motion of an arm in a trial.
+
+    Args:
+        make: an engine of the arm, of stiffness and damping (n,) of the whole arm [Nm/rad, Nm s/rad], and of a step [s].
+        arm: as it truly is.
+        trial: what is done.
+        laws: what the model lacks.
+        scales: true stiffness and damping over the declared ones.
+        s: (n,) arc lengths of the joints over L.
+        step: [s].
+        motion: as for `March`.
+    """
+    stiffness = scales[0] * trial.keq * profile(laws, "stiffness", s)
+    damping = scales[1] * trial.damping * profile(laws, "damping", s)
+    engine = make(arm, stiffness, damping, step)
+    march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, step, motion)
+    return march.run(engine.places)
 
 
 def arriving(laws: Sequence[Law], trial: Trial, dt: float) -> tuple[Any, Array]:

@@ -10,17 +10,18 @@ one stiffness, as low as the static sag allows (see `AXIAL`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
 from hsr_pin.errors import EffectError, MissingDependencyError, SimulationFailure
 
 from .arm import Arm, Array, Motion
-from .laws.law import Joints, Law, Nodes
-from .march import March, planar, profile
+from .laws.law import Law, Nodes
+from .march import AnyMotion, Engine, loaded, planar, simulated
 from .plant import Plant
 from .program import Trial
 
@@ -49,38 +50,49 @@ class RodPlant(Plant):
 
         A law that is stiffer than the rod's own springs may need a smaller step: the rod is explicit.
         """
-        try:
-            return self._marched(trial, laws, k, c, self.step)
-        except SimulationFailure:
-            return self._marched(trial, laws, k, c, self.step / FINER)
-
-    def _marched(self, trial: Trial, laws: Sequence[Law], k: float, c: float, step: float) -> Motion:
-        arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
-        for law in laws:
-            arm = law.arm(arm, trial)
+        arm = loaded(self.bare, trial, laws)
         if arm.wall is not None or any(place > arm.length for place, _ in arm.lumps):
             raise EffectError(
                 "rod plant", expected="no contact, and no mass beyond the tip",
                 received=[law.name for law in laws], hint="use the chain plant",
             )  # fmt: skip
-        # The first element is centred on the base and clamped: joints stand at h/2, 3h/2, ...
-        h = 1 / (self.elements - 0.5)
-        s = np.arange(0.5, self.elements - 1, dtype=float) * h
-        stiffness = k * trial.keq * profile(laws, "stiffness", s)
-        damping = c * trial.damping * profile(laws, "damping", s)
-        engine = Rod(arm, stiffness, damping, step)
-        march = March(engine, Joints(s, trial.keq, stiffness, trial.damping), arm, trial, laws, step, planar)
-        nodes = np.concatenate([[0.0], s, [1.0]]) * arm.length
-        return march.run(nodes)
+        return patient(Rod, arm, trial, laws, (k, c), self.elements, self.step, planar)
 
 
-class Rod:
-    """The engine: see `march.Engine`.
+def patient(
+    make: Callable[[Any, Array, Array, float], Engine],
+    arm: Arm,
+    trial: Trial,
+    laws: Sequence[Law],
+    scales: tuple[float, float],
+    elements: int,
+    step: float,
+    motion: Callable[[Array, Array, Sequence[Any]], AnyMotion],
+) -> AnyMotion:
+    """As `march.simulated`, of a rod of so many elements; where it diverges, again in smaller steps."""
+    given = make, arm, trial, laws, scales, joints_of(elements)
+    try:
+        return simulated(*given, step, motion)
+    except SimulationFailure:
+        return simulated(*given, step / FINER, motion)
+
+
+def joints_of(elements: int) -> Array:
+    """(n,) arc lengths of the joints over L: the first element is centred on the base and clamped, so at h/2, 3h/2, ..."""
+    h = 1 / (elements - 0.5)
+    return np.arange(0.5, elements - 1, dtype=float) * h
+
+
+class Cosserat(ABC):
+    """An engine of PyElastica: see `march.Engine`.
 
     Args:
         arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad], at
             the n inner nodes of n + 1 elements. step: [s].
     """
+
+    #: The first director of the straight rod.
+    normal: ClassVar[tuple[float, float, float]]
 
     def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
         try:
@@ -88,32 +100,35 @@ class Rod:
         except ImportError as error:
             raise MissingDependencyError("pyelastica", "blind") from error
         n, self.step = stiffness.size, step
+        self.places = np.concatenate([[0.0], joints_of(n + 1), [1.0]]) * arm.length
         self.h = arm.length / (n + 0.5)
         self.per_bend = arm.length / self.h  # bending of the whole arm over that of a joint
         self.damping = damping * self.per_bend
-        self.rod = _rod(elastica, arm, stiffness, self.h)
+        self.rod = _rod(elastica, arm, stiffness, self.h, self.normal)
         self.inertia = self.rod.mass_second_moment_of_inertia[0, 0, 1:].copy()
-        self.moment, self.gravity = np.zeros(n), np.zeros(2)
+        self.moment: Array = np.zeros(n)
+        self.gravity: Array = np.zeros(0)
         self.force: Array | None = None
         self.time = 0.0
         self._extra_damping: Array | None = None
         self._constant_solve = np.linalg.inv(self._damped(self.damping)) * self.inertia
         self.simulator, self.stepper = _simulator(elastica, self)
 
+    @abstractmethod
     def read(self) -> tuple[Array, Array]:
         """See `march.Engine`."""
-        bend = np.diff(self._angles()) * self.per_bend
-        return bend, np.diff(self.rod.omega_collection[0]) * self.per_bend
 
-    def nodes(self) -> Nodes:
+    @abstractmethod
+    def nodes(self) -> Any:
         """The base and the rod's nodes beyond it."""
-        a = self._angles()
-        angle = np.concatenate([[0.0], (a[1:] + a[:-1]) / 2, [1.5 * a[-1] - 0.5 * a[-2]]])
-        position, velocity = (
-            np.concatenate([np.zeros((2, 1)), field[::2, 1:]], axis=1)
-            for field in (self.rod.position_collection, self.rod.velocity_collection)
-        )
-        return Nodes(position, velocity, angle)
+
+    @abstractmethod
+    def push(self, rod: Any) -> None:
+        """Gravity, forces and joint moments onto a PyElastica rod."""
+
+    @abstractmethod
+    def dampen(self, rod: Any) -> None:
+        """The joints' dampers, implicitly; the clamped element does not turn."""
 
     def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
         """See `march.Engine`."""
@@ -121,24 +136,12 @@ class Rod:
         self._extra_damping = None if viscous is None else viscous * self.per_bend
         self.time = self.stepper.step(self.simulator, self.time, self.step)
 
-    def push(self, rod: Any) -> None:
-        """Gravity, forces and joint moments onto a PyElastica rod; the latter about y in its own frame."""
-        rod.external_forces[0] += rod.mass * self.gravity[0]
-        rod.external_forces[2] += rod.mass * self.gravity[1]
-        if self.force is not None:
-            rod.external_forces[::2, 1:] += self.force[:, 1:]
-        rod.external_torques[0, 1:] += self.moment
-        rod.external_torques[0, 1:-1] -= self.moment[1:]
-
-    def dampen(self, rod: Any) -> None:
-        """The joints' dampers, implicitly; the clamped element does not turn."""
-        rate = rod.omega_collection[0]
-        rate[0] = 0.0
+    def damped(self, rate: Array) -> Array:
+        """Rates (n, ...) about one direction of space after a step of the dampers."""
         if self._extra_damping is None:
-            rate[1:] = self._constant_solve @ rate[1:]
-        else:
-            matrix = self._damped(self.damping + self._extra_damping)
-            rate[1:] = np.linalg.solve(matrix, self.inertia * rate[1:])
+            return np.asarray(self._constant_solve @ rate)
+        matrix, weight = self._damped(self.damping + self._extra_damping), self.inertia.reshape(-1, *[1] * (rate.ndim - 1))
+        return np.linalg.solve(matrix, weight * rate)
 
     def _damped(self, d: Array) -> Array:
         """J + dt D for joint dampers d (n,) [Nm s/rad]."""
@@ -147,6 +150,38 @@ class Rod:
         matrix: Array = np.diag(self.inertia) + self.step * stiff
         return matrix
 
+
+class Rod(Cosserat):
+    """That bends about y, its first director."""
+
+    normal = (0.0, 1.0, 0.0)
+
+    def read(self) -> tuple[Array, Array]:
+        bend = np.diff(self._angles()) * self.per_bend
+        return bend, np.diff(self.rod.omega_collection[0]) * self.per_bend
+
+    def nodes(self) -> Nodes:
+        a = self._angles()
+        angle = np.concatenate([[0.0], (a[1:] + a[:-1]) / 2, [1.5 * a[-1] - 0.5 * a[-2]]])
+        position, velocity = (
+            np.concatenate([np.zeros((2, 1)), field[::2, 1:]], axis=1)
+            for field in (self.rod.position_collection, self.rod.velocity_collection)
+        )
+        return Nodes(position, velocity, angle)
+
+    def push(self, rod: Any) -> None:
+        rod.external_forces[0] += rod.mass * self.gravity[0]
+        rod.external_forces[2] += rod.mass * self.gravity[1]
+        if self.force is not None:
+            rod.external_forces[::2, 1:] += self.force[:, 1:]
+        rod.external_torques[0, 1:] += self.moment
+        rod.external_torques[0, 1:-1] -= self.moment[1:]
+
+    def dampen(self, rod: Any) -> None:
+        rate = rod.omega_collection[0]
+        rate[0] = 0.0
+        rate[1:] = self.damped(rate[1:])
+
     def _angles(self) -> Array:
         """Direction of each element, (n + 1,) [rad]."""
         along = self.rod.director_collection[2]
@@ -154,12 +189,12 @@ class Rod:
         return angle
 
 
-def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float) -> Any:
-    """A straight rod along z that bends about y, half an element longer than the arm at its base."""
+def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float, normal: tuple[float, float, float]) -> Any:
+    """A straight rod along z, half an element longer than the arm at its base; as stiff against twisting as against bending."""
     n = stiffness.size + 1
     area = np.pi * arm.radius**2
     rod = elastica.CosseratRod.straight_rod(
-        n, np.array([0.0, 0.0, -h / 2]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]),
+        n, np.array([0.0, 0.0, -h / 2]), np.array([0.0, 0.0, 1.0]), np.array(normal),
         n * h, arm.radius, arm.line_mass / area, youngs_modulus=AXIAL / area,
     )  # fmt: skip
     rod.shear_matrix[:] = AXIAL * np.eye(3)[:, :, None]
@@ -173,7 +208,7 @@ def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float) -> Any:
     return rod
 
 
-def _simulator(elastica: Any, engine: Rod) -> tuple[Any, Any]:
+def _simulator(elastica: Any, engine: Cosserat) -> tuple[Any, Any]:
     """PyElastica's simulator around the rod of an engine, and its stepper."""
 
     class Simulator(

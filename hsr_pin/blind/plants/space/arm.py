@@ -1,8 +1,10 @@
-"""The arm in space that a plant simulates, and the frame it is simulated in: as in the plane, and y to complete it."""
+"""The arm in space that a plant simulates, its frame (as in the plane, and y to complete it), and its motions."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +34,15 @@ class SpaceArm(Arm):
         return np.asarray(mounted @ turned(np.array([-self.side_tilt, self.tilt, 0.0])))
 
 
+class SpaceNodes(NamedTuple):
+    """Points along the backbone: position (3, N) [m], velocity of the last (3, 1) [m/s], axes (N, 3, 3); no angles."""
+
+    position: Array
+    velocity: Array
+    frames: Array
+    angle: Array
+
+
 @dataclass(frozen=True)
 class SpaceMotion:
     """A motion in space, sampled at nodes along the arm, in the arm frame.
@@ -58,6 +69,11 @@ class SpaceMotion:
         between = (1 - u) * a + u * b
         between = between / np.linalg.norm(between, axis=1, keepdims=True)
         return np.asarray(place + between @ np.array([np.real(beside), np.imag(beside), along]))
+
+
+def moving(t: Array, s: Array, nodes: Sequence[SpaceNodes]) -> SpaceMotion:
+    """Of the nodes at each sample."""
+    return SpaceMotion(t, s, np.stack([each.position for each in nodes]), np.stack([each.frames for each in nodes]))
 
 
 def turned(w: Array) -> Array:

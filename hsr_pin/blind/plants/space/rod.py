@@ -1,0 +1,97 @@
+"""A Cosserat rod in space in PyElastica: see `rod` for the one in the plane, which has the same dampers and the same shear.
+
+As the chain of balls it is as stiff against twisting as against bending, and is damped alike. For the dampers to be solved about
+each axis of space by itself, a slice of the rod turns about its own axis as hard as about those across it, half as hard as a disc
+does: what it lacks is a two-hundredth of what the arm takes to swing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..arm import Arm, Array
+from ..laws.law import Law
+from ..march import loaded
+from ..plant import Plant
+from ..program import Trial
+from ..rod import Cosserat, patient
+from ..writing import Marker
+from .arm import SpaceArm, SpaceMotion, SpaceNodes, moving
+from .writing import observe
+
+
+@dataclass(frozen=True)
+class SpaceRodPlant(Plant):
+    """The arm as a PyElastica rod in space.
+
+    Attributes:
+        elements: of the rod. step: [s], a whole fraction of 10 ms.
+        bare: the arm as declared.
+    """
+
+    elements: int = 20
+    step: float = 5e-5
+    bare: SpaceArm = field(default_factory=SpaceArm)
+
+    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
+        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        return patient(SpaceRod, loaded(self.bare, trial, laws), trial, laws, (k, c), self.elements, self.step, moving)
+
+    def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
+        """As in the plane, of markers that may stand beside the backbone."""
+        return observe(motion, arm, laws, markers, error)
+
+
+class SpaceRod(Cosserat):
+    """That bends about its first and its second director, x and y; bending, rates and moments are complex, x + i y."""
+
+    normal = (1.0, 0.0, 0.0)
+
+    def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
+        super().__init__(arm, stiffness, damping, step)
+        for inertia in (self.rod.mass_second_moment_of_inertia, self.rod.inv_mass_second_moment_of_inertia):
+            inertia[2, 2] = inertia[0, 0]
+
+    def read(self) -> tuple[Array, Array]:
+        turn, between = self._joints()
+        omega = self.rod.omega_collection
+        rate = omega[:, 1:] - np.einsum("jin,jn->in", between, omega[:, :-1])
+        return tuple(self.per_bend * (each[1] - 1j * each[0]) for each in (turn, rate))  # type: ignore[return-value]
+
+    def nodes(self) -> SpaceNodes:
+        turn, _ = self._joints()
+        frames = np.moveaxis(self.rod.director_collection, (0, 1, 2), (2, 1, 0))  # (n + 1, 3, 3), axes as columns
+        halves = Rotation.from_rotvec(turn.T / 2).as_matrix()
+        frames = np.concatenate([np.eye(3)[None], frames[:-1] @ halves, frames[-1:] @ halves[-1:]])
+        position = np.concatenate([np.zeros((3, 1)), self.rod.position_collection[:, 1:]], axis=1)
+        return SpaceNodes(position, self.rod.velocity_collection[:, -1:].copy(), frames, np.zeros(len(frames)))
+
+    def push(self, rod: Any) -> None:
+        rod.external_forces += rod.mass * self.gravity[:, None]
+        if self.force is not None:
+            rod.external_forces[:, 1:] += self.force[:, 1:]
+        moment = np.zeros((3, len(self.moment)))
+        moment[0], moment[1] = -np.imag(self.moment), np.real(self.moment)
+        rod.external_torques[:, 1:] += moment  # in the axes of the outer element of each joint
+        _, between = self._joints()
+        rod.external_torques[:, 1:-1] -= np.einsum("ijn,jn->in", between, moment)[:, 1:]
+
+    def dampen(self, rod: Any) -> None:
+        rate, axes = rod.omega_collection, rod.director_collection
+        rate[:, 0] = 0.0
+        in_space = np.einsum("ijn,in->nj", axes[..., 1:], rate[:, 1:])
+        rate[:, 1:] = np.einsum("ijn,nj->in", axes[..., 1:], self.damped(in_space))
+
+    def _joints(self) -> tuple[Array, Array]:
+        """(3, n) [rad] the joints' rotation vectors, and (3, 3, n) from the axes of their outer elements to the inner ones."""
+        axes = self.rod.director_collection
+        between = np.einsum("ikn,jkn->ijn", axes[..., :-1], axes[..., 1:])
+        size = np.array([between[2, 1] - between[1, 2], between[0, 2] - between[2, 0], between[1, 0] - between[0, 1]]) / 2
+        sine = np.sqrt((size**2).sum(axis=0))
+        angle = np.arctan2(sine, (np.trace(between) - 1) / 2)
+        return size * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-12), 1.0), between
