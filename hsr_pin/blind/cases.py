@@ -45,7 +45,7 @@ class Case:
     Attributes:
         name: of its folder. kind: a key of the shares of its tier.
         effects: names of laws, or ``name:variant``; sizes: names of `SIZES`, one for each effect.
-        plant: "chain" or "rod"; mount, program, given: what is recorded.
+        plant: "chain" or "rod", in space "balls" or "space_rod"; mount, program, given: what is recorded.
         seed: of everything that is random in it.
         tier: where it belongs. later: of a pair of recordings, the program of the second.
     """

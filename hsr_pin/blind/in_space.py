@@ -1,4 +1,4 @@
-"""Cases of arms in space: planned and made as those of the clean tier are, on the chain of ball joints."""
+"""Cases of arms in space: planned and made as those of the clean tier are, on the chain of ball joints or on the rod."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ from hsr_pin.errors import EffectError
 SHARES: dict[str, float] = {"single": 0.7, "none": 0.13, "outside": 0.17}
 #: Mixtures of what is done to the arm.
 PROGRAMS = ("steps", "steps+releases", "steps+circle", "circle+releases", "steps+payload", "chirp+releases")
+#: Every so many cases one is recorded on the rod, which takes longer: only where its program is short. It holds every law.
+ROD_EVERY, ROD_PROGRAMS = 6, ("steps", "steps+releases", "steps+payload")
 
 
 def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
@@ -31,10 +33,14 @@ def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
     for kind, laws in (("single", CATALOGUE), ("outside", OUTSIDE)):
         contents += [(kind, (law,), (size,)) for law, size in crossed(rng, list(laws), number[kind])]
     recordings = zip(*(balanced(rng, choices, count) for choices in (PROGRAMS, MOUNTS)), strict=True)
-    return [
-        Case("", *content, "balls", mount, done, "tau", int(rng.integers(1 << 31)), "space")
-        for content, (done, mount) in zip(contents, recordings, strict=True)
-    ]
+    rods, cases = rng.integers(ROD_EVERY), []
+    for k, (content, (done, mount)) in enumerate(zip(contents, recordings, strict=True)):
+        rod = k % ROD_EVERY == rods
+        if rod and done not in ROD_PROGRAMS:
+            done = ROD_PROGRAMS[k // ROD_EVERY % len(ROD_PROGRAMS)]
+        plant = "space_rod" if rod else "balls"
+        cases.append(Case("", *content, plant, mount, done, "tau", int(rng.integers(1 << 31)), "space"))
+    return cases
 
 
 def build_in_space(case: Case, folder: Path, workshop: Workshop, attempt: int) -> Answer:

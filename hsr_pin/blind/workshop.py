@@ -24,6 +24,7 @@ from hsr_pin.blind.plants.program import Program, program
 from hsr_pin.blind.plants.rod import RodPlant
 from hsr_pin.blind.plants.scaling import SIZES, Scaled, Yardstick, scale_to_gap, target
 from hsr_pin.blind.plants.space.chain import BallPlant
+from hsr_pin.blind.plants.space.rod import SpaceRodPlant
 from hsr_pin.errors import SimulationFailure
 
 #: A law that cannot be as strong as it should, or at which the plant diverges, is drawn anew, so many times in all.
@@ -37,7 +38,7 @@ class Workshop:
     """What cases are made with: quicker plants for tests.
 
     Attributes:
-        plants: "chain" and "rod", and "balls" in space. messy: for messy arms, where 0.05 mm do not count.
+        plants: "chain" and "rod", in space "balls" and "space_rod". messy: for messy arms, where 0.05 mm do not count.
         measured_on, measured_in_space: what gaps are measured on. programs: that are recorded.
         recordings: folder of the recordings of hardware, where real cases are made.
     """
@@ -47,6 +48,7 @@ class Workshop:
             "chain": ChainPlant(elements=24, step=2e-4),
             "rod": RodPlant(),
             "balls": BallPlant(elements=20, step=4e-4),
+            "space_rod": SpaceRodPlant(),
         }
     )
     messy: Plant = field(default_factory=lambda: ChainPlant(elements=16, step=4e-4))

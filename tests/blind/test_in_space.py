@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hsr_pin.blind.in_space import PROGRAMS, SHARES, draw, plan_in_space
+from hsr_pin.blind.in_space import PROGRAMS, ROD_PROGRAMS, SHARES, draw, plan_in_space
 from hsr_pin.blind.kinds import kinds_of
 from hsr_pin.blind.plants.laws.law import Joints, State
 from hsr_pin.blind.plants.nuisance import Nuisance
@@ -85,6 +85,9 @@ def test_a_plan_is_balanced_and_asked_for_by_name():
     assert {kind: kinds.count(kind) for kind in SHARES} == {"single": 42, "none": 8, "outside": 10}
     named = [case.effects[0] for case in cases if case.kind == "single"]
     assert {*named} == {*CATALOGUE} and max(map(named.count, named)) <= 3
+    rods = [case for case in cases if case.plant == "space_rod"]
+    assert len(rods) == 10 and {case.program for case in rods} <= {*ROD_PROGRAMS} and {"single"} < {case.kind for case in rods}
+    assert {case.plant for case in cases} == {"balls", "space_rod"} < {*Workshop().plants}
     assert [case.tier for case in plan(1, {"space": 3})] == ["space"] * 3
     assert by_shares(300)["space"] == 0
     with pytest.raises(EffectError, match="law: expected"):
@@ -92,7 +95,8 @@ def test_a_plan_is_balanced_and_asked_for_by_name():
 
 
 def test_a_case_is_a_recording_of_version_two_that_does_not_tell_its_law(tmp_path):
-    case = next(case for case in plan_in_space(np.random.default_rng(4), 60) if case.effects == ("tip_mass",))
+    wanted = ("tip_mass",), "balls"
+    case = next(case for case in plan_in_space(np.random.default_rng(4), 60) if (case.effects, case.plant) == wanted)
     workshop = Workshop(plants={"balls": COARSE}, measured_in_space=COARSE)
     answer = build(case, tmp_path / "case_001", workshop)
     text = (tmp_path / "case_001" / "dataset.toml").read_text()

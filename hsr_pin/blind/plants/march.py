@@ -40,8 +40,8 @@ class Engine(Protocol):
     def read(self) -> tuple[Array, Array]:
         """Bending (n,) [rad] and its rate (n,) [rad/s] of the joints, each times n."""
 
-    def nodes(self) -> Nodes:
-        """The backbone."""
+    def nodes(self) -> Any:
+        """The backbone: `Nodes`, or in space the like of them."""
 
     def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
         """One step under moments (n,) [N m] and forces on nodes (2, N) [N]; gravity (2,) [m/s2]."""

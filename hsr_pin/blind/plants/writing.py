@@ -17,10 +17,15 @@ from .program import Program, Trial, pressures
 
 @dataclass(frozen=True)
 class Marker:
-    """A tracked point: name and declared arc length [m]."""
+    """A tracked point: name and declared arc length [m].
+
+    In space it may stand beside the backbone by a radius [m], at an angle from x towards y of its section [rad].
+    """
 
     name: str
     arc_length: float
+    radius: float = 0.0
+    angle: float = 0.0
 
 
 MARKERS = (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
@@ -44,10 +49,14 @@ def observe(motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Mar
         x, z = motion.at(arc, off + sum(each[1] for each in shifts), sum(each[0] for each in shifts))
         x = x + sum(law.base(motion.t) for law in acting(laws, "base"))
         points.append(arm.to_world(x, z))
-    out = np.stack(points, axis=1)
+    return filmed(np.stack(points, axis=1), laws)
+
+
+def filmed(points: Array, laws: Sequence[Law]) -> Array:
+    """Points (T, M, 3) in the world [m] as the cameras see them."""
     for law in laws:
-        out = law.seen(out)
-    return out
+        points = law.seen(points)
+    return points
 
 
 def write(folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], points: Sequence[Array]) -> Path:
@@ -83,7 +92,7 @@ def _csv(trial: Trial, given: str, markers: Sequence[Marker], seen: Array) -> st
 
 
 def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> str:
-    space = any(np.iscomplexobj(trial.torque()) for trial in program.trials) or any(hasattr(m, "radius") for m in markers)
+    space = arm.gravity().size == 3
     lines = [f"format = {1 + space}", f'name = "{name}"', "", "[robot]"]
     if space:  # its springs are the same about every axis
         lines += ['bending = "space"', f"torsion = {program.trials[0].keq}  # Nm/rad"]
@@ -96,8 +105,8 @@ def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> s
             f'name = "{marker.name}"',
             f"arc_length = {marker.arc_length}  # m",
         ]
-        if radius := getattr(marker, "radius", 0.0):
-            lines += [f"radius = {radius}  # m", f"angle = {marker.angle}  # rad"]  # type: ignore[attr-defined]
+        if marker.radius:
+            lines += [f"radius = {marker.radius}  # m", f"angle = {marker.angle}  # rad"]
     for i, trial in enumerate(program.trials, start=1):
         lines += ["", "[[trial]]", f'file = "trial_{i:02d}.csv"', f"keq = {trial.keq}  # Nm/rad"]
         lines += [f"damping = {trial.damping}  # Nm s/rad, whole arm"]

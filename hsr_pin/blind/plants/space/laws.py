@@ -6,18 +6,33 @@ Those that scale moments, masses or time (gradients, lags, creep, payloads) are 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from ..arm import Arm, Array
 from ..laws import actuation, dissipative, elastic, mounting, outside
-from ..laws.law import Joints, Law, State
+from ..laws.law import Joints, Law, State, sign
 from ..program import Trial
 
+AnySided = TypeVar("AnySided", bound="Sided")
 
-def _side(rng: np.random.Generator) -> float:
-    return float(rng.uniform(-np.pi, np.pi))
+
+@dataclass(frozen=True)
+class Sided(Law):
+    """A law with a direction of its own; ``usual`` is a moderate strength. side: from x towards y [rad]."""
+
+    usual: ClassVar[float]
+    side: float = 0.0
+
+    @classmethod
+    def draw(cls: type[AnySided], rng: np.random.Generator) -> AnySided:
+        return cls(**{cls.strength: cls.usual, "side": float(rng.uniform(-np.pi, np.pi))})
+
+    @property
+    def way(self) -> complex:
+        """The strength towards the side, x + i y."""
+        return complex(getattr(self, self.strength) * np.exp(1j * self.side))
 
 
 def _limited(z: Array, longest: Any) -> Array:
@@ -25,18 +40,14 @@ def _limited(z: Array, longest: Any) -> Array:
 
 
 @dataclass(frozen=True)
-class UnequalStiffness(Law):
+class UnequalStiffness(Sided):
     """Stiffer by `share` about one axis, softer by it about the other: a flat section. side: the stiff direction [rad]."""
 
     name: ClassVar[str] = "unequal_stiffness"
     strength: ClassVar[str] = "share"
     limit: ClassVar[float] = 0.5
+    usual: ClassVar[float] = 0.1
     share: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> UnequalStiffness:
-        return cls(0.1, _side(rng))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         along = state.bend * np.exp(-1j * self.side)
@@ -44,21 +55,17 @@ class UnequalStiffness(Law):
 
 
 @dataclass(frozen=True)
-class BendAtRest(Law):
+class BendAtRest(Sided):
     """Moulded bent: the springs pull towards a bend of `angle` [rad] to one `side` [rad], fixed in the arm."""
 
     name: ClassVar[str] = "bend_at_rest"
     strength: ClassVar[str] = "angle"
     limit: ClassVar[float] = 1.0
+    usual: ClassVar[float] = 0.05
     angle: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> BendAtRest:
-        return cls(0.05, _side(rng))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        return -joints.stiffness * self.angle * np.exp(1j * self.side) + 0 * state.bend, memory
+        return -joints.stiffness * self.way + 0 * state.bend, memory  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
@@ -72,25 +79,21 @@ class TurnedActuation(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> TurnedActuation:
-        return cls(0.08 * float(rng.choice([-1.0, 1.0])))
+        return cls(0.08 * sign(rng))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return np.asarray(tau * np.exp(1j * self.angle))
 
 
 @dataclass(frozen=True)
-class WeakChamber(Law):
+class WeakChamber(Sided):
     """One of three chambers at 120 degrees, at `side` [rad], gives `loss` less [-]; at any instant one of them is empty."""
 
     name: ClassVar[str] = "weak_chamber"
     strength: ClassVar[str] = "loss"
     limit: ClassVar[float] = 0.9
+    usual: ClassVar[float] = 0.15
     loss: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> WeakChamber:
-        return cls(0.15, _side(rng))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         ways = np.exp(1j * (self.side + 2 * np.pi / 3 * np.arange(3)))
@@ -101,60 +104,47 @@ class WeakChamber(Law):
 
 
 @dataclass(frozen=True)
-class TorqueOffset(Law):
+class TorqueOffset(Sided):
     """A constant moment `bias` [N m] towards one `side` [rad]."""
 
     name: ClassVar[str] = "torque_offset"
     strength: ClassVar[str] = "bias"
     limit: ClassVar[float] = 0.5
+    usual: ClassVar[float] = 0.05
     bias: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TorqueOffset:
-        return cls(0.05, _side(rng))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        return np.asarray(tau + self.bias * np.exp(1j * self.side))
+        return np.asarray(tau + self.way)
 
 
 @dataclass(frozen=True)
-class BaseTilt(Law):
+class BaseTilt(Sided):
     """The base is mounted turned by `angle` towards one `side` [rad], as the markers show."""
 
     name: ClassVar[str] = "base_tilt"
     strength: ClassVar[str] = "angle"
     limit: ClassVar[float] = 0.5
+    usual: ClassVar[float] = 0.05
     angle: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> BaseTilt:
-        return cls(0.05, _side(rng))
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
-        way = self.angle * np.exp(1j * self.side)
-        return replace(arm, tilt=arm.tilt + way.real, side_tilt=arm.side_tilt + way.imag)  # type: ignore[call-arg, attr-defined]
+        return replace(arm, tilt=arm.tilt + self.way.real, side_tilt=arm.side_tilt + self.way.imag)  # type: ignore[call-arg, attr-defined]
 
 
 @dataclass(frozen=True)
-class MarkersBeside(Law):
+class MarkersBeside(Sided):
     """Marker plates: all markers but the base's sit `distance` [m] off the line to one `side` [rad]."""
 
     name: ClassVar[str] = "markers_beside"
     strength: ClassVar[str] = "distance"
     limit: ClassVar[float] = 0.03
+    usual: ClassVar[float] = 0.004
     distance: float = 0.0
-    side: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> MarkersBeside:
-        return cls(0.004, _side(rng))
 
     @property
     def beside(self) -> complex:
         """From the line, x + i y [m]."""
-        return complex(self.distance * np.exp(1j * self.side))
+        return self.way
 
 
 @dataclass(frozen=True)
@@ -168,7 +158,7 @@ class CrossCoupling(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> CrossCoupling:
-        return cls(0.1 * float(rng.choice([-1.0, 1.0])))
+        return cls(0.1 * sign(rng))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return 1j * self.gain * joints.stiffness * state.bend, memory  # type: ignore[return-value]

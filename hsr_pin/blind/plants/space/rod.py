@@ -61,7 +61,7 @@ class SpaceRod(Cosserat):
         turn, between = self._joints()
         omega = self.rod.omega_collection
         rate = omega[:, 1:] - np.einsum("jin,jn->in", between, omega[:, :-1])
-        return tuple(self.per_bend * (each[1] - 1j * each[0]) for each in (turn, rate))  # type: ignore[return-value]
+        return tuple(self.per_bend * (each[1] - 1j * each[0]) for each in (turn, rate))
 
     def nodes(self) -> SpaceNodes:
         turn, _ = self._joints()
