@@ -31,7 +31,7 @@ def engines():
 def test_without_gravity_a_couple_to_any_side_gives_the_arc(engines):
     phi = 0.9 * np.exp(2.2j)
     trial = replace(cut(STEP, 1), command=(STEP.keq * phi,))
-    motion = SpaceRodPlant(16, bare=SpaceArm(g=0.0)).simulate(trial)
+    motion = SpaceRodPlant(bare=SpaceArm(g=0.0)).simulate(trial)
     towards = np.array([phi.real, phi.imag]) / 0.9
     place, end = [*(0.24 * (1 - np.cos(0.9)) / 0.9 * towards), 0.24 * np.sin(0.9) / 0.9], [*(np.sin(0.9) * towards), np.cos(0.9)]
     np.testing.assert_allclose(motion.position[0, :, -1], place, atol=1.5e-4)
@@ -54,7 +54,7 @@ def test_without_gravity_a_couple_to_any_side_gives_the_arc(engines):
 def test_it_moves_as_the_chain_of_balls_does(trial, laws, engines):
     """The markers too: one stands 3 cm beside the tip, and turns with it."""
     drawn = [draw(name, np.random.default_rng(1)).scaled(3.0) for name in laws]
-    rod, balls = (plant.simulate(cut(trial, 50), drawn) for plant in (SpaceRodPlant(16), BallPlant(24, 2e-4)))
+    rod, balls = (plant.simulate(cut(trial, 50), drawn) for plant in (SpaceRodPlant(), BallPlant(24, 2e-4)))
     apart = np.linalg.norm(rod.at(0.24, 0.03j) - balls.at(0.24, 0.03j), axis=1)
     assert np.sqrt(np.mean(apart**2)) < 3e-4
     assert np.ptp(balls.position[:, 0, -1]) > 0.01

@@ -34,8 +34,8 @@ class SpaceRodPlant(Plant):
         bare: the arm as declared.
     """
 
-    elements: int = 20
-    step: float = 5e-5
+    elements: int = 16
+    step: float = 1e-4
     bare: SpaceArm = field(default_factory=SpaceArm)
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
