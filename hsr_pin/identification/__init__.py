@@ -2,6 +2,7 @@
 
 - ``arm_document``: the arm behind a fit as JSON
 - ``choice``: names of what is open -> a hypothesis
+- ``command``: what a trial's input commands, section by section
 - ``comparison``: compare: simulation beside measurement
 - ``document``: a fit as JSON
 - ``evaluation``: what a hypothesis predicts, and its residuals

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.command import command_of, mean_along
 from hsr_pin.identification.nuisance import rest_scatter
 from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import median, start_of
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import noise_per_axis
-from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification, mount_frame
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
@@ -260,7 +260,7 @@ def _noise(dataset: Dataset, moving: list[int]) -> Array:
 
 def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:
     """The run, or in words why there is none."""
-    trajectory, command = trial.trajectory, _command(trial, dataset)
+    trajectory, command = trial.trajectory, command_of(trial, dataset)
     first, start = trial.first_sample, None
     if not trial.starts_at_rest:
         start = start_of(trial, float(noise.max()), delay)
@@ -277,7 +277,7 @@ def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach:
     return Run(
         trial=trial,
         time=_held(trajectory.time[first:]),
-        torque=_held(command[first:] @ _lengths(dataset)),
+        torque=_held(mean_along(command[first:], dataset)),
         measured=_held(measured),
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
@@ -288,37 +288,7 @@ def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach:
     )
 
 
-def _command(trial: Trial, dataset: Dataset) -> Array:
-    """(T, S) [N m] commanded of each section, (T, 1) of an arm without; in space complex.
-
-    Raises:
-        IdentificationError: an input of another kind of arm.
-    """
-    trajectory, sections, space = trial.trajectory, max(1, len(dataset.sections)), len(dataset.axes) == 3
-    if not trajectory.has_input:
-        return np.zeros((len(trajectory.time), sections), dtype=complex if space else float)
-    torque = trajectory.torque if trajectory.pressures is None else trial.keq * _bending(trajectory.pressures)
-    assert torque is not None
-    if torque.shape[1:] != ((2 * sections,) if space else ()) or (space and trajectory.pressures is not None):
-        expected = "two components of torque, for an arm in space" if space else "one torque, or two pressures"
-        each = f", for each of {sections} sections" if sections > 1 else ""
-        raise IdentificationError(f"input of {trial.name}", expected=expected + each, received=f"values of shape {torque.shape}")
-    return torque[:, 0::2] + 1j * torque[:, 1::2] if space else torque[:, None]
-
-
-def _lengths(dataset: Dataset) -> Array:
-    """(S,) share of each section in the length of the arm; one without sections is one."""
-    lengths = np.array([section.length for section in dataset.sections] or [1.0])
-    return np.asarray(lengths / lengths.sum())
-
-
 def _held(values: Array) -> Array:
     array = np.array(values)
     array.flags.writeable = False
     return array
-
-
-def _bending(pressures: Array) -> Array:
-    """Eq. (4) as it stands: measured pressures may leave the regulators' range by their noise."""
-    constant, first, second = PAPER.bending_plane
-    return np.asarray(constant + first * pressures[:, 0] + second * pressures[:, 1])

@@ -1,0 +1,49 @@
+"""An arm of sections under opposite torques is diagnosed as any other: each section by what it was commanded."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hsr_pin.diagnosis.diagnose import diagnose
+from hsr_pin.diagnosis.document import to_json
+from hsr_pin.diagnosis.report import report
+from hsr_pin.effects import parse_effect
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.batch import simulate_batch
+from hsr_pin.simulation.scenario import Scenario, Settled
+from hsr_pin.trajectory import Dataset, Marker, Section, Trajectory, Trial
+
+TWO = (Section(0.14, 0.10, 1.6, 0.09), Section(0.10, 0.05, 1.4, 0.06))
+ARM = ArmSpecification.in_sections(TWO, links=10, placement="mid", bending_limit=20.0)
+MARKERS = (Marker("mid", 0.14), Marker("tip", 0.24))
+COMMANDS = ([0.7, 0.2, -0.6, 0.1], [-0.2, 0.6, 0.5, -0.4], [0.1, -0.6, 0.2, 0.6], [-0.6, -0.3, 0.1, 0.6])
+
+
+def recorded(*effects):
+    time = np.arange(121) * 0.01
+    command = (time[:, None] >= 0.1 - 1e-9) * np.ones(4)
+    runs = [Scenario(ARM, time, command * each, Settled(0.0), effects, MARKERS) for each in COMMANDS]
+    random, trials = np.random.default_rng(2), []
+    for number, result in enumerate(simulate_batch(runs), 1):
+        seen = result.raise_on_failure().trajectory
+        positions = seen.positions + 2e-4 * random.normal(size=seen.positions.shape)
+        trajectory = Trajectory(time, MARKERS, positions, torque=seen.torque)
+        trials.append(Trial(f"trial_{number:02d}", trajectory, ARM.keq / 1.1, ARM.damping))
+    numbers = {name: getattr(ARM, name) for name in ("length", "mass", "diameter", "mount", "bending")}
+    return Dataset("two", trials=tuple(trials), sections=TWO, **numbers)
+
+
+def test_its_law_is_named_under_the_torque_of_each_section_and_is_not_under_their_mean():
+    dataset = recorded(parse_effect("bend_at_rest:towards_x=0.25,towards_y=-0.1"))
+    asked = {"effects": ("bend_at_rest", "unequal_stiffness", "stiffening"), "links": 10, "jobs": 1, "max_effects": 1}
+    found = diagnose(dataset, **asked)
+    assert found.verdict.effects == ("bend_at_rest",)
+    assert found.search.best.fit.named["keq_scale"] == pytest.approx(1.1, rel=0.01)
+    left = found.search.best.fit.rms
+    assert "bend at rest" in report(found)
+    assert "torque" in to_json(found)["where"]["operating_range"]
+    share = np.kron(np.array([[0.14], [0.10]]) / 0.24, np.eye(2))
+    trials = [replace(t, trajectory=replace(t.trajectory, torque=t.trajectory.torque @ share)) for t in dataset.trials]
+    alone = diagnose(replace(dataset, sections=(), trials=tuple(trials)), **asked)
+    assert alone.search.best.fit.rms > 3 * left
