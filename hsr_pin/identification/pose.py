@@ -70,7 +70,7 @@ def pose_from_markers(
     axes, alike = ((0, 1, 2), 2) if columns.space else ((0, 2), 1)
     least = max(noise, _SURE)
     sure = np.full((len(columns), 1), least)
-    penalty, limit = _SMOOTH ** (np.arange(count) // alike), _DISAGREE**2 * seen.sum() * len(axes)
+    penalty, limit = _SMOOTH ** (np.arange(count) // alike), _DISAGREE**2 * 2 * seen.sum()
     kappa = np.zeros((len(columns), count))
     plan = [active for active in range(alike, count, alike) for _ in range(_STEPS)] + [count] * _MOST
     if near is not None and len(near) == count:
