@@ -47,8 +47,7 @@ def test_it_weighs_what_the_arm_weighs_and_turns_as_heavily(told):
     upper = np.triu(pin.crba(model, data, np.zeros(12)))
     straight = upper + np.triu(upper, 1).T
     at = [model.joints[model.getJointId(f"joint_{i + 1}_x")].idx_v for i in range(4)]
-    from hsr_pin.robot.chain import mass_matrix
-    from hsr_pin.robot.chain import Arms, chain_of
+    from hsr_pin.robot.chain import Arms, chain_of, mass_matrix
 
     np.testing.assert_allclose(straight[np.ix_(at, at)], mass_matrix(chain_of(Arms.of([told.loaded_arm]))), rtol=1e-4)
 
