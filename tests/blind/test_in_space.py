@@ -54,6 +54,12 @@ def test_what_is_turned_is_answered_turned(name):
     np.testing.assert_allclose(answers[1][2], answers[0][2], atol=1e-12)
 
 
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_a_law_of_another_size_is_still_that_of_space(name):
+    law = draw(name, np.random.default_rng(1))
+    assert type(law) is type(law.scaled(0.5)) is CATALOGUE[name]
+
+
 def test_a_chain_of_balls_is_bent_into_an_arc_by_a_couple():
     arm = BallPlant(elements=24, step=4e-4, bare=SpaceArm(g=0.0))
     trial = program("steps", keq=1.11).trials[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -84,7 +84,7 @@ class Stiffening(Law):
         return cls(0.05 * (1 if rng.random() < 0.75 else -1))
 
     def scaled(self, factor: float) -> Stiffening:
-        return Stiffening(float(np.clip(self.cubic * factor, -0.09, self.limit)))
+        return replace(self, cubic=float(np.clip(self.cubic * factor, -0.09, self.limit)))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return joints.stiffness * self.cubic * state.bend**3, memory
