@@ -8,7 +8,7 @@ import pytest
 
 from hsr_pin.control.stepping import ArmSimulator
 from hsr_pin.effects import parse_effect
-from hsr_pin.errors import InputError, SimulationFailure, SpecificationError
+from hsr_pin.errors import InputError, SimulationFailure
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
@@ -80,11 +80,3 @@ def test_an_arm_that_goes_too_far_is_said_to_and_stays():
             before = simulator.state
             simulator.step((2.0, 2.0), dt=0.01)
     assert simulator.state is before
-
-
-def test_environments_are_of_arms_in_a_plane():
-    pytest.importorskip("gymnasium")
-    from hsr_pin.control.environment import FollowTip
-
-    with pytest.raises(SpecificationError, match="plane for an environment"):
-        FollowTip(arm=ARM)

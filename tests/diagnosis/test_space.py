@@ -44,7 +44,7 @@ def recorded(tmp_path_factory):
 @pytest.fixture(scope="module")
 def flat(recorded):
     """An arm with a flat section: 15 % stiffer towards 0.7 rad."""
-    return recorded(laws.UnequalStiffness(0.15, 0.7), kinds="steps")
+    return recorded(laws.UnequalStiffness(0.15, side=0.7), kinds="steps")
 
 
 def test_another_engine_moves_the_arm_as_the_model_does(recorded):
@@ -87,11 +87,11 @@ def test_what_changed_is_asked_of_arms_in_a_plane(flat):
 @pytest.mark.parametrize(
     ("law", "names", "values"),
     [
-        (laws.BendAtRest(0.15, 2.0), {"bend_at_rest", "torque_offset"}, {}),
+        (laws.BendAtRest(0.15, side=2.0), {"bend_at_rest", "torque_offset"}, {}),
         (laws.TurnedActuation(0.2), {"turned_actuation"}, {"turned_actuation.angle": 0.2}),
-        (laws.WeakChamber(0.3, 1.0), {"weak_chamber"}, {"weak_chamber.loss": 0.3, "weak_chamber.direction": 1.0}),
-        (laws.BaseTilt(0.1, -2.0), {"base_tilt"}, {"base_tilt.towards_x": -0.0416, "base_tilt.towards_y": -0.0909}),
-        (laws.MarkersBeside(0.006, 1.0), {"markers_beside"}, {}),
+        (laws.WeakChamber(0.3, side=1.0), {"weak_chamber"}, {"weak_chamber.loss": 0.3, "weak_chamber.direction": 1.0}),
+        (laws.BaseTilt(0.1, side=-2.0), {"base_tilt"}, {"base_tilt.towards_x": -0.0416, "base_tilt.towards_y": -0.0909}),
+        (laws.MarkersBeside(0.006, side=1.0), {"markers_beside"}, {}),
         (laws.DryFriction(0.06, "prandtl"), {"dry_friction"}, {}),
         (mounting.TipMass(0.02), {"tip_mass"}, {"tip_mass.mass": 0.02}),
         (actuation.ActuatorLag(0.08), {"actuator_lag", "unequal_lag", "lag_cascade"}, {}),

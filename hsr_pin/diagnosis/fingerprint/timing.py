@@ -214,7 +214,7 @@ def _times(motion: Bending, step: Step) -> StepTimes | None:
         return None
     back = max(0.0, float((np.maximum.accumulate(share) - share).max()) - _NOISE * motion.noise / abs(way))
     allowed = _UNDAMPED - _BY_DAMPING * _damping_ratio(back)
-    rises = abs(step.after.torque) > abs(step.before.torque)
+    rises = bool(abs(step.after.torque) > abs(step.before.torque))
     name = motion.run.trial.name
     return StepTimes(name, rises, way, start, tenth, half, most, allowed, elapsed, share)
 

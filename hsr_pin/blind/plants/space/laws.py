@@ -5,7 +5,7 @@ Those that scale moments, masses or time (gradients, lags, creep, payloads) are 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
@@ -23,7 +23,7 @@ class Sided(Law):
     """A law with a direction of its own; ``usual`` is a moderate strength. side: from x towards y [rad]."""
 
     usual: ClassVar[float]
-    side: float = 0.0
+    side: float = field(default=0.0, kw_only=True)
 
     @classmethod
     def draw(cls: type[AnySided], rng: np.random.Generator) -> AnySided:
