@@ -55,7 +55,7 @@ class Row:
     def _ratio(self) -> str:
         if self.ratio is None:
             return NOTHING
-        number = f"{self.ratio:.2g}" if self.ratio < 100 else f"{self.ratio:.0f}"
+        number = f"{self.ratio:.2g}" if self.ratio < 99.5 else f"{self.ratio:.0f}"
         ahead = " (peer ahead)" if self.ratio < 1 and self.title.reach is None else ""
         return f"{'over ' if self.above else ''}{number}{ahead}"
 
