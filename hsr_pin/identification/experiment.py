@@ -150,7 +150,7 @@ class Experiment:
 
     def cameras(self, columns: Columns) -> Cameras:
         """What is seen of arms with these markers."""
-        return Cameras(columns, self.reach, np.array([marker.beside for marker in self.markers]))
+        return Cameras(columns, self.reach, np.array([marker.beside for marker in self.markers]), fast=True)
 
     @cached_property
     def levels(self) -> tuple[float, ...]:

@@ -1,8 +1,8 @@
-"""The march and the search for rest as machine code, by numba; compiled at the first use and kept.
+"""The march, the search for rest and the sight of markers as machine code, by numba; compiled at the first use and kept.
 
-The functions of ``march`` and ``rest`` are taken as they stand, with those of ``kernel`` in place of Pinocchio's. What was
-compiled lies in the cache of numba (beside the source, or in the user's cache where the installation cannot be written to) and
-holds for all processes; a process that finds it there starts in some tenths of a second.
+The functions of these modules are taken as they stand, with those of ``kernel`` in place of Pinocchio's. What was compiled lies
+in the cache of numba (beside the source, or in the user's cache where the installation cannot be written to) and holds for all
+processes; a process that finds it there starts in some tenths of a second.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import sys
 import threading
 import types
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 from hsr_pin.effects.effect import Effect, formless
-from hsr_pin.simulation import kernel, march, rest
+from hsr_pin.simulation import kernel, march, rest, sight
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.march import advance
 from hsr_pin.simulation.stamp import stamp
@@ -41,6 +41,12 @@ def loops() -> Loops:
         return _loops()
 
 
+def see() -> Any:
+    """:func:`hsr_pin.simulation.sight.see`, compiled."""
+    with _LOCK:
+        return _see()
+
+
 def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
     """Compile all that a fit with these effects will call, before many processes want it."""
     from hsr_pin.simulation.laws import address
@@ -51,6 +57,7 @@ def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
         space_loops()
     else:
         loops()
+        see()
     for kind in effects:
         for variant in kind.variants():
             effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
@@ -74,6 +81,14 @@ def _loops() -> Loops:
     return assembled("loops", kernel, rest, brief_advance, _arguments())
 
 
+@lru_cache(maxsize=1)
+def _see() -> Any:
+    press = _Press("sight")
+    found = press.made(sight.see)
+    press.compile((found,), (_sight(),))
+    return found
+
+
 def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], arguments: Iterable[Any]) -> Loops:
     """The loops over one kind of arms.
 
@@ -84,21 +99,8 @@ def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], ar
         advance: steps that are given from outside.
         arguments: the types of what each of the loops takes.
     """
-    from numba import njit
-    from numba.core import event
-
-    all_kept = True
-
-    def made(function: Callable[..., Any], inline: bool = False, **others: Any) -> Any:
-        nonlocal all_kept
-        scope = {**function.__globals__, **others}
-        copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
-        copy.__module__ = function.__module__
-        copy.__qualname__ = f"{function.__name__}_{stamp(part)}"
-        code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
-        all_kept = all_kept and is_kept
-        return code
-
+    press = _Press(part)
+    made = press.made
     plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
     for name in kernel.PARTS:
         plain[name] = made(getattr(kernel, name), inline=name not in ("resist", "remember"), **plain)
@@ -110,11 +112,38 @@ def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], ar
     plain["advance"] = made(march.advance, **plain)
     apart, steps = made(march.march_apart, **plain), made(advance, **plain)
     found = Loops(plain["march"], apart, steps, made(rest.rest, **plain))
-    with event.install_listener("numba:compile", _announcement(_KEPT if all_kept else _LOST)):  # not heard when they are loaded
-        for function, types_of in zip(found, arguments, strict=True):
-            function.compile(types_of)  # for these types alone: nothing is ever compiled again unawares
-            function.disable_compile()
+    press.compile(found, arguments)
     return found
+
+
+class _Press:
+    """Makes machine code of functions that are made from the same sources, and keeps it where it can."""
+
+    def __init__(self, part: str) -> None:
+        self._stamp, self._kept = stamp(part), True
+
+    def made(self, function: Callable[..., Any], inline: bool = False, **others: Any) -> Any:
+        """A function for numba, to be compiled when it is first needed; ``others`` stand in for what it knows by these names."""
+        from numba import njit
+
+        scope = {**function.__globals__, **others}
+        copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+        copy.__module__ = function.__module__
+        copy.__qualname__ = f"{function.__name__}_{self._stamp}"
+        code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
+        self._kept = self._kept and is_kept
+        return code
+
+    def compile(self, functions: Iterable[Any], arguments: Iterable[Any]) -> None:
+        """Compile functions for these types alone: nothing is ever compiled again unawares."""
+        from numba.core import event
+
+        with event.install_listener(
+            "numba:compile", _announcement(_KEPT if self._kept else _LOST)
+        ):  # not heard when they are loaded
+            for function, types_of in zip(functions, arguments, strict=True):
+                function.compile(types_of)
+                function.disable_compile()
 
 
 def brief_advance(
@@ -154,8 +183,16 @@ def _arguments() -> tuple[Any, ...]:
     )
 
 
+def _sight() -> Any:
+    """Types of what the sight of markers takes."""
+    from numba import types as nb
+
+    return nb.void(*(nb.Array(nb.float64, dimensions, "C") for dimensions in (3, 2, 3, 2, 2, 4))).args
+
+
+@cache
 def _announcement(often: str) -> Any:
-    """What says, once, that something is being compiled."""
+    """What says, once in a process, that something is being compiled."""
     from numba.core import event
 
     class Announcement(event.Listener):  # type: ignore[misc]

@@ -14,6 +14,7 @@ _HERE = Path(__file__).parent
 _SOURCES = {
     "laws": (_HERE / "laws.py", _HERE.parent / "effects" / "effect.py"),
     "loops": tuple(_HERE / f"{name}.py" for name in ("kernel", "march", "rest", "compiled")),
+    "sight": tuple(_HERE / f"{name}.py" for name in ("sight", "compiled")),
     "space": tuple(
         _HERE / f"{name}.py"
         for name in (

@@ -21,3 +21,16 @@ def test_velocities_are_the_slope_of_positions(effects, bending):
     slope = (cameras.positions(q + step * v) - cameras.positions(q - step * v)) / (2 * step)
     assert np.abs(slope).max() > 0.01
     assert cameras.velocities(q, v) == pytest.approx(slope, abs=1e-3 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("width", [0.2, 2.0], ids=["as links bend", "farther than the series hold"])
+@pytest.mark.parametrize("arms", [1, 2], ids=["one map for all", "a map for each"])
+def test_machine_code_sees_what_the_map_of_markers_says(width, arms):
+    rng = np.random.default_rng(1)
+    several = [ArmSpecification(links=7, length=0.24 + 0.1 * k * (arms - 1), tilt=0.3 * k * (arms - 1)) for k in range(2)]
+    columns = Columns(Arms.of(several), ())
+    fast, slow = (Cameras(columns, [0.05, 0.1, 0.24], fast=fast) for fast in (True, False))
+    q = np.clip(width * rng.normal(size=(8, 2, 7)), -1.2 * width, 1.2 * width)[::2]
+    assert len(fast.places.fixed) == arms
+    assert (np.abs(q).max() > 0.5) == (width > 0.5)
+    assert fast.positions(q) == pytest.approx(slow.positions(q), rel=0, abs=1e-14)
