@@ -24,6 +24,9 @@ class Parameter:
         scale: a change of this size is of practical size; sets finite differences and starting values.
         amplitude: True if the neutral value switches the effect off; False for a shape parameter.
         description: one line.
+        resizes: power of the stiffness level by which an amplitude grows where it does not do as its law says: -1 for a law in
+            proportion to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where
+            neither makes sense.
     """
 
     name: str
@@ -34,6 +37,7 @@ class Parameter:
     scale: float
     amplitude: bool
     description: str
+    resizes: int = 0
 
     def __post_init__(self) -> None:
         if not self.lower <= self.neutral <= self.upper:
@@ -66,9 +70,10 @@ def parameter(
     scale: float,
     description: str,
     amplitude: bool = False,
+    resizes: int = 0,
 ) -> Any:
     """A dataclass field that is a :class:`Parameter`; its default is the neutral value."""
-    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description)
+    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, resizes)
     return dataclasses.field(default=neutral, metadata={"parameter": fact})
 
 

@@ -61,11 +61,10 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
     from hsr_pin.diagnosis.search import mean_square
     from hsr_pin.effects import effect_named
-    from hsr_pin.effects.effect import neutral
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.fit import fit
     from hsr_pin.identification.heldout import leave_one_out
-    from hsr_pin.identification.hypothesis import Hypothesis, Part
+    from hsr_pin.identification.hypothesis import Hypothesis, readings
     from hsr_pin.recordings.read import read_dataset
 
     experiment = prepare(read_dataset(recording))
@@ -73,11 +72,9 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     nothing = Candidate(base, tuple(leave_one_out(experiment, base)))
     found = []
     for order in permutations(names):
-        kinds = [effect_named(name) for name in order]
-        for readings in product(*(kind.variants() for kind in kinds)):
+        for parts in product(*(readings(effect_named(name)) for name in order)):
             last = nothing
-            for kind, reading in zip(kinds, readings, strict=True):
-                part = Part(kind.name, neutral(kind, **reading))
+            for part in parts:
                 for guess in guesses(experiment, last.fit, [part]):  # one, or none that can be simulated
                     last = finish(experiment, glance(experiment, last.fit, guess))
             found.append(mean_square(last))

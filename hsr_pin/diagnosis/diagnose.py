@@ -22,12 +22,11 @@ from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
-from hsr_pin.effects.effect import formless, neutral
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import LINKS, PLAIN, Hypothesis, Part
+from hsr_pin.identification.hypothesis import LINKS, PLAIN, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
@@ -112,7 +111,7 @@ def diagnose(
     if aside:
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
-    if effects is not None and (wrong := [kind.name for kind in kinds if not _forms(kind, space=space)]):
+    if effects is not None and (wrong := [kind.name for kind in kinds if not readings(kind, space=space)]):
         expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
         raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
     parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
@@ -222,17 +221,8 @@ def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequ
     parts = [Part(name) for name in plain]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     for kind in kinds:
-        for effect in _forms(kind, space=space):
-            parts.append(Part(kind.name, effect))
-            if kind.resizes and len(experiment.levels) > 1:
-                parts.append(Part(kind.name, effect, resized=True))
+        parts += readings(kind, space=space, levels=len(experiment.levels))
     return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
-
-
-def _forms(kind: type[Effect], *, space: bool) -> list[Effect]:
-    """Every reading of an effect that holds for arms in space, or in a plane."""
-    every = [neutral(kind, **options) for options in kind.variants()]
-    return [effect for effect in every if not formless([effect], space=space)]
 
 
 def _noted(experiment: Experiment, note: str) -> Experiment:

@@ -20,11 +20,17 @@ class BendingStop(Effect):
     cause = "the cable carrier's links lock"
     citation = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)"
     kind = "elastic"
-    resizes = -1
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=30.0, unit="1", scale=0.3, amplitude=True, description="stiffness added beyond the stop, over Keq"
+        0.0,
+        lower=0.0,
+        upper=30.0,
+        unit="1",
+        scale=0.3,
+        amplitude=True,
+        resizes=-1,
+        description="stiffness added beyond the stop, over Keq",
     )
     angle: float = parameter(0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
 

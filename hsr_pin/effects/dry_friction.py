@@ -32,12 +32,11 @@ class DryFriction(Effect):
     cause = "backbone links rubbing"
     citation = "L. Prandtl, ZAMM 8 (1928); P. Dupont et al., Single state elastoplastic friction models, IEEE TAC 47 (2002)"
     kind = "friction"
-    resizes = -1
     states = 1
     passive = True
 
     level: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.05, amplitude=True, description="friction moment over Keq"
+        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.05, amplitude=True, resizes=-1, description="friction moment over Keq"
     )
 
     @staticmethod

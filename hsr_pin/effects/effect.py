@@ -141,15 +141,13 @@ class Effect(ABC):
     states: ClassVar[int] = 0
     #: Numbers that a law of the command remembers; an arm that has settled remembers the torque in each of them.
     memories: ClassVar[int] = 0
-    #: Power of the stiffness level by which an amplitude grows where it does not do as its law says: -1 for a law in proportion
-    #: to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where neither makes
-    #: sense.
-    resizes: ClassVar[int] = 0
     passive: ClassVar[bool] = False
     #: Whether it stands for its kind of physics only, and is never named as a cause.
     flexible: ClassVar[bool] = False
     #: Names of simpler effects that are special cases of this one.
     contains: ClassVar[tuple[str, ...]] = ()
+    #: Amplitudes that a search opens one at a time, each a reading of its own: together they could hardly be told apart.
+    apart: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         for fact in self.parameters():

@@ -36,12 +36,18 @@ class Hysteresis(Effect):
         "W. D. Iwan, A distributed-element model for hysteresis, J. Appl. Mech. 33 (1966)"
     )
     kind = "friction"
-    resizes = -1
     states = len(SLIDERS)
     passive = True
 
     amplitude: float = parameter(
-        0.0, lower=0.0, upper=2.0, unit="rad", scale=0.05, amplitude=True, description="moment of the saturated loop over Keq"
+        0.0,
+        lower=0.0,
+        upper=2.0,
+        unit="rad",
+        scale=0.05,
+        amplitude=True,
+        resizes=-1,
+        description="moment of the saturated loop over Keq",
     )
     yield_angle: float = parameter(
         0.3, lower=0.05, upper=1.5, unit="rad", scale=0.1, description="bending of the whole arm over which the loop turns"

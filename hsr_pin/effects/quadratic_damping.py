@@ -28,7 +28,6 @@ class QuadraticDamping(Effect):
     cause = "air, fluid in the muscles"
     citation = "J. R. Morison et al., The force exerted by surface waves on piles, J. Pet. Technol. 2 (1950)"
     kind = "damping"
-    resizes = 1
     passive = True
 
     coefficient: float = parameter(
@@ -38,6 +37,7 @@ class QuadraticDamping(Effect):
         unit="Nm s^2/rad^2",
         scale=0.005,
         amplitude=True,
+        resizes=1,
         description="of the whole arm, per rate squared",
     )
 

@@ -18,9 +18,10 @@ class TorqueBias(Effect):
     cause = "pressure offset, unequal muscles"
     citation = "F. Daerden, D. Lefeber, Pneumatic artificial muscles, Eur. J. Mech. Environ. Eng. 47 (2002)"
     kind = "actuation_map"
-    resizes = 1
 
-    bias: float = parameter(0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, description="torque added")
+    bias: float = parameter(
+        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+    )
 
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

@@ -24,12 +24,11 @@ class Viscoelastic(Effect):
     cause = "silicone"
     citation = "J. D. Ferry, Viscoelastic Properties of Polymers, 3rd ed., Wiley (1980)"
     kind = "creep"
-    resizes = -1
     states = 1
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="stiffness of the branch over Keq"
+        0.0, lower=0.0, upper=3.0, unit="1", scale=0.2, amplitude=True, resizes=-1, description="stiffness of the branch over Keq"
     )
     time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="of relaxation")
 

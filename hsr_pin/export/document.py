@@ -186,7 +186,7 @@ def _effect(name: str, values: dict[str, float], options: dict[str, str], level:
     for fact in kind.parameters():
         if f"{name}.{fact.name}" in values:
             value = values[f"{name}.{fact.name}"]
-            scaled = value * level ** getattr(kind, "resizes", 0) if fact.amplitude else value
+            scaled = value * level**fact.resizes if fact.amplitude else value
             facts[fact.name] = value if level == 1.0 else min(max(scaled, fact.lower), fact.upper)
     return kind(**facts, **options)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect, formless, with_values
+from hsr_pin.effects.effect import Effect, formless, neutral, with_values
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.parameters import Parameter
@@ -43,11 +43,13 @@ class Part:
         effect: with its options; None for a number.
         resized: whether the effect's amplitude goes with the stiffness level where its law says that it stays, and stays
             where its law says that it goes with it.
+        opens: of an effect that has its amplitudes ``apart`` the one that is open; empty: all parameters are.
     """
 
     name: str
     effect: Effect | None = None
     resized: bool = False
+    opens: str = ""
 
     @property
     def kind(self) -> str:
@@ -67,8 +69,24 @@ class Part:
 
     @property
     def reading(self) -> tuple[object, ...]:
-        """Name, options and size: what tells it from other readings of the same law."""
-        return self.name, self.effect.options if self.effect else (), self.resized
+        """Name, options, size and what is open: what tells it from other readings of the same law."""
+        return self.name, self.effect.options if self.effect else (), self.resized, self.opens
+
+
+def readings(kind: type[Effect], *, space: bool = False, levels: int = 1) -> list[Part]:
+    """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell."""
+    effects = [neutral(kind, **options) for options in kind.variants()]
+    return [
+        Part(kind.name, effect, resized, opens)
+        for effect in effects
+        if not formless([effect], space=space)
+        for opens in kind.apart or ("",)
+        for resized in ((False, True) if levels > 1 and _resizes(kind, opens) else (False,))
+    ]
+
+
+def _resizes(kind: type[Effect], opens: str) -> bool:
+    return any(fact.resizes for fact in kind.parameters() if opens in ("", fact.name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,14 +150,21 @@ class Hypothesis:
     @property
     def parts(self) -> tuple[Part, ...]:
         """The effects, and the open numbers of the arm beside stiffness and damping."""
-        effects = tuple(Part(effect.name, effect, effect.name in self.resized) for effect in self.effects)
+        effects = tuple(Part(e.name, e, e.name in self.resized, self._opens(e)) for e in self.effects)
         return (*(Part(name) for name in PLAIN if name in self.free), *effects)
+
+    def _opens(self, effect: Effect) -> str:
+        """The one amplitude that is open, of an effect that has them apart."""
+        open_ = [name for name in effect.apart if f"{effect.name}.{name}" in self.free]
+        return open_[0] if len(open_) == 1 else ""
 
     def with_part(self, part: Part) -> Hypothesis:
         """The same with one more."""
         if part.effect is None:
             return replace(self, free=(*self.free, part.name))
         more = self.with_effects(part.effect)
+        if part.opens:
+            more = replace(more, free=(*self.free, f"{part.name}.{part.opens}"))
         return replace(more, resized=(*self.resized, part.name)) if part.resized else more
 
     def without_part(self, name: str) -> tuple[Hypothesis, list[int]]:
@@ -165,7 +190,7 @@ class Hypothesis:
             for fact in effect.parameters():
                 value = np.broadcast_to(named.get(f"{effect.name}.{fact.name}", getattr(effect, fact.name)), values.shape[:-1])
                 if fact.amplitude and effect.name in self.resized:
-                    value = np.clip(value * level**effect.resizes, fact.lower, fact.upper)
+                    value = np.clip(value * level**fact.resizes, fact.lower, fact.upper)
                 found[fact.name] = np.array(value) if value.ndim else float(value)
             return found
 

@@ -58,7 +58,7 @@ def _part(given):
     if law is None:
         return part
     law = with_values(law, **{p.name: p.neutral + p.scale for p in law.parameters() if p.amplitude})
-    return Part(law.name, law, part.resized if part else False)
+    return Part(law.name, law, part.resized, part.opens) if part else Part(law.name, law)
 
 
 def candidate(*parts, gap=0.0, errors=None):

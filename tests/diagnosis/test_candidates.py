@@ -11,7 +11,7 @@ from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis, Part, readings
 from hsr_pin.parameters import parameter
 
 from .made import CATALOGUE, TRIALS, made
@@ -36,7 +36,7 @@ def fitted(text):
 def guessed(text):
     """First guesses for the whole catalogue, the most promising first, each kind once."""
     experiment, base = fitted(text)
-    parts = [Part(kind.name, neutral(kind, **options)) for kind in EFFECTS.values() for options in kind.variants()]
+    parts = [part for kind in EFFECTS.values() for part in readings(kind)]
     first = {}
     for guess in sorted(guesses(experiment, base, parts), key=lambda guess: -guess.gain):
         first.setdefault(guess.hypothesis.effects[-1].name, guess)

@@ -9,12 +9,12 @@ from hsr_pin.diagnosis.search import BEAM, Thresholds, key, search, worth_having
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.effects.flexible import FLEXIBLE
-from hsr_pin.identification.hypothesis import Part
+from hsr_pin.identification.hypothesis import Part, readings
 
 from .fabricated import LENGTH, NOISE, THRESHOLDS, FakeCrew, candidate
 
 GAP = 4e-3
-EVERY = [Part(kind.name, neutral(kind, **options)) for kind in EFFECTS.values() for options in kind.variants()]
+EVERY = [part for kind in EFFECTS.values() for part in readings(kind)]
 
 
 def searched(crew, parts=EVERY, **how):
@@ -183,7 +183,7 @@ def test_every_reading_of_a_law_is_tried_once():
 def test_readings_of_a_law_that_are_the_same_on_these_recordings_are_tried_as_one():
     found = searched(FakeCrew({"": GAP, "torque_map": 1e-3}, alike=1.0))
     assert [key(each) for each in found.tried if each.names == ("torque_map",)] == [
-        (("torque_map", (("parity", "odd"),), False),)
+        (("torque_map", (("parity", "odd"),), False, "quadratic"),)
     ]
 
 

@@ -249,6 +249,14 @@ def test_an_even_torque_map_is_a_parabola():
     np.testing.assert_allclose(delivered(law, [1.0, -1.0, 2.0]), [1.15, -0.85, 2.6])
 
 
+def test_up_to_the_threshold_no_torque_arrives_and_beyond_it_the_rest():
+    edge = 0.2 * KEQ
+    law = EFFECTS["torque_map"](threshold=0.2)
+    np.testing.assert_allclose(
+        delivered(law, [0.0, 0.9 * edge, 3 * edge, -0.9 * edge, -3 * edge]), [0, 0, 2 * edge, 0, -2 * edge]
+    )
+
+
 def test_torque_decay_falls_from_base_to_tip():
     drive = along((EFFECTS["torque_decay"](0.4),), "actuation", 4)
     np.testing.assert_allclose(drive[0], 1 - 0.4 * np.array([0.125, 0.375, 0.625, 0.875]))

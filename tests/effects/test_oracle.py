@@ -45,6 +45,7 @@ EXAMPLES = [
         "torque_bias:bias=-0.15",
         "torque_map:quadratic=0.25",
         "torque_map:quadratic=-0.2,parity=even",
+        "torque_map:quadratic=0.2,threshold=0.1",
         "torque_decay:decay=0.4",
         "gravity_tilt:angle=0.12",
         "gravity_tilt:angle=-0.12,frame=base",

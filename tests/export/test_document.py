@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, InputError
 from hsr_pin.export.document import read_result
 from hsr_pin.identification.document import to_json
@@ -72,8 +71,7 @@ def test_an_open_verdict_gives_the_best_and_says_so(written, status):
     assert "leaves open" in model.origin[1]
 
 
-def test_an_amplitude_that_goes_with_the_level_is_that_of_the_level(written, monkeypatch):
-    monkeypatch.setattr(EFFECTS["hysteresis"], "resizes", -1, raising=False)
+def test_an_amplitude_that_goes_with_the_level_is_that_of_the_level(written):
     found = {**BEST, "resized": ["hysteresis"]}
     loops = [read_result(written(diagnosis(candidates=[found])), keq=keq).effects[1] for keq in (1.11, 2.33)]
     assert [loop.amplitude for loop in loops] == pytest.approx([0.2, 0.2 * 1.11 / 2.33])

@@ -10,7 +10,7 @@ from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.evaluation import predict_all, rms
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part, readings
 from hsr_pin.identification.uncertainty import uncertainty
 
 
@@ -47,6 +47,8 @@ def test_a_part_that_is_added_and_taken_away_leaves_what_was_there():
         Part("torque_gain"),
         Part("hysteresis", EFFECTS["hysteresis"]()),
         Part("torque_bias", EFFECTS["torque_bias"](), True),
+        Part("torque_map", EFFECTS["torque_map"](), True, "threshold"),
+        Part("torque_map", EFFECTS["torque_map"](parity="even"), False, "quadratic"),
     ):
         more = plain.with_part(part)
         assert more.parts[-1 if part.effect else 0].reading == part.reading
@@ -55,6 +57,17 @@ def test_a_part_that_is_added_and_taken_away_leaves_what_was_there():
         assert kept == [0, 1, 2]
     first, kept = plain.with_part(Part("torque_gain")).without_part("dead_time")
     assert (first.effects, first.free, kept) == ((), ("keq_scale", "damping_scale", "torque_gain"), [0, 1, 3])
+
+
+def test_of_amplitudes_that_are_told_apart_each_is_a_reading_of_its_own():
+    kind = EFFECTS["torque_map"]
+    one = {(part.effect.parity, part.opens, part.resized) for part in readings(kind)}
+    assert one == {(parity, opens, False) for parity in ("odd", "even") for opens in ("quadratic", "threshold")}
+    more = {(part.effect.parity, part.opens, part.resized) for part in readings(kind, levels=2)}
+    assert more - one == {(parity, "threshold", True) for parity in ("odd", "even")}
+    assert {part.effect.parity for part in readings(kind, space=True)} == {"odd"}
+    (opened,) = {Hypothesis(free=()).with_part(part).free for part in readings(kind, space=True) if part.opens == "threshold"}
+    assert opened == ("torque_map.threshold",)
 
 
 def test_a_resized_amplitude_changes_with_the_level_against_its_law_and_stays_within_its_bounds():

@@ -19,10 +19,13 @@ class TorqueOffset(Effect):
     citation = "F. Daerden, D. Lefeber, Pneumatic artificial muscles, Eur. J. Mech. Environ. Eng. 47 (2002)"
     kind = "actuation_map"
     contains = ("torque_bias",)
-    resizes = 1
 
-    towards_x: float = parameter(0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, description="torque added")
-    towards_y: float = parameter(0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, description="torque added")
+    towards_x: float = parameter(
+        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+    )
+    towards_y: float = parameter(
+        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+    )
 
     @property
     def in_plane(self) -> bool:
