@@ -79,6 +79,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "torque_curve": ("actuation_map",),
     # Plain parameters.
     "damping_scale": ("damping",),
+    "keq_drift": ("elastic", "creep"),
     "keq_scale": ("elastic",),
     "mass_scale": ("mass_gravity",),
 }
@@ -111,7 +112,7 @@ FLEXIBLE = (
 )
 
 #: Of the arm itself: not effects, and no names in a verdict on one recording.
-PLAIN = ("damping_scale", "keq_scale", "mass_scale", "torque_gain")
+PLAIN = ("damping_scale", "keq_drift", "keq_scale", "mass_scale", "torque_gain")
 
 
 def kinds_of(law: str) -> tuple[str, ...]:

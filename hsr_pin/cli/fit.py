@@ -33,7 +33,8 @@ _STAGES = 4
     default="keq,damping",
     show_default=True,
     metavar="A,B,...",
-    help="What to fit: keq, damping, mass, gain (factors on what is declared), an effect, or effect.parameter.",
+    help="What to fit: keq, damping, mass, gain (factors on what is declared), drift (of the stiffness over the session), "
+    "an effect, or effect.parameter.",
 )
 @click.option("--by-level", is_flag=True, help="A stiffness and a damping for each declared Keq instead of one factor for all.")
 @click.option(

@@ -26,7 +26,7 @@ from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import LINKS, PLAIN, Hypothesis, Part, readings
+from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
@@ -114,7 +114,7 @@ def diagnose(
     if effects is not None and (wrong := [kind.name for kind in kinds if not readings(kind, space=space)]):
         expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
         raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
-    parts = catalogue(kinds, experiment) if effects is None else catalogue(kinds, experiment, plain=())
+    parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
     ready(kinds, space=space)
     if executor is not None:
         beforehand(executor, ready, kinds, space)
@@ -161,7 +161,7 @@ def diagnose(
         found = searched(base)
         verdict = judged(found, by_level)
         if by_level and worth_having(base, by_level, thresholds, seed):
-            if verdict.status == "parameters":
+            if verdict.status == "parameters" and not verdict.support:
                 found = Search((by_level,), found.tried)
             elif verdict.status == "unexplained":
                 tell("stiffness and damping of each level")
@@ -216,9 +216,9 @@ def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str,
     return [(candidate.fit.hypothesis, candidate.fit.values) for candidate in best]
 
 
-def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = tuple(PLAIN)) -> list[Part]:
+def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = ACTING) -> list[Part]:
     """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
-    parts = [Part(name) for name in plain]
+    parts = [Part(name) for name in plain if name not in SESSION or len(experiment.runs) >= TRIALS]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     for kind in kinds:
         parts += readings(kind, space=space, levels=len(experiment.levels))

@@ -23,7 +23,7 @@ from hsr_pin.diagnosis.search import (
 )
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
-from hsr_pin.identification.hypothesis import PLAIN
+from hsr_pin.identification.hypothesis import PLAIN, SESSION
 
 #: A name or a kind is certain from this probability on: 83 to 97 % of what was said with more was right (fourth sealed run).
 CERTAIN = 0.75
@@ -45,6 +45,14 @@ AWAY = 1.96
 TRACED = 0.8
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
+
+
+#: Numbers of the arm in words.
+_PLAINLY = {
+    "torque_gain": "another gain of the torque (torque_gain)",
+    "mass_scale": "another mass (mass_scale)",
+    "keq_drift": "a stiffness that changes over the session (keq_drift)",
+}
 
 
 @dataclass(frozen=True)
@@ -184,7 +192,10 @@ def _graded(
     if closes and len(sets) == 1 and sure == best.names:
         are, them = ("is", "it") if len(sure) == 1 else ("are", "them")
         if not effects:
-            return said("parameters", f"Another {_listed(sure)} explains it: with {them} {goes}.")
+            told = _listed([_PLAINLY[name] for name in sure])
+            explain = "explains" if len(sure) == 1 else "explain"
+            status = "partly_identified" if set(sure) & set(SESSION) else "parameters"  # the one is no number of the arm
+            return said(status, f"{told[0].upper()}{told[1:]} {explain} it: with {them} {goes}.")
         return said("identified", f"{_listed(sure)} {are} missing from the model: with {them} {goes}.", named=effects)
     if closes and len(sets) > 1:
         known = f"{_listed(effects)} {'is' if len(effects) == 1 else 'are'} certain; " if effects else ""

@@ -14,7 +14,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.identification.arm_document import levels
-from hsr_pin.identification.hypothesis import ARM, LINKS
+from hsr_pin.identification.hypothesis import ARM, LINKS, SESSION
 from hsr_pin.recordings.files import LARGEST_RESULT
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.text import read_text
@@ -151,7 +151,7 @@ def _diagnosis(
         wanted = sorted(verdict.get("effects", []))
         chosen = next((each for each in tried if sorted(each["effects"]) == wanted), chosen)
     values = {name: _value(fact, name, path) for name, fact in chosen["parameters"].items()}
-    names = [name for name in chosen["effects"] if name not in ARM]  # an open number of the arm may stand among them
+    names = [name for name in chosen["effects"] if name not in ARM | SESSION]  # an open number of the arm may stand among them
     acting = [row["name"] for row in declared.get("effects", ())]
     names = acting if sorted(acting) == sorted(names) else names  # in the order in which they act, where it is told
     options: dict[str, dict[str, str]] = {name: {} for name in names}

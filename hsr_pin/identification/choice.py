@@ -13,11 +13,11 @@ from hsr_pin.effects.effect import Effect, neutral, with_values
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Run
-from hsr_pin.identification.hypothesis import ARM, LINKS, Hypothesis
+from hsr_pin.identification.hypothesis import ARM, LINKS, SESSION, Hypothesis
 from hsr_pin.robot.specification import Placement
 
 #: Short for the factors on what was declared.
-SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "gain": "torque_gain"}
+SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "gain": "torque_gain", "drift": "keq_drift"}
 #: What may be named.
 _NAMED = EFFECTS | SPATIAL
 #: Those that differ between stiffness levels.
@@ -55,7 +55,7 @@ def choose(
     for name in free:
         base, at, level = name.strip().partition("@")
         base = SHORT.get(base, base)
-        if base in ARM:
+        if base in ARM | SESSION:
             split = by_level and not at and base in _BY_LEVEL
             names += [f"{base}@{keq:g}" for keq in sorted({run.trial.keq for run in runs})] if split else [base + at + level]
             continue
@@ -97,7 +97,7 @@ def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
 
 
 def _unknown(name: str) -> IdentificationError:
-    every = [*SHORT, *ARM, *_NAMED, *(f"{e.name}.{fact.name}" for e in _NAMED.values() for fact in e.parameters())]
+    every = [*SHORT, *ARM, *SESSION, *_NAMED, *(f"{e.name}.{fact.name}" for e in _NAMED.values() for fact in e.parameters())]
     close = get_close_matches(name, EFFECTS, n=1, cutoff=0.5) or get_close_matches(name, every, n=1, cutoff=0.5)
     return IdentificationError(
         "parameter to fit",

@@ -89,7 +89,8 @@ def respond_each(
     """Likewise for each of some cases; arms that two of them share are made once."""
     made: dict[object, tuple[Engine, Cameras]] = {}
     for case in cases:
-        shared = hypothesis.declared(experiment, case.run), case.values.tobytes()
+        keq = hypothesis.factor("keq_scale", case.run, case.values)
+        shared = hypothesis.declared(experiment, case.run), case.values.tobytes(), keq.tobytes()
         if shared not in made:
             columns = hypothesis.columns(experiment, case.run, case.values)
             made[shared] = Engine(columns, dynamics), experiment.cameras(columns)

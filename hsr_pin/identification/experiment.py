@@ -50,6 +50,7 @@ class Run:
         interpolated: the torque goes straight from sample to sample instead of being held.
         axes: the world's coordinates in which the arm moves.
         by_section: (T, S) [N m] commanded, complex, of an arm of S > 1 sections; None: the same for all.
+        place: in the session, from 0 for the first of its trials to 1 for the last.
         every: only one in so many of the measured samples is looked at.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
@@ -65,6 +66,7 @@ class Run:
     interpolated: bool = False
     axes: tuple[int, ...] = (0, 2)
     by_section: Array | None = None
+    place: float = 0.0
     every: int = 1
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
@@ -182,12 +184,12 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     noise = _noise(dataset, moving)
     reach, doubts = farthest(dataset, moving)
     runs, notes = [], [*doubts, *([f"releases are followed from {delay:g} s after their declared start"] if delay else [])]
-    for trial in dataset.trials:
+    for place, trial in zip(np.linspace(0, 1, len(dataset.trials)), dataset.trials, strict=True):
         run = _run(trial, dataset, moving, noise, reach, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
-            runs.append(run)
+            runs.append(replace(run, place=float(place)))
     if not runs:
         raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
     markers = tuple(dataset.markers[i] for i in moving)

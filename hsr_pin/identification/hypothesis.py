@@ -26,8 +26,20 @@ ARM = {
 }
 #: Those that are factors on a number of the arm.
 _FACTORS = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
-#: What stiffness and damping may leave open, as candidates beside the effects.
-PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity"}
+#: Of the session: by how much the arm's stiffness differs in the last trial from the first (L. Mullins, Rubber Chem. Technol. 42,
+#: 1969), and after what part of the session most of that has come.
+SESSION = {
+    "keq_drift": Parameter("keq_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "stiffness gained from the first trial to the last"),
+    "keq_drift.settling": Parameter(
+        "keq_drift.settling", "1", 0.5, 0.05, 5.0, 0.2, False, "part of the session over which it is gained"
+    ),
+}
+#: Candidates beside the effects, which stiffness and damping leave open, and the kind of physics that each belongs to.
+PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drift": "elastic"}
+#: Those that are the same in every trial.
+ACTING = tuple(name for name in PLAIN if name not in SESSION)
+#: Trials from which on a change over the session may be asked for.
+TRIALS = 4
 #: Links of the chain that is fitted: its tip is within 0.05 % of the length of the continuous arm's.
 LINKS = 16
 #: Error of a step in fits [m at the tip].
@@ -116,7 +128,7 @@ class Hypothesis:
         Raises:
             IdentificationError: a name that there is not.
         """
-        known = dict(ARM)
+        known = ARM | SESSION
         known |= {f"{e.name}.{p.name}": replace(p, name=f"{e.name}.{p.name}") for e in self.effects for p in e.parameters()}
         facts = []
         for name in self.free:
@@ -161,7 +173,7 @@ class Hypothesis:
     def with_part(self, part: Part) -> Hypothesis:
         """The same with one more."""
         if part.effect is None:
-            return replace(self, free=(*self.free, part.name))
+            return replace(self, free=(*self.free, *(name for name in (ARM | SESSION) if name.partition(".")[0] == part.name)))
         more = self.with_effects(part.effect)
         if part.opens:
             more = replace(more, free=(*self.free, f"{part.name}.{part.opens}"))
@@ -204,7 +216,16 @@ class Hypothesis:
     def factor(self, base: str, run: Run, values: Array) -> Array:
         """(C,) the value of an open number of the arm in a run, for values (C, P); 1 where it is not open."""
         columns = [k for k, name in enumerate(self.free) if name.partition("@")[0] == base and self.acts(name, run)]
-        return values[:, columns[0]] if columns else np.ones(len(values))
+        factor = values[:, columns[0]] if columns else np.ones(len(values))
+        if base == "keq_scale" and "keq_drift" in self.free:
+            factor = factor * (1 + values[:, self.free.index("keq_drift")] * self._gone(run, values))
+        return factor
+
+    def _gone(self, run: Run, values: Array) -> Array:
+        """(C,) how much of what changes over the session has come in a run."""
+        name = "keq_drift.settling"
+        settling = values[:, self.free.index(name)] if name in self.free else SESSION[name].neutral
+        return np.asarray(np.expm1(-run.place / settling) / np.expm1(-1 / settling))
 
     def columns(self, experiment: Experiment, run: Run, values: Array) -> Columns:
         """The arms of one run with the open parameters at ``values`` (C, P).

@@ -42,7 +42,7 @@ def fitted(parts, gap=0.0, errors=None):
     for place, fact in enumerate(facts):
         slopes[..., place] *= (errors or {}).get(fact.name.split(".")[0], 1e3) / 1e3
     values = np.array([fact.neutral + fact.scale * (fact.name in PLAIN) for fact in facts])
-    values = np.where([fact.amplitude for fact in facts], hypothesis.start, values)
+    values = np.where([fact.amplitude and fact.name not in PLAIN for fact in facts], hypothesis.start, values)
     residuals = heldout(gap)
     weights = tuple(np.full(part.shape, 1 / NOISE) for part in residuals)
     nuisance = tuple(np.zeros((*part.shape, 0)) for part in residuals)

@@ -50,6 +50,15 @@ def test_a_small_rest_that_no_effect_is_worth_having_for_is_still_one_of_paramet
     assert verdict(base=candidate(gap=1.5 * THRESHOLDS.closed)).status == "parameters"
 
 
+def test_a_gain_that_closes_the_gap_is_one_of_parameters_and_a_drift_is_missing_physics_without_a_name():
+    gain = verdict(candidate("torque_gain"))
+    assert (gain.status, gain.effects, gain.kinds) == ("parameters", (), ("actuation_map",))
+    assert gain.sentence.startswith("Another gain of the torque (torque_gain) explains it: with it 100 % of")
+    drift = verdict(candidate("keq_drift"))
+    assert (drift.status, drift.effects, drift.kinds) == ("partly_identified", (), ("elastic",))
+    assert drift.sentence.startswith("A stiffness that changes over the session (keq_drift) explains it: with it 100 % of")
+
+
 def test_a_large_rest_that_no_effect_is_worth_having_for_is_unexplained():
     found = verdict()
     assert (found.status, found.effects, found.alternatives) == ("unexplained", (), ())

@@ -95,6 +95,21 @@ def test_a_bias_that_goes_with_the_stiffness_is_found_as_such_and_one_that_stays
         assert right.named["torque_bias.bias"] == pytest.approx(0.08, rel=0.03)
 
 
+def test_a_stiffness_that_is_lost_over_the_session_is_recovered_with_the_time_it_took(record):
+    lost, settling, torques = 0.3, 0.4, (0.5, 1.0, 0.5, 0.9, 0.6, 0.8)
+    came = -np.expm1(-np.linspace(0, 1, 6) / settling) / -np.expm1(-1 / settling)
+    parts = [record([(1.11, torque)], keq=1.1 * (1 - lost * g), damping=0.8) for torque, g in zip(torques, came, strict=True)]
+    trials = tuple(replace(part.trials[0], name=f"trial_{k}") for k, part in enumerate(parts))
+    experiment = prepare(replace(parts[0], trials=trials))
+    model = Hypothesis().with_part(Part("keq_drift"))
+    assert model.free == ("keq_scale", "damping_scale", "keq_drift", "keq_drift.settling")
+    answer = fit(experiment, model)
+    assert answer.rms == pytest.approx(experiment.noise_rms, rel=0.1)
+    wanted = {"keq_scale": 1.1, "damping_scale": 0.8, "keq_drift": -lost, "keq_drift.settling": settling}
+    assert answer.named == pytest.approx(wanted, rel=0.05)
+    assert model.without_part("keq_drift")[0].free == Hypothesis().free
+
+
 def test_a_gain_of_the_torque_is_recovered_beside_stiffness_and_damping(record):
     dataset = record([(1.11, 0.5), (1.11, 1.0), (2.33, 1.5)], keq=1.1, damping=0.8)
     weak = [replace(t, trajectory=replace(t.trajectory, torque=t.trajectory.torque / 0.7)) for t in dataset.trials]
