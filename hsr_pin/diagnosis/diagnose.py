@@ -15,10 +15,11 @@ from hsr_pin.diagnosis.evidence import structure
 from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
+from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
 from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge, with_traces
+from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -169,7 +170,12 @@ def diagnose(
                 verdict = judged(found, None)
     tell("where the gap lies")
     where = locate(experiment, base, found.best, seed)
-    verdict = with_traces(verdict, (where.base, where.spread))
+    looks: tuple[Callable[[], Trace | None], ...] = (
+        lambda: where.base,
+        lambda: where.spread,
+        lambda: pulsation(experiment, base_fit, seed),
+    )
+    verdict = with_traces(verdict, (look() for look in looks))
     return Diagnosis(
         experiment,
         verdict,

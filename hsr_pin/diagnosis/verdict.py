@@ -223,8 +223,10 @@ def _graded(
 
 def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
     """An unexplained gap is of the kind that the first of its traces tells."""
+    if verdict.status != "unexplained":
+        return verdict  # before any trace is looked for
     told = next((trace for trace in traces if trace is not None and trace.kind), None)
-    if verdict.status != "unexplained" or told is None:
+    if told is None:
         return verdict
     certain = f"something of the kind {told.kind} ({KINDS[told.kind]}) is certain, in a form that has no name here"
     return replace(
