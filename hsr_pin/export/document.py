@@ -61,6 +61,9 @@ def read_result(
         **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
     )
     scaled = {field: getattr(arm, field) * _factor(values, name, arm.keq, path) for name, field in _SCALES.items()}
+    if "keq_drift" in values:
+        scaled["keq"] *= 1 + values["keq_drift"]
+        origin = (*origin, "the stiffness is that of the last trial: it changed over the session (keq_drift)")
     told = f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted"
     return CorrectedModel(
         replace(arm, **{**scaled, **(changes or {})}),

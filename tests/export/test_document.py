@@ -95,6 +95,15 @@ def test_an_open_number_of_the_arm_may_stand_among_the_effects(written):
     assert model.torque_gain == 1.3
 
 
+def test_of_a_stiffness_that_changed_over_the_session_the_last_is_taken_and_told(written):
+    numbers = {"keq_scale": {"value": 0.9}, "keq_drift": {"value": -0.2}, "keq_drift.settling": {"value": 0.5}}
+    found = {"effects": ["keq_drift"], "options": {}, "parameters": numbers}
+    model = read_result(written(diagnosis("partly_identified", (), candidates=[found])), keq=1.11)
+    assert model.effects == ()
+    assert model.arm.keq == pytest.approx(1.11 * 0.9 * 0.8)
+    assert "last trial" in " ".join(model.origin)
+
+
 def test_changes_are_made_last(written):
     model = read_result(written(diagnosis()), keq=1.11, changes={"links": 9, "tip_mass": 0.05, "mount": "hanging"})
     assert (model.arm.links, model.arm.tip_mass, model.arm.mount) == (9, 0.05, "hanging")
