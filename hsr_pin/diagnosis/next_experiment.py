@@ -18,6 +18,8 @@ from hsr_pin.trajectory import Array
 _STEP, _DURATION = 0.01, 4.0
 #: Payload [kg] and tilt of the base [rad] of the experiments that have one.
 _PAYLOAD, _TILT = 0.05, 0.35
+#: Rivals that are nearer than this to each other in every experiment, over the noise floor, are the same.
+ALIKE = 0.1
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class Proposal:
 
     Attributes:
         name: "steps", "steps aside", "staircase", "chirp", "release", "payload" or "tilted base".
-        separation: RMS distance between the markers that the two least different rivals predict, over the noise floor.
+        separation: RMS distance between the markers that the two least different rivals predict, over the noise floor; of those
+            that some experiment tells apart.
     """
 
     name: str
@@ -34,15 +37,20 @@ class Proposal:
 
 
 def propose(experiment: Experiment, rivals: Sequence[tuple[Hypothesis, Array]]) -> tuple[Proposal, ...]:
-    """The standard experiments, the most telling first, for at least two fitted rivals (model, values (P,))."""
-    programs = _programs(experiment)
-    proposals = []
-    for name, changes in programs:
+    """The standard experiments, the most telling first, for at least two fitted rivals (model, values (P,)).
+
+    Rivals that none of them tells apart are one law in other words, and count as one; none where that is all there is.
+    """
+    apart: dict[str, Array] = {}  # (pairs of rivals,) over the noise floor
+    for name, changes in _programs(experiment):
         seen = [_predicted(experiment, model, values, changes) for model, values in rivals]
-        if not all(np.isfinite(positions).all() for positions in seen):
-            continue
-        distances = [float(np.sqrt(((a - b) ** 2).sum(axis=2).mean())) for a, b in itertools.combinations(seen, 2)]
-        proposals.append(Proposal(name, min(distances) / experiment.noise_rms))
+        if all(np.isfinite(positions).all() for positions in seen):
+            pairs = itertools.combinations(seen, 2)
+            apart[name] = np.array([np.sqrt(((a - b) ** 2).sum(axis=2).mean()) for a, b in pairs]) / experiment.noise_rms
+    if not apart:
+        return ()
+    unlike = np.max(list(apart.values()), axis=0) >= ALIKE
+    proposals = (Proposal(name, float(distances[unlike].min())) for name, distances in apart.items() if unlike.any())
     return tuple(sorted(proposals, key=lambda proposal: -proposal.separation))
 
 

@@ -73,6 +73,8 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         what = EXPERIMENTS.get(first.name, first.name)
         told = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
         sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
+    elif status == "ambiguous":
+        sentences.append("No standard experiment tells these apart: to this arm they are the same. Weigh it, or measure.")
     if status in ("identified", "parameters") and search is not None:
         sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
     if status == "unexplained" and search is not None and doubtful(search.best):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Evidence, judge
 from hsr_pin.diagnosis.words import advice
@@ -45,6 +46,16 @@ def test_the_advice_fits_the_verdict(best, told):
 def test_where_nothing_is_certain_it_says_what_would_pin_it_down_or_what_not_to_trust(best, told):
     (line,) = advised(best, weak=(*best.names, *best.kinds))
     assert told in line
+
+
+def test_where_no_experiment_tells_the_rivals_apart_none_is_proposed():
+    best, other = candidate("mass_scale"), candidate("added_mass")
+    found = Search((BASE, best), (BASE, best, other))
+    verdict = judge(found, THRESHOLDS, Evidence((6e-3) ** 2, *supported(best), LENGTH, None, None, 0))
+    assert verdict.status == "ambiguous"
+    told = Diagnosis(None, verdict, (), found, THRESHOLDS, ())
+    assert any(line.startswith("No standard experiment tells these apart") for line in advice(told))
+    assert any(line.startswith("Record next: ") for line in advice(replace(told, next_experiment=(Proposal("steps", 3.0),))))
 
 
 def test_a_value_on_its_bound_and_a_large_damping_are_warned_of():
