@@ -41,6 +41,8 @@ _WORSE = 2.0
 _LINKS, _TOLERANCE = 8, 5e-4
 #: No first guess goes further than this from neutral, over the parameter's scale, or than it was probed.
 _FARTHEST = 6.0
+#: What moves the residuals by less than this share of what the most telling number does tells nothing.
+_BLIND = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +105,11 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
     experiment, base = _thinned(experiment, base)
     told, without = base.whitened(), [base.eliminated(run) for run in range(len(experiment.runs))]
     residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
-    return [guess for effect in effects for guess in _guess(experiment, base, effect, residual, slopes, without)]
+    known = _Known(residual, slopes * base.hypothesis.scale)
+    return [guess for effect in effects for guess in _guess(experiment, base, effect, known, without)]
 
 
-def _guess(
-    experiment: Experiment, base: Fit, effect: Part, residual: Array, slopes: Array, without: Sequence[Eliminated]
-) -> list[Guess]:
+def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, without: Sequence[Eliminated]) -> list[Guess]:
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     neutral = np.array([fact.neutral for fact in new])
@@ -128,7 +129,7 @@ def _guess(
         )
         if not np.isfinite(changes).all():
             continue
-        answer = _linear_guess(base, whole, np.append(base.values, probe), residual, slopes, changes)
+        answer = _linear_guess(base, whole, np.append(base.values, probe), known, changes)
         shape = tuple(value for value, fact in zip(probe, new, strict=True) if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = _distinct(answers)[:_STARTS]
@@ -256,32 +257,46 @@ def _grid(fact: Parameter) -> list[float]:
     return [fact.lower + (fact.upper - fact.lower) * f for f in at]
 
 
-def _linear_guess(
-    base: Fit, hypothesis: Hypothesis, start: Array, residual: Array, slopes: Array, changes: Array
-) -> tuple[float, Array]:
+class _Known:
+    """What the open parameters of a fit make of its residuals (n,), for derivatives (n, P)."""
+
+    def __init__(self, residual: Array, slopes: Array) -> None:
+        size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+        basis, strength, mix = np.linalg.svd(slopes / size, full_matrices=False)
+        told = strength > _BLIND * strength.max(initial=0.0)
+        self._basis, self._back = basis[:, told], (mix[told] / strength[told, None]).T / size[:, None]
+        self.residual, self.left = residual, self.without(residual)
+
+    def without(self, rows: Array) -> Array:
+        """(n, ...) what no change of theirs takes away."""
+        return np.asarray(rows - self._basis @ (self._basis.T @ rows))
+
+    def step(self, rows: Array) -> Array:
+        """(P,) the change that takes most of (n,) away."""
+        return np.asarray(-self._back @ (self._basis.T @ rows))
+
+
+def _linear_guess(base: Fit, hypothesis: Hypothesis, start: Array, known: _Known, changes: Array) -> tuple[float, Array]:
     """The predicted gain, and the values (P,) that should bring it.
 
     ``changes`` (n, A): what each amplitude alone makes of the residuals (n,), as large as it is in ``start`` (P,).
     """
     facts, old = hypothesis.parameters, len(base.values)
-    scale = np.array([fact.scale for fact in facts])
-    directions = np.column_stack([slopes * scale[:old], changes])
-    size = np.maximum(np.linalg.norm(directions, axis=0), 1e-12)
-    step = np.linalg.lstsq(directions / size, -residual, rcond=1e-6)[0] / size
-    values, wanted = start.copy(), step[old:].copy()
-    open_ = [k for k in range(old, len(facts)) if facts[k].amplitude]
-    for place, index in enumerate(open_):
+    own = known.without(changes)
+    size = np.maximum(np.linalg.norm(own, axis=0), np.maximum(_BLIND * np.linalg.norm(changes, axis=0), 1e-12))
+    own = own / size
+    amounts = -np.linalg.lstsq(own.T @ own, own.T @ known.left, rcond=_BLIND**2)[0] / size
+    values = start.copy()
+    for place, index in enumerate(k for k in range(old, len(facts)) if facts[k].amplitude):
         probe = start[index] - facts[index].neutral
         probed = probe / facts[index].scale
-        step[old + place] = _allowed(facts[index], wanted[place] * probed, max(_FARTHEST, probed)) / probed
-        values[index] = facts[index].neutral + step[old + place] * probe
-    rest = residual + changes @ step[old:]
-    if not np.array_equal(step[old:], wanted):  # not as much as it would take: what the others then do
-        step[:old] = np.linalg.lstsq(directions[:, :old] / size[:old], -rest, rcond=1e-6)[0] / size[:old]
-    values[:old] += scale[:old] * np.clip(step[:old], -3.0, 3.0)
-    left = rest + directions[:, :old] @ step[:old]
+        amounts[place] = _allowed(facts[index], amounts[place] * probed, max(_FARTHEST, probed)) / probed
+        values[index] = facts[index].neutral + amounts[place] * probe
+    rest = known.residual + changes @ amounts
+    values[:old] += [fact.scale for fact in facts[:old]] * np.clip(known.step(rest), -3.0, 3.0)
+    left = known.without(rest)
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
-    gain = 1 - float(left @ left) / float(residual @ residual)
+    gain = 1 - float(left @ left) / float(known.residual @ known.residual)
     return max(0.0, gain), np.asarray(np.clip(values, lower, upper))
 
 
