@@ -77,6 +77,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "stiffness_profile": ("elastic",),
     "lag_cascade": ("actuation_time",),
     "torque_curve": ("actuation_map",),
+    "torque_profile": ("actuation_map",),
     # Plain parameters.
     "damping_scale": ("damping",),
     "keq_drift": ("elastic", "creep"),
@@ -109,6 +110,7 @@ FLEXIBLE = (
     "lag_cascade",
     "stiffness_profile",
     "torque_curve",
+    "torque_profile",
 )
 
 #: Of the arm itself: not effects, and no names in a verdict on one recording.

@@ -41,7 +41,7 @@ STRUCTURE = 2.0
 #: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
 AWAY = 1.96
 
-#: Confidence in a kind that a trace alone tells: 14 of 16 were right (fourth and fifth sealed run), by Laplace's rule of succession.
+#: Confidence in a kind that a trace alone tells: 14 of 16 were right (fourth and fifth sealed run), by Laplace's rule.
 TRACED = 0.83
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")

@@ -65,6 +65,7 @@ EXAMPLES = [
         "damping_curve:coefficient=0.2,power=0.6",
         "damping_profile:first=0.5,second=-0.3",
         "stiffness_profile:first=0.4,second=-0.3,third=0.2",
+        "torque_profile:first=-0.4,second=0.3,third=0.2",
         "friction_spectrum:first=0.03,second=0.03,third=0.1,fourth=0.1",
         "creep_spectrum:fast=0.3,middle=0.3,slow=0.3",
         "lag_cascade:first=0.05,second=0.03,delay=0.02",

@@ -13,6 +13,7 @@ from hsr_pin.effects.flexible.friction_spectrum import FrictionSpectrum
 from hsr_pin.effects.flexible.lag_cascade import LagCascade
 from hsr_pin.effects.flexible.stiffness_profile import StiffnessProfile
 from hsr_pin.effects.flexible.torque_curve import TorqueCurve
+from hsr_pin.effects.flexible.torque_profile import TorqueProfile
 
 FLEXIBLE: dict[str, type[Effect]] = {
     effect.name: effect
@@ -25,6 +26,7 @@ FLEXIBLE: dict[str, type[Effect]] = {
         DampingProfile,
         LagCascade,
         TorqueCurve,
+        TorqueProfile,
     )
 }
 

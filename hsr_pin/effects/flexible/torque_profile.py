@@ -1,0 +1,31 @@
+"""Any share of the torque along the arm that has few waves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+
+@dataclass(frozen=True)
+class TorqueProfile(Effect):
+    """tau(s) / tau = 1 + first P1(x) + second P2(x) + third P3(x), P the Legendre polynomials of x = 2 s - 1: the mean stays."""
+
+    name = "torque_profile"
+    lacks = "the torque arrives with another share at every place of the arm"
+    cause = "muscles that end, taper or rub along the backbone"
+    citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
+    kind = "actuation_map"
+    flexible = True
+
+    first: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="from base to tip")
+    second: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="ends against middle")
+    third: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="of third order")
+
+    def actuation(self, s: Array) -> Array:
+        x = 2 * s - 1
+        return np.asarray(1 + self.first * x + self.second * (1.5 * x * x - 0.5) + self.third * (2.5 * x**3 - 1.5 * x))
