@@ -22,6 +22,8 @@ from hsr_pin.trajectory import Array
 FRACTION = 0.02
 #: Difference for derivatives to what belongs to a trial [rad of the whole arm].
 _WIDTH = 0.01
+#: Share of what a torque would bend an arm without gravity, below which it hardly says where the arm rests.
+_GIVES = 0.2
 
 
 class Case(NamedTuple):
@@ -31,11 +33,13 @@ class Case(NamedTuple):
         run: whose input.
         values: (C, P) of the open parameters.
         bent: (C,) [rad] how much further than the markers show the arm was held before its release; in space complex.
+        pushed: (C,) [N m] torque beside the command, from before the start on; in space complex.
     """
 
     run: Run
     values: Array
     bent: Array | None = None
+    pushed: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +105,8 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     run, values, columns = case.run, case.values, engine.columns
     torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
     flow = torque[:, None] * hypothesis.factor("torque_gain", run, values)[:, None]
+    if case.pushed is not None:
+        flow = flow + case.pushed[:, None]
     if run.by_section is None:
         flow = flow[..., 0]  # the same for all
     command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated)
@@ -172,9 +178,10 @@ def predict_with_slopes(
 
     def case(run: Run) -> Case:
         points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
-        held = np.array(experiment.directions if run.start_pose is not None else ())
-        bent = np.append(np.zeros(len(points)), _WIDTH * held)
-        return Case(run, np.array([*points, *[values] * len(held)]), bent)
+        released = run.start_pose is not None
+        ways = _WIDTH * np.array(experiment.directions if released or experiment.lasting else ())
+        rows, aside = np.array([*points, *[values] * len(ways)]), np.append(np.zeros(len(points)), ways)
+        return Case(run, rows, bent=aside) if released else Case(run, rows, pushed=run.trial.keq * aside)
 
     predictions = []
     for run, answer in zip(experiment.runs, respond_each(experiment, hypothesis, map(case, experiment.runs)), strict=True):
@@ -191,20 +198,35 @@ def predict_with_slopes(
 
 
 def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
-    """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held further aside."""
+    """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held or are pushed aside."""
     length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
     columns, directions = [], experiment.directions
     if experiment.lasting:
-        for direction in directions:
-            bent = answer.columns.evenly(np.array([direction]))[None]
-            change = answer.cameras.first.velocities(answer.angles[:, :1], bent)[:, 0][..., experiment.axes]
-            columns.append(change * 2 * experiment.rest_scatter / length)
+        for k, direction in enumerate(directions, -len(directions)):
+            columns.append(_rested(experiment, run, answer, k, direction))
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))
         for k in range(-len(directions), 0):
             columns.append((seen[:, k] - seen[:, 0]) / _WIDTH * 2 * held / length)
         columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT / run.every)
     return np.nan_to_num(np.stack(columns, axis=-1)) if columns else np.zeros((*seen[:, 0].shape, 0))
+
+
+def _rested(experiment: Experiment, run: Run, answer: Response, k: int, direction: complex) -> Array:
+    """(T, M, A) [m] what becomes of a place of rest that is off by one standard deviation.
+
+    A torque made it so, and goes on: an arm with play is moved far by it where it rests, and hardly where it is driven. Where
+    that moves it by less than `_GIVES` of what it would an arm without gravity, and after a release, it is bent by as much always.
+    """
+    length, axes = experiment.dataset.length, list(experiment.axes)
+    if run.start_pose is None:
+        pushed = answer.positions[:, k][..., axes] - answer.positions[:, 0][..., axes]
+        far = float(np.linalg.norm(pushed[0, int(np.argmax(experiment.reach))]))
+        if far > _GIVES * _WIDTH * length / 2:
+            return np.asarray(pushed / far * experiment.rest_scatter)
+    bent = answer.columns.evenly(np.array([direction]))[None]
+    change = answer.cameras.first.velocities(answer.angles[:, :1], bent)[:, 0][..., axes]
+    return np.asarray(change * 2 * experiment.rest_scatter / length)
 
 
 def residuals(experiment: Experiment, predictions: Sequence[Prediction]) -> list[Array]:
