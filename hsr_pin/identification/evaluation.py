@@ -215,8 +215,8 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
 def _rested(experiment: Experiment, run: Run, answer: Response, k: int, direction: complex) -> Array:
     """(T, M, A) [m] what becomes of a place of rest that is off by one standard deviation.
 
-    A torque made it so, and goes on: an arm with play is moved far by it where it rests, and hardly where it is driven. Where
-    that moves it by less than `_GIVES` of what it would an arm without gravity, and after a release, it is bent by as much always.
+    A torque made it so, and goes on: an arm with play is moved far by it where it rests, and hardly where it is driven. Where it
+    moves it by less than `_GIVES` of what it would without gravity, and after a release, the arm is bent by as much all the time.
     """
     length, axes = experiment.dataset.length, list(experiment.axes)
     if run.start_pose is None:

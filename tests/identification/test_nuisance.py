@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hsr_pin.effects import EFFECTS
 from hsr_pin.identification import evaluation, heldout
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
@@ -192,3 +193,19 @@ def test_the_scatter_of_rests_is_told_from_noise_from_memory_and_from_levels(rec
     assert rest_scatter([], 1e-4) == 0
     weighed = [(keq, share) for keq in (1.11, 2.33) for share in (0.3, 0.5, 0.7)]
     assert prepare(record(weighed, mount="horizontal")).rest_scatter == 0  # it sags by its stiffness, not by chance
+
+
+def test_play_is_found_where_a_small_torque_of_its_own_moves_the_arm_far_at_rest_in_every_trial(record):
+    """By 20 mm (standard deviation) where it rests in its play, and by 4 at most where it is driven."""
+    aside = (0.02, -0.015, 0.012, -0.02, 0.016, -0.01)
+    gap, commands = EFFECTS["backlash"](0.3), [(keq, share * keq) for keq in (1.11, 2.33) for share in (0.3, 0.7, 1.0)]
+    parts = [
+        record([command], keq=0.9, effects=(gap, EFFECTS["torque_bias"](torque)), seed=k)
+        for k, (command, torque) in enumerate(zip(commands, aside, strict=True))
+    ]
+    trials = tuple(replace(part.trials[0], name=f"trial_{k}") for k, part in enumerate(parts))
+    experiment = prepare(replace(parts[0], trials=trials))
+    assert experiment.rest_scatter > 15e-3
+    found = fit(experiment, Hypothesis().with_effects(EFFECTS["backlash"](0.1)))
+    assert found.named["backlash.gap"] == pytest.approx(0.3, rel=0.05)
+    assert found.rms < 3 * experiment.noise_rms
