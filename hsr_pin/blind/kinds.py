@@ -24,6 +24,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "actuator_lag": ("actuation_time",),
     "added_mass": ("mass_gravity",),
     "backlash": ("elastic",),
+    "base_rotation": ("mass_gravity", "measurement"),
     "base_tilt": ("mass_gravity", "measurement"),
     "bend_at_rest": ("elastic", "actuation_map"),  # a shape, or a moment that is always there
     "base_shake": ("measurement", "mass_gravity", "contact"),  # seen by the base markers, felt as inertia
@@ -33,6 +34,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "damping_gradient": ("damping",),
     "dead_time": ("actuation_time",),
     "dry_friction": ("friction",),
+    "frame_rotation": ("measurement",),
     "frame_turn": ("measurement",),
     "follower_thrust": ("actuation_map", "contact"),  # a force that goes with the command
     "gravity_tilt": ("mass_gravity", "measurement"),  # the base is turned; the cameras see it turned

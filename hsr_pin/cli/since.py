@@ -60,11 +60,11 @@ def _history(folders: list[str], options: dict[str, Any]) -> History:
 
     effects = None
     if options["effects"] is not None:
-        from hsr_pin.diagnosis.change.cameras import CAMERAS
+        from hsr_pin.diagnosis.change.placing import PLACING
 
         effects = [name.strip() for name in options["effects"].split(",")]
         for name in effects:  # before the recordings, which take longer
-            if name not in CAMERAS:
+            if name not in PLACING:
                 effect_named(name)
     sessions = [read_dataset(folder) for folder in folders]
     given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed", "delay")}

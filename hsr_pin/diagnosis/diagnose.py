@@ -112,9 +112,8 @@ def diagnose(
     if aside:
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
-    if effects is not None and (wrong := [kind.name for kind in kinds if not readings(kind, space=space)]):
-        expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
-        raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
+    if effects is not None:
+        refuse_formless(kinds, space=space)
     parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
     ready(kinds, space=space)
     if executor is not None:
@@ -229,6 +228,17 @@ def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequ
     for kind in kinds:
         parts += readings(kind, space=space, levels=len(experiment.levels))
     return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
+
+
+def refuse_formless(kinds: Sequence[type[Effect]], *, space: bool) -> None:
+    """Refuse effects that were asked for and have no form for arms in space, or for those in a plane.
+
+    Raises:
+        IdentificationError: naming them.
+    """
+    if wrong := [kind.name for kind in kinds if not readings(kind, space=space)]:
+        expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
+        raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
 
 
 def _noted(experiment: Experiment, note: str) -> Experiment:

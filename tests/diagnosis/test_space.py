@@ -11,14 +11,12 @@ from hsr_pin.blind.plants.space import laws
 from hsr_pin.blind.plants.space.chain import BallPlant
 from hsr_pin.blind.plants.space.program import program
 from hsr_pin.blind.plants.space.writing import MARKERS
-from hsr_pin.diagnosis.change.diagnose import diagnose_change
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
 from hsr_pin.diagnosis.report import report
 from hsr_pin.diagnosis.where import SIDES
 from hsr_pin.effects.catalogue import EFFECTS
 from hsr_pin.effects.catalogue import laws as catalogue_of
-from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import identify
 from hsr_pin.recordings.read import read_dataset
@@ -76,11 +74,6 @@ def test_in_space_laws_of_one_direction_give_way_to_those_of_any():
     assert {"bend_at_rest", "base_tilt", "torque_offset", "markers_beside", "unequal_stiffness"} < in_space
     assert not in_space & {"preset_bend", "gravity_tilt", "torque_bias", "marker_offset"}
     assert {*EFFECTS} < {law.name for law in catalogue_of(space=False)}
-
-
-def test_what_changed_is_asked_of_arms_in_a_plane(flat):
-    with pytest.raises(IdentificationError, match="bending: expected plane"):
-        diagnose_change(flat, flat)
 
 
 @pytest.mark.long

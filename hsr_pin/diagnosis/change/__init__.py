@@ -1,6 +1,5 @@
 """What has changed between two recordings of one arm: NEW judged relative to OLD.
 
-- ``cameras``: what may be another in how an arm is seen
 - ``chance``: what OLD's own trials would show
 - ``diagnose``: diagnose_change: two datasets -> ChangeDiagnosis
 - ``document``: a change as JSON
@@ -10,6 +9,7 @@
 - ``history``: several recordings, in order
 - ``leftover``: what the model of OLD lacks and has no name for
 - ``pair``: two recordings as one experiment
+- ``placing``: how the arm and its cameras stand may be another
 - ``reference``: the best model of OLD
 - ``report``: a change as one HTML page
 - ``size``: how large a change is, and how sure that is

@@ -8,19 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.change.cameras import CAMERAS, turns_cameras
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
 from hsr_pin.diagnosis.change.frame import Before, Frame, framed
 from hsr_pin.diagnosis.change.pair import Pair, pair
+from hsr_pin.diagnosis.change.placing import PLACING, BaseRotation, turns_cameras
 from hsr_pin.diagnosis.change.reference import described
 from hsr_pin.diagnosis.change.suspects import Suspect, suspects
 from hsr_pin.diagnosis.change.verdict import HALF, SECOND, SURE, ChangeVerdict, Found, judge
 from hsr_pin.diagnosis.crew import Crew
-from hsr_pin.diagnosis.diagnose import catalogue
+from hsr_pin.diagnosis.diagnose import catalogue, refuse_formless
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
-from hsr_pin.effects import EFFECTS, effect_named
-from hsr_pin.effects.effect import neutral
+from hsr_pin.effects import Effect, effect_named
+from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
@@ -103,24 +103,25 @@ def diagnose_change(
     """
     if max_changes < 1:
         raise IdentificationError("max_changes", expected="one or more", received=max_changes)
-    if "space" in (new.bending, old.bending):
-        raise IdentificationError("bending", expected="plane, to tell what has changed", received="space")
     tell("reading the recordings")
     both = pair(prepare(old, delay=delay), prepare(new, delay=delay))
+    space = len(both.experiment.directions) > 1
+    causes = [kind for kind in laws(space=space) if not kind.flexible]
+    candidates = _parts(both.experiment, causes, effects)
     lacking = _insufficient(both)
     if lacking:
         return ChangeDiagnosis(both, None, ChangeVerdict("insufficient", (), (), lacking))
-    ready([*EFFECTS.values()])
+    ready(causes, space=space)
     with workers(jobs, cluster) as executor:
         if reference is None:
             crew = Crew(both.old, executor, advance)
-            parts = catalogue([*EFFECTS.values()], both.old)
+            parts = catalogue(causes, both.old)
             model = Hypothesis(links=links)
             reference = described(both.old, model, parts, crew, max_effects=max_effects, seed=seed, tell=tell)
         tell("what it does not describe")
         frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)
         tell("what may have changed")
-        asked = suspects(frame.hypothesis, frame.values, _parts(both.experiment, effects))
+        asked = suspects(frame.hypothesis, frame.values, candidates)
         bench = Bench(frame, executor)
         guesses = bench.guessed(asked)
         plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]
@@ -155,13 +156,17 @@ def _insufficient(both: Pair) -> str:
     return ""
 
 
-def _parts(experiment: Experiment, names: Sequence[str] | None) -> list[Part]:
+def _parts(experiment: Experiment, causes: Sequence[type[Effect]], names: Sequence[str] | None) -> list[Part]:
     """What may appear, in every reading."""
-    known = EFFECTS | CAMERAS
+    lies = experiment.dataset.mount == "horizontal"
     if names is None:
-        arm = [part for part in catalogue([*EFFECTS.values()], experiment) if not turns_cameras(part.effect)]
-        return [*arm, *(Part(name, neutral(kind)) for name, kind in CAMERAS.items())]
-    chosen = [known[name] if name in known else effect_named(name) for name in dict.fromkeys(names)]
+        arm = [part for part in catalogue(causes, experiment) if not turns_cameras(part.effect)]
+        placing = [kind for kind in PLACING.values() if not (lies and kind is BaseRotation)]
+        return [*arm, *catalogue(placing, experiment, plain=())]
+    chosen = [PLACING[name] if name in PLACING else effect_named(name) for name in dict.fromkeys(names)]
+    refuse_formless(chosen, space=len(experiment.directions) > 1)
+    if lies and BaseRotation in chosen:
+        raise IdentificationError("effects", expected="base_tilt, of an arm that lies", received=BaseRotation.name)
     return catalogue(chosen, experiment, plain=())
 
 

@@ -68,10 +68,11 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
     fitted, marker = _named(found, diagnosis), _far(diagnosis)
     bins = pair.bins[len(pair.old.runs) + index]
     seen = _seen(found, marker, index)
+    rows, columns = (1, 2) if len(seen) == 2 else (len(seen), 1)
     with drawing():
-        figure = Figure(figsize=(_WIDTH, 2.4), layout="constrained")
-        for place, (axis, name) in enumerate(((0, "x"), (1, "z"))):
-            axes = figure.add_subplot(1, 2, place + 1)
+        figure = Figure(figsize=(_WIDTH, 2.4 * rows), layout="constrained")
+        for axis, along in enumerate(pair.experiment.axes):
+            axes = figure.add_subplot(rows, columns, axis + 1)
             shown = bins.counts[:, marker] > 0
             axes.plot(bins.time, 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
             axes.plot(
@@ -79,8 +80,8 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
             )
             axes.axhline(0.0, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
             axes.set_xlabel("time [s]")
-            axes.set_title(f"{name}: from what the first recording foretells [mm]")
-            if not place:
+            axes.set_title(f"{'xyz'[along]}: from what the first recording foretells [mm]")
+            if not axis:
                 axes.legend(frameon=False, loc="best")
     return figure
 
@@ -92,9 +93,9 @@ def _named(found: Found, diagnosis: ChangeDiagnosis) -> Fitted:
 
 
 def _seen(found: Found, marker: int, index: int) -> Array:
-    """(2, B) [m] x and z of how far a marker is from what OLD foretells of it, in one run of NEW."""
+    """(A, B) [m] along the axes how far a marker is from what OLD foretells of it, in one run of NEW."""
     frame = found.frame
-    answer = np.full((2, len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
+    answer = np.full((len(frame.pair.experiment.axes), len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
     ends = np.cumsum([len(rows.run) for rows in frame.rows])[:-1]
     for rows, part in zip(frame.rows, np.split(frame.foretold, ends), strict=True):
         own = rows.run == index

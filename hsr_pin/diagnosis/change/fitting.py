@@ -50,7 +50,7 @@ class Fitted:
         after: (K,) the open values in NEW.
         residual: (n,) whitened, of both recordings.
         slopes: (n, K) its derivatives.
-        moved: for each run of NEW (B, M, 2) [m] how the change moves the prediction.
+        moved: for each run of NEW (B, M, A) [m] how the change moves the prediction.
     """
 
     suspect: Suspect
@@ -75,11 +75,12 @@ class Fitted:
 
 
 def _rms(moved: Sequence[Array]) -> float:
-    return float(np.sqrt(2 * np.mean(np.concatenate([each.ravel() for each in moved]) ** 2)))
+    axes = moved[0].shape[2]
+    return float(np.sqrt(axes * np.mean(np.concatenate([each.ravel() for each in moved]) ** 2)))
 
 
 def moved(frame: Frame, suspect: Suspect, changed: Array, runs: Sequence[int], *, fine: bool = False) -> list[Array]:
-    """For some of the runs (B, M, 2, C) [m] how the prediction moves with open values (C, K), from what it is with OLD's.
+    """For some of the runs (B, M, A, C) [m] how the prediction moves with open values (C, K), from what it is with OLD's.
 
     All take the steps in time that the first of them needs. A delay shifts what was seen, and not what the model makes of it.
     """
@@ -105,17 +106,20 @@ def guessed(frame: Frame, suspect: Suspect, beside: Fitted | None = None) -> Gue
     ``beside`` (a change that is there already): the suspect is that and another, its probes are those of the other alone.
     """
     known = np.empty(0) if beside is None else beside.after
-    probes = np.column_stack([np.tile(known, (len(suspect.probes), 1)), suspect.probes])
+    places = suspect.probes.reshape(-1, suspect.probes.shape[-1])
+    probes = np.column_stack([np.tile(known, (len(places), 1)), places])
     start = np.append(known, suspect.start[len(known) :])
     columns = frame.change(moved(frame, suspect, np.vstack([start, probes]), frame.pair.new_runs))
     residual = frame.seen + columns[:, 0]
     columns = columns[:, 1:] - columns[:, :1]
+    if suspect.probes.ndim == 3:
+        return _added_up(suspect, start, probes, residual, columns)
+    low, high = _bounds(suspect)
     squares = (columns**2).sum(axis=0)
     usable = np.isfinite(squares) & (squares > 1e-9)
     with np.errstate(invalid="ignore", divide="ignore"):
         factors = np.clip(-(columns.T @ residual) / squares, *_BETWEEN)
     left = ((residual[:, None] + factors * columns) ** 2).sum(axis=0)
-    low, high = (np.array([getattr(fact, side) for fact in suspect.facts]) for side in ("lower", "upper"))
     sized = np.array(suspect.sizes)
     sized[: len(known)] = False
     starts: dict[object, Array] = {}
@@ -128,11 +132,32 @@ def guessed(frame: Frame, suspect: Suspect, beside: Fitted | None = None) -> Gue
     return Guess(suspect, tuple(starts.values())[: _STARTS if sized[len(known) :].all() else _SHAPES], float(left[order[0]]))
 
 
+def _added_up(suspect: Suspect, start: Array, probes: Array, residual: Array, columns: Array) -> Guess | None:
+    """The best sums of probes (C, K) along the axes, of each size one; (n,) and (n, C) is what they are to explain, and do."""
+    found, axes = [], suspect.probes.shape[-1]
+    for first in range(0, len(probes), axes):
+        chosen = slice(first, first + axes)
+        if not np.isfinite(columns[:, chosen]).all():
+            continue
+        weights = np.linalg.lstsq(columns[:, chosen], -residual, rcond=1e-6)[0]
+        weights *= min(1.0, _BETWEEN[1] / max(float(np.linalg.norm(weights)), 1e-12))
+        values = np.clip(start + weights @ (probes[chosen] - start), *_bounds(suspect))
+        found.append((float(((residual + columns[:, chosen] @ weights) ** 2).sum()), values))
+    found.sort(key=lambda each: each[0])
+    return Guess(suspect, tuple(values for _, values in found[:_STARTS]), found[0][0]) if found else None
+
+
+def _bounds(suspect: Suspect) -> tuple[Array, Array]:
+    """(K,) each."""
+    low, high = (np.array([getattr(fact, side) for fact in suspect.facts]) for side in ("lower", "upper"))
+    return low, high
+
+
 def refined(frame: Frame, guess: Guess, *, fine: bool = False) -> Fitted:
     """The best fit from the starts of a guess."""
     suspect, runs = guess.suspect, frame.pair.new_runs
     scale = np.array([fact.scale for fact in suspect.facts])
-    lower, upper = (np.array([getattr(fact, side) for fact in suspect.facts]) / scale for side in ("lower", "upper"))
+    lower, upper = (bound / scale for bound in _bounds(suspect))
     known: dict[bytes, tuple[Array, Array, list[Array]]] = {}
 
     def at(x: Array) -> tuple[Array, Array, list[Array]]:

@@ -63,7 +63,7 @@ class Frame:
         return len(self.run) - sum(len(rows.run) for rows in self.rows)
 
     def change(self, binned: Sequence[Array]) -> Array:
-        """(n, C) what a change of NEW, (B, M, 2, C) [m] for each of its runs, makes of the residuals."""
+        """(n, C) what a change of NEW, (B, M, A, C) [m] for each of its runs, makes of the residuals."""
         return self.eliminated.after(self.old, _rooted(self.rows, self.roots, binned))
 
     def _metres(self, rooted: Array) -> Array:
@@ -72,13 +72,18 @@ class Frame:
         return np.concatenate([root @ part for root, part in zip(self.roots, parts, strict=True)])
 
     @property
+    def _axes(self) -> int:
+        """Coordinates of a marker."""
+        return len(self.pair.experiment.axes)
+
+    @property
     def scatter(self) -> float:
         """[m] RMS distance that NEW would be off by if nothing had changed: the leftover, the trials' own, noise."""
         variance = np.concatenate([(root**2).sum(axis=1) for root in self.roots])
         columns = self.rooted[:, 1:]
         mine = columns[self.old :, ~columns[: self.old].any(axis=0)]  # the trials' own; what is shared OLD tells
         own = np.column_stack([np.zeros(len(mine)), *(self._metres(column) for column in mine.T)])
-        return float(np.sqrt(2 * (variance + (own**2).sum(axis=1)).mean()))
+        return float(np.sqrt(self._axes * (variance + (own**2).sum(axis=1)).mean()))
 
     @property
     def foretold(self) -> Array:
@@ -86,11 +91,11 @@ class Frame:
         return self._metres(self.rooted[self.old :, 0])
 
     def off(self, moved: Sequence[Array] = ()) -> float:
-        """[m] RMS distance between NEW and what OLD foretells, with a change (B, M, 2) [m] for each of its runs."""
+        """[m] RMS distance between NEW and what OLD foretells, with a change (B, M, A) [m] for each of its runs."""
         seen = self.foretold
         if moved:
             seen = seen + np.concatenate([rows.of(moved) for rows in self.rows])
-        return float(np.sqrt(2 * np.mean(seen**2)))
+        return float(np.sqrt(self._axes * np.mean(seen**2)))
 
     def at(self, model: Hypothesis, values: Array) -> Frame:
         """The same where the model of NEW is another: with ``values`` (P,) of one that has the shared parameters too."""
@@ -127,7 +132,7 @@ class Before:
     seen: Array
 
     def change(self, binned: Sequence[Array]) -> Array:
-        """(n, C) what a change (B, M, 2, C) [m] for each of its runs makes of the residuals."""
+        """(n, C) what a change (B, M, A, C) [m] for each of its runs makes of the residuals."""
         return self.eliminated(_rooted(self.rows, self.roots, binned))
 
 
@@ -184,7 +189,7 @@ def _wide(hypothesis: Hypothesis) -> Array:
 def _binned(
     pair: Pair, predictions: Sequence[Prediction], runs: Sequence[int], chosen: list[int], wide: Array
 ) -> tuple[list[Array], list[Array]]:
-    """For each run (B, M, 2, P) and (B, M, 2, K) [m]: what the shared parameters and the trial's own make."""
+    """For each run (B, M, A, P) and (B, M, A, K) [m]: what the shared parameters and the trial's own make."""
     slopes = [pair.bins[k](p.slopes[..., chosen] * wide) for k, p in zip(runs, predictions, strict=True) if p.slopes is not None]
     own = [pair.bins[k](p.nuisance) for k, p in zip(runs, predictions, strict=True) if p.nuisance is not None]
     return slopes, own
@@ -195,7 +200,7 @@ def _rooted(rows: Sequence[Rows], roots: Sequence[Array], binned: Sequence[Array
 
 
 def _columns(slopes: Sequence[Array], own: Sequence[Array], width: int | None = None) -> tuple[list[Array], int]:
-    """For each run (B, M, 2, K): shared parameters, then the numbers of each trial; those of the last runs come last."""
+    """For each run (B, M, A, K): shared parameters, then the numbers of each trial; those of the last runs come last."""
     shared, numbers = slopes[0].shape[-1], sum(each.shape[-1] for each in own)
     total = shared + numbers if width is None else width
     placed, out = total - numbers, []

@@ -52,7 +52,7 @@ class Rows:
     """Of one sum over the markers' coordinates, over both recordings, OLD's first.
 
     Attributes:
-        mix: (M, 2) of how much of each; its squares add up to one.
+        mix: (M, A) of how much of each; its squares add up to one.
         run: (n,) to which each row belongs.
         place: (n,) its bin.
         white: (n,) [m^2] variance of the noise floor in it.
@@ -71,27 +71,27 @@ class Rows:
         return Rows(self.mix, run, place, self.white[chosen], self.time[chosen])
 
     def of(self, binned: Sequence[Array]) -> Array:
-        """(n, ...) rows of one (B, M, 2, ...) per run."""
+        """(n, ...) rows of one (B, M, A, ...) per run."""
         whole = np.concatenate([np.einsum("bma...,ma->b...", values, self.mix) for values in binned])
         first = np.cumsum([0, *(len(values) for values in binned)])
         return np.asarray(whole[first[self.run] + self.place])
 
 
 def rows_of(pair: Pair, missed: Sequence[Array]) -> list[Rows]:
-    """One for each of the ways in which the residuals of OLD go together, (B, M, 2) [m] for each run; or for each coordinate.
+    """One for each of the ways in which the residuals of OLD go together, (B, M, A) [m] for each run; or for each coordinate.
 
     A trial that bends more than the others is off at all markers, each by its share: what is left across that is known better
     than any coordinate alone (principal components: I. T. Jolliffe, Principal Component Analysis, 2002).
     """
-    count = len(pair.experiment.markers)
+    count, axes = len(pair.experiment.markers), len(pair.experiment.axes)
     together = [np.asarray((bins.counts > 0).all(axis=1)) for bins in pair.bins]
     lost = 1 - sum(each.sum() for each in together) / max(sum((b.counts > 0).any(axis=1).sum() for b in pair.bins), 1)
     if count > 1 and lost < _LOST:
-        old = np.concatenate([missed[k][together[k]] for k in pair.old_runs]).reshape(-1, 2 * count)
-        turned = np.linalg.eigh(old.T @ old)[1].T.reshape(-1, count, 2)
+        old = np.concatenate([missed[k][together[k]] for k in pair.old_runs]).reshape(-1, axes * count)
+        turned = np.linalg.eigh(old.T @ old)[1].T.reshape(-1, count, axes)
         return [_rows(pair, mix, together) for mix in turned]
-    single = np.eye(2 * count).reshape(-1, count, 2)
-    return [_rows(pair, mix, [bins.counts[:, k // 2] > 0 for bins in pair.bins]) for k, mix in enumerate(single)]
+    single = np.eye(axes * count).reshape(-1, count, axes)
+    return [_rows(pair, mix, [bins.counts[:, k // axes] > 0 for bins in pair.bins]) for k, mix in enumerate(single)]
 
 
 def _rows(pair: Pair, mix: Array, seen: Sequence[NDArray[np.bool_]]) -> Rows:
@@ -108,20 +108,26 @@ def features(pair: Pair, hypothesis: Hypothesis, values: Array) -> list[Array]:
     found = []
     for run, bins in zip(pair.experiment.runs, pair.bins, strict=True):
         answer = respond(pair.experiment, run, hypothesis, values[None])
-        angles, rates = np.nan_to_num(answer.angles[:, 0]), np.nan_to_num(answer.rates[:, 0])
+        angles, rates = (answer.columns.bends(np.nan_to_num(each[:, 0])) for each in (answer.angles, answer.rates))
         half = angles.shape[1] // 2
-        command = run.torque / run.trial.keq
-        slow = [_filtered(command, run.step, each) for each in _FILTERS]
-        moving = np.column_stack(
-            [angles.sum(axis=1), angles[:, half:].sum(axis=1) - angles[:, :half].sum(axis=1), rates.sum(axis=1), command, *slow]
-        )
+        told = []
+        for command in run.command.T / run.trial.keq:
+            told += [command, *(_filtered(command, run.step, each) for each in _FILTERS)]
+        moving = [angles.sum(axis=1), angles[:, half:].sum(axis=1) - angles[:, :half].sum(axis=1), rates.sum(axis=1)]
         level, payload = np.log(run.trial.keq), run.trial.tip_mass
-        binned = bins.of_all(moving)
+        binned = bins.of_all(np.column_stack([part for each in (*moving, *told) for part in _directions(each)]))
         rest = np.column_stack([np.full(len(binned), level), np.full(len(binned), payload), np.log1p(bins.time)])
         found.append(np.column_stack([binned, rest]))
     old = np.concatenate([each for each, new in zip(found, pair.is_new, strict=True) if not new])
-    scale = np.concatenate([np.maximum(old.std(axis=0)[:6], [0.05, 0.02, 0.2, 0.05, 0.05, 0.05]), [0.7, 0.05, 1.0]])
+    told_of = 3 * max(1, len(pair.experiment.dataset.sections))
+    least = np.repeat([0.05, 0.02, 0.2, *[0.05] * told_of], len(pair.experiment.directions))
+    scale = np.concatenate([np.maximum(old.std(axis=0)[: len(least)], least), [0.7, 0.05, 1.0]])
     return [each / scale for each in found]
+
+
+def _directions(values: Array) -> tuple[Array, ...]:
+    """(T,) in the plane itself; in space towards x and towards y."""
+    return (values.real, values.imag) if np.iscomplexobj(values) else (values,)
 
 
 def _filtered(command: Array, step: float, time: float) -> Array:

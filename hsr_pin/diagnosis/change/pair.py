@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isclose
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from scipy.signal import savgol_filter
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.trajectory import Array
+from hsr_pin.trajectory import Array, Marker
 
 #: Rows of one marker's coordinate over both recordings, about; and the narrowest bin [s].
 _ROWS, _NARROWEST = 1200, 0.02
@@ -79,11 +80,11 @@ class Pair:
 
     @cached_property
     def smooth(self) -> tuple[Array, ...]:
-        """Of each run (T, M, 2) [m] where the markers were, without gaps and with less noise."""
+        """Of each run (T, M, A) [m] where the markers were, without gaps and with less noise."""
         return tuple(_smooth(run) for run in self.experiment.runs)
 
     def later(self, index: int, delays: Array) -> Array:
-        """(B, M, 2, C) [m] how much farther a run was than it would have been without delays (C,) [s] of its command.
+        """(B, M, A, C) [m] how much farther a run was than it would have been without delays (C,) [s] of its command.
 
         A command that comes later shifts whatever the arm did in answer, also what no model of it explains.
         """
@@ -149,16 +150,16 @@ class Bins:
 
 
 def _smooth(run: Run) -> Array:
-    """(T, M, 2) [m] moving parabolas, gaps bridged; zeros for a marker that was hardly seen.
+    """(T, M, A) [m] moving parabolas, gaps bridged; zeros for a marker that was hardly seen.
 
     A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964).
     """
-    out = np.zeros(run.compared.shape)
+    out = np.zeros_like(run.compared)
     window = 2 * max(2, round(_SMOOTH / run.step / 2)) + 1
     for marker in range(run.compared.shape[1]):
         seen = np.isfinite(run.compared[:, marker]).all(axis=1)
         if seen.sum() > window:
-            for axis in (0, 1):
+            for axis in range(out.shape[2]):
                 whole = np.interp(run.time, run.time[seen], run.compared[seen, marker, axis])
                 out[:, marker, axis] = savgol_filter(whole, window, 2)
     return out
@@ -171,18 +172,24 @@ def pair(old: Experiment, new: Experiment) -> Pair:
         IdentificationError: they are of different arms, or show different markers.
     """
     hint = "both recordings must be of one arm, declared alike but for what differs from trial to trial"
-    for name in ("length", "mass", "diameter", "mount"):
+    for name in ("bending", "length", "mass", "diameter", "mount", "torsion"):
         was, is_ = getattr(old.dataset, name), getattr(new.dataset, name)
-        same = was == is_ if isinstance(was, str) else abs(was - is_) <= _SAME * abs(was)
-        if not same:
+        if was != is_ if isinstance(was, str) else not isclose(was, is_, rel_tol=_SAME):
             expected = f"{was}, as in {old.dataset.name}"
             raise IdentificationError(f"{name} of {new.dataset.name}", expected=expected, received=is_, hint=hint)
-    told = [[f"{m.name} at {m.arc_length:g} m" for m in each.markers] for each in (old, new)]
-    if told[0] != told[1]:
-        raise IdentificationError(
-            f"markers of {new.dataset.name}", expected=_listed(told[0]), received=_listed(told[1]), hint=hint
-        )
+    for what, told in (
+        ("sections", [[str(section) for section in each.dataset.sections] for each in (old, new)]),
+        ("markers", [[_placed(marker) for marker in each.markers] for each in (old, new)]),
+    ):
+        if told[0] != told[1]:
+            expected, received = (_listed(each) or "none" for each in told)
+            raise IdentificationError(f"{what} of {new.dataset.name}", expected=expected, received=received, hint=hint)
     return Pair(old, new)
+
+
+def _placed(marker: Marker) -> str:
+    beside = f", {marker.radius:g} m beside at {marker.angle:g} rad" if marker.radius else ""
+    return f"{marker.name} at {marker.arc_length:g} m{beside}"
 
 
 def _listed(names: Sequence[str]) -> str:

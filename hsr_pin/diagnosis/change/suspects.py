@@ -15,6 +15,8 @@ from hsr_pin.trajectory import Array
 
 #: Sizes at which an effect is tried, over its parameter's scale: without and with shape parameters.
 _SIZES, _SHAPED = tuple(0.25 * 2 ** (k / 2) for k in range(12)), (0.3, 1.0, 3.0)
+#: Sizes at which an effect that may go to any side is tried, along each of its axes: what they make adds up.
+_SIDED = (0.5, 2.0, 8.0)
 #: Values of each shape parameter that are tried.
 _GRID = 3
 #: Factors at which stiffness and other numbers of the arm are tried, and damping; and on an effect that is there.
@@ -31,7 +33,8 @@ class Suspect:
         hypothesis: the model of OLD with them in it.
         before: (P,) its values in OLD.
         open: which of them may be others in NEW, by name.
-        probes: (C, K) values of these at which it is looked at first.
+        probes: (C, K) values of these at which it is looked at first; of an effect that may go to any side (S, K, K), from its
+            values along each axis.
         parts: what was added to the model of OLD.
     """
 
@@ -135,13 +138,18 @@ def _owner(name: str) -> str:
 def _there(model: Hypothesis, values: Array, names: tuple[str, ...], factors: Sequence[float]) -> Suspect:
     at = [model.free.index(name) for name in names]
     low, high = (bound[at] for bound in model.bounds)
+    facts = [model.parameters[k] for k in at]
+    if _sided(facts):
+        return Suspect((_owner(names[0]),), model, values, names, _along_axes(facts, values[at]))
     neutral = np.array([0.0 if name in ARM else model.parameters[k].neutral for name, k in zip(names, at, strict=True)])
     probes = np.clip(neutral + np.outer(factors, values[at] - neutral), low, high)
     return Suspect((_owner(names[0]),), model, values, names, probes)
 
 
 def _probes(facts: Sequence[Parameter]) -> Array:
-    """A few sizes, either way where that makes sense, at a few values of each shape parameter."""
+    """A few sizes, either way where that makes sense, at a few values of each shape parameter; as :attr:`Suspect.probes`."""
+    if _sided(facts):
+        return _along_axes(facts, np.array([fact.neutral for fact in facts]))
     shaped = not all(fact.amplitude for fact in facts)
     ways = (1.0, -1.0) if all(fact.lower < fact.neutral for fact in facts if fact.amplitude) else (1.0,)
     found: list[tuple[float, ...]] = []
@@ -150,6 +158,18 @@ def _probes(facts: Sequence[Parameter]) -> Array:
         if all(fact.lower <= values[0] <= fact.upper for fact, values in zip(facts, at, strict=True)):
             found += itertools.product(*at)
     return np.array(found)
+
+
+def _sided(facts: Sequence[Parameter]) -> bool:
+    """Whether the numbers of an effect are the components of one size, which may go to any side."""
+    return len(facts) > 1 and all(fact.amplitude and fact.lower < fact.neutral for fact in facts)
+
+
+def _along_axes(facts: Sequence[Parameter], values: Array) -> Array:
+    """(S, K, K) for each size the values (K,) with one of them that much farther, or nearer where farther is out of bounds."""
+    steps = np.multiply.outer(_SIDED, [fact.scale for fact in facts])
+    ways = np.where(values + steps <= [fact.upper for fact in facts], steps, -steps)
+    return np.asarray(values + ways[:, None] * np.eye(len(facts)))
 
 
 def _grid(fact: Parameter) -> list[float]:

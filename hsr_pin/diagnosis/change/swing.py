@@ -7,6 +7,8 @@ viscous constant falls with the frequency, and no faster than its square rises: 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.linalg import eigh
 
@@ -25,6 +27,8 @@ def rate(experiment: Experiment, run: Run, model: Hypothesis, values: Array) -> 
     """[rad/s] at which the straight arm of a run swings, with the open parameters at ``values`` (P,); 0 where it does not."""
     columns = model.columns(experiment, run, values[None])
     chain, arrays = chain_of(columns.arms), columns.arrays
+    if columns.space:  # the same about both axes
+        chain = replace(chain, gravity=arrays.gravity[:, [2, 0]])
     mass = mass_matrix(chain)
     squares, modes = eigh(np.diag(arrays.spring[0]) + weight_matrix(chain), mass, subset_by_index=[0, 0])
     if squares[0] <= 0:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hsr_pin.effects.effect import Effect, View, option
 from hsr_pin.parameters import parameter
@@ -48,7 +49,13 @@ class BaseTilt(Effect):
     def observe(self, view: View) -> Array:
         if self.frame == "world":
             return view.positions
-        places: Any = view.places
-        turn = np.stack(np.broadcast_arrays(self.towards_x, self.towards_y, 0.0), axis=-1)
-        back = places.base @ rotations(vectors(turn if self.frame == "cameras" else -turn)) @ np.swapaxes(places.base, -1, -2)
-        return np.asarray((back[..., None, :, :] @ view.positions[..., None])[..., 0])
+        way = 1.0 if self.frame == "cameras" else -1.0
+        return seen_turned(view, way * np.asarray(self.towards_x), way * np.asarray(self.towards_y))
+
+
+def seen_turned(view: View, towards_x: ArrayLike, towards_y: ArrayLike, twist: ArrayLike = 0.0) -> Array:
+    """(T, B, M, 3) [m] positions turned by a rotation vector in the axes of the base, (B,) or one for all [rad]."""
+    places: Any = view.places
+    turn = rotations(vectors(np.stack(np.broadcast_arrays(towards_x, towards_y, twist), axis=-1)))
+    back = places.base @ turn @ np.swapaxes(places.base, -1, -2)
+    return np.asarray((back[..., None, :, :] @ view.positions[..., None])[..., 0])

@@ -12,6 +12,7 @@ from hsr_pin.diagnosis.change.suspects import Suspect
 from hsr_pin.diagnosis.change.swing import rate, slack
 from hsr_pin.diagnosis.change.verdict import Found
 from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis, Part
 from hsr_pin.robot.chain import Arms, chain_of, weight_matrix
@@ -35,6 +36,21 @@ def test_what_gravity_makes_stiffer_is_the_slope_of_its_torque(mount):
     model = build_model(arm).model
     slope = pin.computeGeneralizedGravityDerivatives(model, model.createData(), np.zeros(model.nq))
     np.testing.assert_allclose(weight_matrix(chain_of(Arms.of([arm]))), slope, rtol=1e-9, atol=1e-12)
+
+
+def test_in_space_it_swings_as_in_a_plane_and_a_tilt_to_any_side_makes_it_slower(experiment):
+    trials = (replace(trial, trajectory=_to_two_sides(trial.trajectory)) for trial in experiment.dataset.trials)
+    space = prepare(replace(experiment.dataset, bending="space", trials=tuple(trials)))
+    (flat,), (run,), straight = experiment.runs, space.runs, np.array([1.0, 0.02])
+    assert rate(space, run, MODEL, straight) == pytest.approx(rate(experiment, flat, MODEL, straight))
+    tilted = MODEL.with_part(Part("base_tilt", SPATIAL["base_tilt"]()))
+    aside = [rate(space, run, tilted, np.append(straight, tilt)) for tilt in ((0.5, 0.0), (0.0, 0.5))]
+    assert aside[0] == pytest.approx(aside[1])
+    assert 0 < aside[0] < 0.999 * rate(space, run, MODEL, straight)
+
+
+def _to_two_sides(trajectory):
+    return replace(trajectory, torque=np.column_stack([trajectory.torque, 0 * trajectory.torque]))
 
 
 def test_an_arm_without_weight_swings_as_a_cantilever(experiment):
