@@ -230,6 +230,7 @@ def test_an_arm_of_sections_is_read_with_them_and_tells_what_its_inputs_give(wri
         ({"sections": [{**SECTIONS[0], "mass": -1}], "inputs": []}, "mass of a section: expected a number, more than zero"),
         ({"sections": "two"}, r"arm\.sections: expected a list of sections, got 'two'"),
         ({"inputs": [{**INPUTS[0], "torque": [0.3, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
+        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0, None, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
         ({"bending": "plane"}, "sections: expected none where the arm bends in a plane"),
     ],
 )
