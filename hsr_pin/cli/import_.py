@@ -15,15 +15,19 @@ if TYPE_CHECKING:
     from hsr_pin.recordings.importers.assemble import Imported
     from hsr_pin.recordings.importers.mapping import TableMapping
     from hsr_pin.recordings.importers.settings import ImportSettings
-
-_NEEDED = ("output", "mass", "diameter", "keq")
+    from hsr_pin.trajectory import Marker
 
 
 @click.command(name="hsr-import")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("-o", "--output", metavar="DATASET", help="Folder to write the dataset into.")
 @click.option("--list", "list_points", is_flag=True, help="Only list the points in the files, with rate, unit and gaps.")
-@click.option("--map", "mapping", metavar="TOML", help="What stands where in a table of no known system (docs/importing.md).")
+@click.option(
+    "--map",
+    "mapping",
+    metavar="TOML",
+    help="What stands where in a table of no known system, and what the arm is like (docs/importing.md).",
+)
 @click.option(
     "-m",
     "--marker",
@@ -31,13 +35,26 @@ _NEEDED = ("output", "mass", "diameter", "keq")
     multiple=True,
     metavar="NAME[@ARC]=POINT[+POINT...]",
     help="A marker, its arc length from the base [m] (else estimated from the straight pose), and the points it is the mean of, "
-    "or its labels, if never seen together; patterns (Tip*) allowed. Again for each marker.  [default: every named point]",
+    "or its labels, if never seen together; patterns (Tip*) allowed. Again for each marker. In space NAME@ARC,RADIUS[,ANGLE] "
+    "stands beside the backbone [m, rad].  [default: every named point]",
 )
 @click.option("--base", metavar="POINT[+POINT...]", help="The point or points at the base.  [default: one named base, if any]")
 @click.option("--origin", metavar="X,Y,Z", help="Place of the base in the laboratory [m].  [default: from the base points]")
 @click.option("--up", metavar="AXIS", help="Axis of the laboratory that is up: +z, -y, ...  [default: as its maker has it]")
 @click.option("--mount", metavar="MOUNT", help="hanging, upright or horizontal.  [default: from the straight pose]")
-@click.option("--bending", metavar="AXIS", help="Axis that positive bending carries the tip towards.  [default: from the input]")
+@click.option("--bending", metavar="WORD", help="In a plane (plane) or about two axes (space).  [default: plane]")
+@click.option(
+    "--x",
+    metavar="AXIS",
+    help="Axis that positive bending carries the tip towards; in space also X,Y,Z, or input: as it shows.  [default: from the "
+    "input; in space the first across the arm]",
+)
+@click.option(
+    "--torsion", type=float, metavar="NM/RAD", help="Stiffness against twisting, in space.  [default: it does not twist]"
+)
+@click.option(
+    "--pose", "poses", multiple=True, metavar="NAME", help="A marker whose orientation is taken too, in space; again for each."
+)
 @click.option("--own-plane", is_flag=True, help="Fit the bending plane to each file, not to all together.")
 @click.option("--unit", metavar="UNIT", help="mm, cm, m or in, in place of what the files say.")
 @click.option("--length", type=float, metavar="M", help="Arc length of the arm.  [default: of its farthest marker]")
@@ -46,8 +63,20 @@ _NEEDED = ("output", "mass", "diameter", "keq")
 @click.option("--keq", type=float, multiple=True, metavar="NM/RAD", help="Bending stiffness; once, or once per file.  [needed]")
 @click.option("--damping", type=float, multiple=True, metavar="NMS/RAD", help="Damping of the whole arm; likewise.")
 @click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; likewise.")
-@click.option("--t-start", type=float, multiple=True, metavar="S", help="Use the recording from here on; likewise.")
-@click.option("--input", "inputs", multiple=True, metavar="CSV", help="The input, t,P1,P2 or t,tau, or as --map says; likewise.")
+@click.option("--t-start", multiple=True, metavar="S", help="Use the recording from here on, - from its start; likewise.")
+@click.option(
+    "--input",
+    "inputs",
+    multiple=True,
+    metavar="CSV",
+    help="The input, t,P1,P2 or t,tau (in space t,tau_x,tau_y), or as --map says; - is none; likewise.",
+)
+@click.option(
+    "--gain", type=float, metavar="NM/BAR", help="In space: all columns of --input are chambers evenly around the arm, of this."
+)
+@click.option(
+    "--angle", type=float, metavar="RAD", help="Where the first of them lies, from x towards y of the base.  [default: 0]"
+)
 @click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: of its folder]")
 @click.option("--description", default="", metavar="TEXT", help="One line.")
 @force_option
@@ -56,19 +85,19 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
 
     Reads CSV of Vicon Nexus and Tracker and of OptiTrack Motive, TSV of Qualisys, TRC, C3D, bags of ROS 1 and 2, and any table
     with a mapping. Units become metres, up becomes z, the base becomes the origin, and the plane in which the arm bends becomes
-    x-z.
+    x-z; of an arm in space (--bending space) nothing is put into a plane.
 
     \b
     hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\
         --base Arm:base -m mid@0.12=Arm:m1+Arm:m2 -m tip@0.24=Arm:tip
+    hsr-import take.csv -o my-arm --bending space --map my-arm.toml --input pressures.csv
     """  # noqa: D301 (click's mark for text as it stands is a backspace)
     if list_points:
         _list(files, options["unit"], _mapping(options["mapping"]))
         return
+    if output is None:
+        raise click.UsageError("Missing option '--output'.")
     options["output"] = output
-    for name in _NEEDED:
-        if options[name] in (None, ()):
-            raise click.UsageError(f"Missing option '--{name}'.")
     from hsr_pin.cli.folders import check_folder
     from hsr_pin.recordings.importers.assemble import import_recordings
     from hsr_pin.recordings.write import write_dataset
@@ -83,19 +112,29 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
 
 def _settings(options: dict[str, Any]) -> ImportSettings:
     from hsr_pin.recordings.importers.bodies import Body
-    from hsr_pin.recordings.importers.settings import ImportSettings
+    from hsr_pin.recordings.importers.declared import declared_settings
+    from hsr_pin.recordings.importers.detect import NOTHING
 
     bodies = [Body.parse(text) for text in options["markers"]]
     if options["base"] is not None:
         bodies.insert(0, Body.parse(f"base@0={options['base']}"))
-    same = ("mass", "diameter", "keq", "length", "mount", "up", "bending", "unit", "own_plane", "damping", "tip_mass", "t_start")
-    return ImportSettings(
-        **{name: options[name] for name in (*same, "inputs", "description")},
+    same = ("mass", "diameter", "keq", "length", "mount", "up", "bending", "x", "unit", "own_plane", "damping", "tip_mass")
+    return declared_settings(
+        _mapping(options["mapping"]),
+        poses=options["poses"],
+        **{name: options[name] for name in (*same, "inputs", "description", "torsion", "gain", "angle")},
         name=options["name"] or Path(options["output"]).resolve().name or "imported",
         markers=bodies,
-        mapping=_mapping(options["mapping"]),
+        t_start=[None if text == NOTHING else _seconds(text) for text in options["t_start"]],
         origin=None if options["origin"] is None else _point(options["origin"]),
     )
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise click.BadParameter(f"expected a number of s, or -, got {text!r}", param_hint="'--t-start'") from None
 
 
 def _point(text: str) -> tuple[float, ...]:
@@ -119,7 +158,7 @@ def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None
 
     for path in files:
         capture = read_capture(path, unit, mapping)
-        rows = []
+        rows, posed = [], [["yes" if name in capture.orientations else ""] for name in capture.names]
         for name, places in zip(capture.names, capture.positions.swapaxes(0, 1), strict=True):
             seen = np.isfinite(places).all(axis=1)
             edges = np.flatnonzero(np.diff(np.concatenate([[True], seen, [True]])))
@@ -130,7 +169,10 @@ def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None
         up = f"{capture.up.axis} up {capture.up.why}" if capture.up.axis else f"up unknown: {capture.up.why}"
         timing = f"{len(capture.time)} frames, {capture.time[-1]:.3f} s, {capture.rate:.6g} Hz"
         say(f"{path}: {capture.system}, {timing}, in {capture.unit}, {up}")
-        _table(["point", "seen", "gaps", "longest s", "x [m]", "y [m]", "z [m]"], rows)
+        headings = ["point", "seen", "gaps", "longest s", "x [m]", "y [m]", "z [m]"]
+        if capture.orientations:
+            headings, rows = [*headings, "pose"], [[*row, *pose] for row, pose in zip(rows, posed, strict=True)]
+        _table(headings, rows)
 
 
 def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
@@ -157,14 +199,21 @@ def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
                 f"{1e3 * out:.2f}",
             ]
         )
-    say(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m")
-    say("markers: " + ", ".join(f"{marker.name} at {marker.arc_length:.4g} m" for marker in dataset.markers))
+    parts = f" in {len(dataset.sections)} sections" if dataset.sections else ""
+    space = " that bends in space" if dataset.bending == "space" else ""
+    say(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m{parts}{space}")
+    say("markers: " + ", ".join(map(_placed, dataset.markers)))
     _table(["trial", "file", "samples", "Hz", "missing", "noise mm", "in plane mm", "out of plane mm"], rows)
     for note in dataset.notes:
         say(f"  {note}")
     for trial in dataset.trials:
         for note in trial.trajectory.notes:
             say(f"  {trial.name}: {note}")
+
+
+def _placed(marker: Marker) -> str:
+    beside = f", {marker.radius:.4g} m beside the backbone at {marker.angle:.4g} rad" if marker.radius else ""
+    return f"{marker.name} at {marker.arc_length:.4g} m{beside}"
 
 
 def _table(headings: list[str], rows: list[list[str]]) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from hsr_pin.effects.catalogue import effect_named
 from hsr_pin.effects.effect import Effect
@@ -19,7 +19,7 @@ from hsr_pin.recordings.files import LARGEST_RESULT
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.text import read_text
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.trajectory import Marker
+from hsr_pin.trajectory import Marker, Section
 
 #: Fitted factors on numbers of the arm.
 _SCALES = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
@@ -50,13 +50,14 @@ def read_result(
         values, effects, origin = _diagnosis(document, declared, level["keq"], path)
     else:
         values, effects, origin = _fit(document, declared, path)
+    sections = _sections(declared, path)
     arm = ArmSpecification(
         links=declared.get("links", LINKS),
         placement=declared.get("placement", "mid"),
         mount=declared["mount"],
         bending="space" if declared.get("bending") == "space" else "plane",
         torsion=_torsion(declared, path),
-        sections=(),
+        sections=sections,
         **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
         **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
     )
@@ -64,13 +65,17 @@ def read_result(
     if "keq_drift" in values:
         scaled["keq"] *= 1 + values["keq_drift"]
         origin = (*origin, "the stiffness is that of the last trial: it changed over the session (keq_drift)")
-    told = f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted"
+    told: tuple[str, ...] = (
+        f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted",
+    )
+    if arm.bending == "space":
+        told = _inputs(declared, max(1, len(sections)), path)
     return CorrectedModel(
         replace(arm, **{**scaled, **(changes or {})}),
         effects,
         _factor(values, "torque_gain", arm.keq, path),
         tuple(_marker(marker) for marker in declared["markers"]),
-        origin=(*origin, told) if arm.bending == "plane" else origin,
+        origin=(*origin, *told),
     )
 
 
@@ -98,18 +103,16 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
-        if read.sections:
-            _refuse_sections(path)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
         markers = [{field.name: getattr(marker, field.name) for field in fields(marker)} for marker in read.markers]
         chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
         found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount", "bending", "torsion")}
+        found["sections"] = [asdict(section) for section in read.sections]
+        found["inputs"] = [asdict(channel) for channel in read.channels if channel.torque]
         return {**found, "levels": rows, "markers": markers, **chain}
     arm = document.get("arm")
     if isinstance(arm, dict) and arm.get("bending", "plane") not in ("plane", "space"):
         raise InputError("arm.bending", expected="plane or space", received=repr(arm["bending"]), file=path)
-    if isinstance(arm, dict) and arm.get("sections"):
-        _refuse_sections(path)
     needed = ("length", "mass", "diameter", "mount", "levels", "markers")
     if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
         hint = "give the recordings too: --dataset DIR"
@@ -117,9 +120,27 @@ def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | 
     return arm
 
 
-def _refuse_sections(path: str | Path) -> NoReturn:
-    hint = "CorrectedModel(ArmSpecification.in_sections(...)) can be exported from Python"
-    raise InputError("sections", expected="none in a result that is exported", received="some", hint=hint, file=path)
+def _sections(declared: dict[str, Any], path: str | Path) -> tuple[Section, ...]:
+    """From the base on; none: a uniform arm."""
+    rows = declared.get("sections") or []
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise InputError("arm.sections", expected="a list of sections", received=repr(rows)[:60], file=path)
+    names = [field.name for field in fields(Section)]
+    return tuple(
+        Section(**{name: _number(row, name, path, f"arm.sections[{k}]") for name in names}) for k, row in enumerate(rows)
+    )
+
+
+def _inputs(declared: dict[str, Any], parts: int, path: str | Path) -> tuple[str, ...]:
+    """A sentence for each channel from which the recorded torques were made."""
+    told = []
+    for row in declared.get("inputs") or ():
+        torque = row.get("torque") if isinstance(row, dict) else None
+        if not isinstance(torque, list | tuple) or len(torque) != 2 * parts or not all(map(_is_number, torque)):
+            raise InputError("arm.inputs", expected=f"{2 * parts} numbers of torque for each", received=repr(row)[:60], file=path)
+        gives = ", ".join(f"{value:.6g}" for value in torque)
+        told.append(f"{row.get('name')}: each {row.get('unit')} of it is a command of ({gives}) N m")
+    return tuple(told)
 
 
 def _torsion(declared: dict[str, Any], path: str | Path) -> float:
@@ -212,8 +233,12 @@ def _value(fact: Any, name: str, path: str | Path) -> float:
     return float(value)
 
 
-def _number(section: dict[str, Any], name: str, path: str | Path) -> float:
-    value = section.get(name, 0.0 if name == "tip_mass" else None)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"arm.{name}", expected="a number", received=repr(value), file=path)
+def _number(section: dict[str, Any], name: str, path: str | Path, table: str = "arm") -> float:
+    value: Any = section.get(name, 0.0 if name == "tip_mass" else None)
+    if not _is_number(value):
+        raise InputError(f"{table}.{name}", expected="a number", received=repr(value), file=path)
     return float(value)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -40,11 +40,13 @@ def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
 
 
 def _of_space(dataset: Dataset) -> dict[str, Any]:
-    """What only an arm in space has; a torsion of null is infinite."""
+    """What only an arm in space has; a torsion of null is infinite, and inputs are the channels that drive it."""
     if dataset.bending == "plane":
         return {}
     sections = {"sections": [asdict(section) for section in dataset.sections]} if dataset.sections else {}
-    return {"bending": dataset.bending, "torsion": dataset.torsion if isfinite(dataset.torsion) else None, **sections}
+    driving = [asdict(channel) for channel in dataset.channels if channel.torque]
+    inputs = {"inputs": [{**channel, "torque": list(channel["torque"])} for channel in driving]} if driving else {}
+    return {"bending": dataset.bending, "torsion": dataset.torsion if isfinite(dataset.torsion) else None, **sections, **inputs}
 
 
 def _marker(marker: Marker) -> dict[str, Any]:

@@ -44,9 +44,22 @@ def seen_points(table: Table, posed: Sequence[Marker], radius: float) -> Array:
             row, said = int(np.argmax(wrong)), f"orientation of marker {marker.name}"
             hint = "one that was not seen has empty fields"
             raise table.fault(said, row, fields[0], expected="length 1", received=f"{size[row]:.3g}", hint=hint)
-        w, x, y, z = (quaternion / size[:, None]).T
         place = table.values[:, [table.place[f"{marker.name}_{axis}"] for axis in "xyz"]]
-        first = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1)
-        second = np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1)
-        seen[:, 2 * k], seen[:, 2 * k + 1] = place + radius * first, place + radius * second
+        seen[:, 2 * k : 2 * k + 2] = beside(place, axes_of(quaternion / size[:, None]), radius)
     return seen
+
+
+def axes_of(quaternion: Array) -> Array:
+    """(T, 3, 3) the rotations of unit quaternions (T, 4), their real parts first: columns are where x, y and z point."""
+    w, x, y, z = quaternion.T
+    columns = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+        [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+        [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(columns), -1, 0).swapaxes(1, 2)
+
+
+def beside(place: Array, axes: Array, radius: float) -> Array:
+    """(T, 2, 3) [m] the two points of a body at (T, 3) [m] whose x and y point along the first columns of (T, 3, 3) axes."""
+    return np.asarray(place[:, None] + radius * axes[:, :, :2].swapaxes(1, 2))

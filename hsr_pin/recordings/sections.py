@@ -86,13 +86,14 @@ def torque_columns(sections: int) -> tuple[str, ...]:
     return tuple(f"tau_{axis}_{section + 1}" for section in range(sections) for axis in "xy")
 
 
-def channels_of(top: Table, sections: int, taken: Collection[str]) -> tuple[Channel, ...]:
+def channels_of(top: Table, sections: int, taken: Collection[str], besides: Collection[str] = ()) -> tuple[Channel, ...]:
     """The tables ``[[input]]`` and ``[[measured]]``, column by column.
 
     Args:
         top: of the file.
         sections: how many the arm has, at least one.
         taken: names of columns that they must not have.
+        besides: keys that such a table may have too, and that are read elsewhere.
 
     Raises:
         RecordingError: a name that is taken, or a torque of other sections than there are.
@@ -100,7 +101,7 @@ def channels_of(top: Table, sections: int, taken: Collection[str]) -> tuple[Chan
     found: list[Channel] = []
     for kind in ("input", "measured"):
         for table in top.sections(kind) if kind in top.values else ():
-            table.only("columns", "unit", *(("section", "gain", "angle", "torque") if kind == "input" else ()))
+            table.only("columns", "unit", *(("section", "gain", "angle", "torque") if kind == "input" else ()), *besides)
             names, unit = _names(table, {*taken, *(channel.name for channel in found)}), table.text("unit", "bar")
             torques = _torques(table, len(names), sections) if kind == "input" else [()] * len(names)
             found += [Channel(name, unit, torque) for name, torque in zip(names, torques, strict=True)]
@@ -144,6 +145,19 @@ def _torques(table: Table, count: int, sections: int) -> list[tuple[float, ...]]
         raise table.fault("section", "section", expected=expected, received=repr(section)[:60])
     gain = table.number("gain", "N m per unit", sign=True)
     angle = table.number("angle", "rad", sign=True) if "angle" in table.values else 0.0
+    return around(count, gain, angle, section, sections)
+
+
+def around(count: int, gain: float, angle: float, section: int = 1, sections: int = 1) -> list[tuple[float, ...]]:
+    """What columns that lie evenly around a section give: for each (2 S,) [N m per unit].
+
+    Args:
+        count: of columns.
+        gain: [N m per unit] of each.
+        angle: [rad] of the first, from x towards y of the base.
+        section: that they bend, from 1.
+        sections: S, how many the arm has.
+    """
     torques = []
     for k in range(count):
         row, towards = [0.0] * (2 * sections), angle + 2 * pi * k / count

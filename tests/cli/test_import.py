@@ -115,11 +115,17 @@ def test_what_looks_wrong_is_a_warning_on_the_error_stream(take, tmp_path, capsy
     assert "warning: trial_01: " in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("missing", ["--mass", "--diameter", "--keq", "-o"])
-def test_what_is_needed_is_asked_for(take, tmp_path, capsys, missing):
+@pytest.mark.parametrize(
+    "missing, said",
+    [
+        *((f"--{name}", f"{name}: expected --{name}, or {name} under [robot] in --map") for name in ("mass", "diameter", "keq")),
+        ("-o", "Missing option '--output'"),
+    ],
+)
+def test_what_is_needed_is_asked_for(take, tmp_path, capsys, missing, said):
     given = [take, "-o", tmp_path / "arm", *ARM]
     at = given.index(missing)
-    assert "Missing option" in complaint(capsys, given[:at] + given[at + 2 :])
+    assert said in complaint(capsys, given[:at] + given[at + 2 :])
 
 
 WRONG = {
@@ -132,7 +138,7 @@ WRONG = {
     "no place": (["--origin", "here"], "X,Y,Z"),
     "half a place": (["--origin", "1,2"], "three numbers"),
     "no such point": (["-m", "top=Arm:top"], "did you mean 'Arm:tip'"),
-    "no body": (["-m", "=x"], "NAME[@ARC_LENGTH in m]=POINT"),
+    "no body": (["-m", "=x"], "NAME[@ARC_LENGTH[,RADIUS[,ANGLE]] in m and rad]=POINT"),
     "no input": (["--input", "nowhere.csv"], "cannot read the file"),
     "too many inputs": (["--t-start", "0", "--t-start", "1"], "one for all files"),
     "unknown option": (["--lenght", "1"], "--length"),

@@ -4,12 +4,13 @@ import json
 
 import pytest
 
-from hsr_pin.errors import EffectError, InputError
+from hsr_pin.errors import EffectError, InputError, SpecificationError
 from hsr_pin.export.document import read_result
 from hsr_pin.identification.document import to_json
 from hsr_pin.identification.identify import identify
 from hsr_pin.recordings.write import write_dataset
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.trajectory import Section
 
 ARM = {
     "length": 0.3, "mass": 0.2, "diameter": 0.05, "mount": "upright", "links": 6, "placement": "mid",
@@ -196,9 +197,43 @@ def test_an_arm_in_space_keeps_its_torsion_and_its_markers_beside(written):
     assert (model.arm.bending, model.arm.torsion) == ("space", 0.7)
     assert [(m.name, m.radius, m.angle) for m in model.markers] == [("side", 0.03, 1.0), ("tip", 0.0, 0.0)]
     assert read_result(written({**document, "arm": arm | {"torsion": None}}), keq=1.11).arm.torsion == float("inf")
-    with pytest.raises(InputError, match=r"sections: expected none in a result that is exported"):
-        read_result(written({**document, "arm": arm | {"sections": [{"length": 0.1}]}}), keq=1.11)
     with pytest.raises(InputError, match=r"arm.bending: expected plane or space, got 'sideways'"):
         read_result(written({**document, "arm": arm | {"bending": "sideways"}}), keq=1.11)
     with pytest.raises(InputError, match=r"arm.torsion: expected a number"):
         read_result(written({**document, "arm": arm | {"torsion": "much"}}), keq=1.11)
+
+
+SECTIONS = [{"length": 0.2, "mass": 0.15, "keq": 1.5, "damping": 0.09}, {"length": 0.1, "mass": 0.05, "keq": 4.3, "damping": 0.1}]
+INPUTS = [{"name": "P1", "unit": "bar", "torque": [0.3, 0, 0, 0]}, {"name": "pull", "unit": "N", "torque": [0, 0.01, 0, 0.02]}]
+
+
+def in_sections(**more):
+    lag = {**BEST, "effects": ["actuator_lag"], "options": {}}
+    arm = {**ARM, "bending": "space", "sections": SECTIONS, "inputs": INPUTS, **more}
+    return {**diagnosis(effects=["actuator_lag"], arm=arm), "candidates": [lag]}
+
+
+def test_an_arm_of_sections_is_read_with_them_and_tells_what_its_inputs_give(written):
+    model = read_result(written(in_sections()), keq=2.33, changes={"links": 12})
+    assert model.arm.sections == tuple(Section(**row) for row in SECTIONS)
+    assert (model.arm.keq, model.arm.links, model.inputs) == (pytest.approx(1.1 * 2.33), 12, 2)
+    assert model.origin[-2:] == (
+        "P1: each bar of it is a command of (0.3, 0, 0, 0) N m",
+        "pull: each N of it is a command of (0, 0.01, 0, 0.02) N m",
+    )
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"sections": [{**SECTIONS[0], "keq": "stiff"}]}, r"arm\.sections\[0\]\.keq: expected a number, got 'stiff'"),
+        ({"sections": [{**SECTIONS[0], "mass": -1}], "inputs": []}, "mass of a section: expected a number, more than zero"),
+        ({"sections": "two"}, r"arm\.sections: expected a list of sections, got 'two'"),
+        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
+        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0, None, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
+        ({"bending": "plane"}, "sections: expected none where the arm bends in a plane"),
+    ],
+)
+def test_sections_that_are_none_are_refused(written, more, said):
+    with pytest.raises((InputError, SpecificationError), match=said):
+        read_result(written(in_sections(**more)), keq=1.11)

@@ -1,26 +1,37 @@
 """Exported MJCF of arms in space moves in MuJoCo as the model does in hsr_pin: to 0.5 mm from 10 links on, for every law."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from hsr_pin.cli.command import run
+from hsr_pin.cli.export import command
 from hsr_pin.effects import parse_effect
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.effects.effect import formless, neutral
 from hsr_pin.effects.spatial import SPATIAL
+from hsr_pin.export.document import read_result
 from hsr_pin.export.mjcf import to_mjcf
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import sort
 from hsr_pin.export.plain import ENOUGH
-from hsr_pin.robot.sections import Section
+from hsr_pin.identification.document import to_json
+from hsr_pin.identification.identify import identify
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.trajectory import Marker
+from hsr_pin.simulation.scenario import Scenario, Settled
+from hsr_pin.simulation.simulate import simulate
+from hsr_pin.trajectory import Dataset, Marker, Section, Trial
 
-from .in_mujoco_in_space import worst_gap
+from .in_mujoco_in_space import motion, worst_gap
 
 mujoco = pytest.importorskip("mujoco")
 if mujoco.mj_version() < 4000000:
     pytest.skip("needs MuJoCo 4, which needs Python 3.11", allow_module_level=True)
 
+#: The border between them is within a link.
+UNEVEN = (Section(0.14, 0.10, 1.6, 0.09), Section(0.10, 0.05, 1.4, 0.06))
 #: [mm] as in a plane.
 LARGEST = 0.5
 NATIVE = (
@@ -117,6 +128,60 @@ def test_markers_beside_the_backbone_and_sections_are_where_they_are(tmp_path):
         assert to_mjcf(told).text.count("<general ") == 4
         gaps = worst_gap(told, tmp_path, names=("round", "release of a couple"))
         assert max(gaps.values()) < LARGEST, gaps
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        ("stiffness_gradient:slope=0.6", "damping_gradient:slope=1"),
+        ("unequal_stiffness:along_x=0.3,diagonal=-0.2", "bend_at_rest:towards_x=0.2,towards_y=-0.3"),
+        ("turned_actuation:angle=0.5", "torque_offset:towards_x=0.1,towards_y=-0.2", "actuator_lag:time_constant=0.06"),
+        ("torque_decay:decay=0.3", "dead_time:delay=0.04"),
+        ("stiffening:cubic=0.3", "dry_friction:level=0.1"),
+        ("unequal_lag:rise=0.08,fall=0.03,delay=0.01", "tip_mass:mass=0.05"),
+    ],
+)
+def test_laws_act_in_sections_as_they_do_in_hsr_pin(effects, tmp_path):
+    arm = ArmSpecification.in_sections(UNEVEN, links=ENOUGH, placement="mid", torsion=1.0, mount="upright", tip_mass=0.01)
+    gaps = worst_gap(CorrectedModel(arm, tuple(map(parse_effect, effects))), tmp_path, names=("round", "release of a couple"))
+    assert max(gaps.values()) < LARGEST, gaps
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory):
+    """What hsr-fit writes of recordings of an arm of two sections, that is declared softer than it is; and the arm."""
+    arm = ArmSpecification.in_sections(UNEVEN, links=ENOUGH, placement="mid", bending_limit=20.0)
+    time = np.arange(81) * 0.01
+    torque = (time[:, None] >= 0.1 - 1e-9) * np.array([0.6, 0.2, -0.5, 0.3])
+    markers = (Marker("mid", 0.14), Marker("tip", 0.24), Marker("side", 0.24, 0.03, 0.7))
+    seen = simulate(Scenario(arm, time, torque, Settled(0.0), (), markers)).trajectory
+    noise = 1e-4 * np.random.default_rng(2).normal(size=seen.positions.shape)
+    motion = replace(seen, positions=seen.positions + noise, joint_angles=None, joint_rates=None)
+    trial = Trial("trial_01", motion, arm.keq / 1.3, arm.damping)
+    numbers = {name: getattr(arm, name) for name in ("length", "mass", "diameter", "mount", "bending")}
+    dataset = Dataset("two", trials=(trial,), sections=UNEVEN, **numbers)
+    path = tmp_path_factory.mktemp("fitted") / "fit.json"
+    path.write_text(json.dumps(to_json(identify(dataset, free=["keq", "damping"], links=ENOUGH))), encoding="utf-8")
+    return path, arm, dataset
+
+
+def test_a_fit_of_an_arm_of_sections_moves_in_mujoco_as_it_was_recorded(fitted, tmp_path):
+    path, arm, dataset = fitted
+    output = tmp_path / "arm.xml"
+    assert run(command, ["--from", str(path), "--to", "mjcf", "-o", str(output)]) == 0
+    told = read_result(path)
+    assert told.arm.sections == UNEVEN
+    assert told.arm.keq == pytest.approx(arm.keq, rel=0.01)
+    recorded = dataset.trials[0].trajectory
+    names = [marker.name for marker in dataset.markers]
+    theirs = motion(output, recorded.torque, np.zeros((ENOUGH, 3)), markers=names)
+    assert 1e3 * np.sqrt(np.mean(np.sum((theirs - recorded.positions) ** 2, axis=2))) < LARGEST
+
+
+@pytest.mark.parametrize("target", ["urdf", "sdf"])
+def test_where_a_format_has_no_actuators_the_share_of_each_section_is_told(fitted, target, tmp_path, capsys):
+    assert run(command, ["--from", str(fitted[0]), "--to", target, "-o", str(tmp_path / "arm.xml")]) == 0
+    assert "from base to tip the joints get, of section 1 1, 1, 1, 1, 1, 0.833333, 0," in capsys.readouterr().out
 
 
 def test_in_one_order_throughout_the_hinges_would_not_do(tmp_path, monkeypatch):

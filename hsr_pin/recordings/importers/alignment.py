@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.clean import moving_average
@@ -39,8 +40,8 @@ class Alignment:
         return np.asarray((positions - self.origin) @ self.rotation.T)
 
 
-def straight_pose(captures: Sequence[Array], stretch: Sequence[Array]) -> Array:
-    """(B, 3) [m] where the bodies are when the arm is straightest: the median of the frames of the longest reach.
+def straightest(captures: Sequence[Array], stretch: Sequence[Array]) -> NDArray[np.intp]:
+    """(F,) the frames, counted through all captures, in which the arm is straightest: those of the longest reach.
 
     Args:
         captures: (T, B, 3) each, without spikes.
@@ -54,9 +55,9 @@ def straight_pose(captures: Sequence[Array], stretch: Sequence[Array]) -> Array:
     usable = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(reach)
     if not usable.any():
         raise RecordingError("no frame shows all markers", hint="choose fewer with --marker")
-    poses, reach = poses[usable], reach[usable]
+    reach = reach[usable]
     count = min(len(reach), max(FEWEST, int(STRAIGHTEST * len(reach))))
-    return np.asarray(np.median(poses[np.argsort(reach)[-count:]], axis=0))
+    return np.flatnonzero(usable)[np.argsort(reach)[-count:]]
 
 
 def mount_of(direction: Array, up: Array) -> str:

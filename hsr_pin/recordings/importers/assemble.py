@@ -10,20 +10,35 @@ import numpy as np
 
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.declaration import MOST_MARKERS
-from hsr_pin.recordings.grid import on_even_grid
-from hsr_pin.recordings.importers.alignment import mount_of
-from hsr_pin.recordings.importers.bodies import Body, choose, every_point, matches
+from hsr_pin.recordings.importers.alignment import Alignment, mount_of
+from hsr_pin.recordings.importers.bodies import Body, choose, every_point, matches, orientations
 from hsr_pin.recordings.importers.capture import Capture
 from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.detect import read_capture, read_commands_of
-from hsr_pin.recordings.importers.mapping import TableMapping
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
+from hsr_pin.recordings.importers.space import (
+    pushed_aside,
+    sided,
+    space_frame,
+    spread_in_space,
+    torque_rows,
+    turned_points,
+)
 from hsr_pin.recordings.importers.straight import StraightArm, pointing, straight_arm
+from hsr_pin.recordings.importers.trials import (
+    channels_of_input,
+    check_torques,
+    driven,
+    facts_of_trials,
+    trajectory_of,
+    trial_of,
+)
 from hsr_pin.recordings.importers.up import Up, axis_vector, choose_up
-from hsr_pin.recordings.importers.warnings import warnings
+from hsr_pin.recordings.importers.warnings import beside_its_input, warnings
 from hsr_pin.recordings.outliers import spikes
-from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
+from hsr_pin.recordings.poses import points_of
+from hsr_pin.trajectory import Array, Channel, Dataset, Marker, Trial
 
 #: Names that a point at the base goes by.
 BASE_NAMES = ("base", "root", "origin")
@@ -41,7 +56,8 @@ class Imported:
 
     Attributes:
         dataset: its notes, and those of each trajectory, say what was done.
-        in_plane: (trials,) [m] root mean square motion in the bending plane, of the markers beyond the base.
+        in_plane: (trials,) [m] root mean square motion in the bending plane, of the markers beyond the base; in space in the
+            plane in which it is largest.
         out_of_plane: (trials,) [m] the same out of it.
         warnings: what may be wrong with it, one sentence each.
     """
@@ -59,6 +75,7 @@ class _Tracked:
     without_spikes: Array  # the same, for fitting
     command: CommandRows | None
     notes: list[str]
+    turns: dict[str, Array]  # (T, 4) quaternions, by name of the body, in the laboratory's frame
 
 
 def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> Imported:
@@ -75,7 +92,7 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
     inputs = per_trial(settings.inputs, len(files), "inputs")
     captures = [read_capture(path, settings.unit, settings.mapping) for path in files]
     bodies = _bodies(settings, captures[0])
-    tracked = [_track(capture, bodies, path, settings.mapping) for capture, path in zip(captures, inputs, strict=True)]
+    tracked = [_track(capture, bodies, path, settings) for capture, path in zip(captures, inputs, strict=True)]
     try:
         return _assemble(tracked, bodies, settings)
     except RecordingError as error:
@@ -87,7 +104,7 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
 
 def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
     bodies = tuple(settings.markers)
-    if all(body.arc_length == 0 for body in bodies):  # none given, or the base only
+    if all(body.is_base for body in bodies):  # none given, or the base only
         taken = {capture.names[index] for body in bodies for source in body.sources for index in matches(capture, source)}
         bodies += tuple(body for body in every_point(capture) if not taken.intersection(body.sources))
     if not bodies:
@@ -95,15 +112,18 @@ def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
     if len(bodies) > MOST_MARKERS:
         expected, hint = f"at most {MOST_MARKERS} markers", "choose points with --marker"
         raise RecordingError("points", expected=expected, received=len(bodies), hint=hint, file=capture.path)
-    if settings.origin is not None or any(body.arc_length == 0 for body in bodies):
+    if settings.origin is not None or any(body.is_base for body in bodies):
         return bodies
     return tuple(replace(body, arc_length=0.0) if body.name.lower() in BASE_NAMES else body for body in bodies)
 
 
-def _track(capture: Capture, bodies: Sequence[Body], path: str | Path | None, mapping: TableMapping | None) -> _Tracked:
+def _track(capture: Capture, bodies: Sequence[Body], path: str | Path | None, settings: ImportSettings) -> _Tracked:
     positions, notes = choose(capture, bodies)
     without = np.where(spikes(positions)[:, :, None], np.nan, positions)
-    return _Tracked(capture, positions, without, read_commands_of(capture, path, mapping), [*capture.notes, *notes])
+    command = read_commands_of(capture, path, settings.mapping, settings.input_columns)
+    if command is not None:
+        check_torques(command, settings)
+    return _Tracked(capture, positions, without, command, [*capture.notes, *notes], orientations(capture, bodies))
 
 
 def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: ImportSettings) -> Imported:
@@ -119,19 +139,28 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
     mount = settings.mount or mount_of(arm.direction, up)
     _check_mount(mount, arm, up, chosen)
     motions = [Motion(one.capture.time, one.without_spikes[:, arm.order], one.command) for one in tracked]
-    if settings.own_plane:
-        planes = [fit_plane([motion], arm, mount, up, settings.bending) for motion in motions]
-    else:
-        planes = [fit_plane(motions, arm, mount, up, settings.bending)] * len(motions)
-    length, markers = _lengths(arm, settings.length)
-    facts = _facts(settings, len(tracked))
+    channels = channels_of_input([motion.command for motion in motions], settings)
+    planes, warned = _frames(motions, channels, arm, mount, up, settings)
+    worlds = [alignment.to_world(one.positions[:, arm.order]) for one, (alignment, _) in zip(tracked, planes, strict=True)]
+    declared, sides = sided(arm, bodies, planes[0][0], mount)
+    length, markers = _lengths(declared, settings.length)
+    posed = [(place, bodies[index]) for place, index in enumerate(arm.order) if bodies[index].pose]
+    if posed:
+        radius = settings.diameter / 2
+        points = turned_points([one.turns for one in tracked], worlds, posed, arm, planes[0][0], mount, radius)
+        worlds = [np.concatenate(pair, axis=1) for pair in zip(worlds, points, strict=True)]
+        markers += points_of([markers[place] for place, _ in posed], radius)
+        sides += [f"{body.name}: its pose is two more points, {radius:g} m from it" for _, body in posed]
     trials: list[Trial] = []
     spreads: list[tuple[float, float]] = []
-    for one, motion, (alignment, note), own in zip(tracked, motions, planes, facts, strict=True):
-        within, out = spread(alignment.to_world(motion.positions[:, arm.moving]))
-        notes = [*one.notes, note, f"motion in the bending plane {1e3 * within:.3g} mm, out of it {1e3 * out:.3g} mm (RMS)"]
-        trajectory = _trajectory(one, alignment.to_world(one.positions[:, arm.order]), markers, notes)
-        trials.append(_trial(f"trial_{len(trials) + 1:02d}", trajectory, own, one.capture.path))
+    facts = facts_of_trials(settings, len(tracked))
+    for one, motion, world, (alignment, note), own in zip(tracked, motions, worlds, planes, facts, strict=True):
+        moving = alignment.to_world(motion.positions[:, arm.moving])
+        within, out = spread_in_space(moving, mount) if settings.in_space else spread(moving)
+        plane = "the plane of its largest motion" if settings.in_space else "the bending plane"
+        notes = [*one.notes, note, f"motion in {plane} {1e3 * within:.3g} mm, out of it {1e3 * out:.3g} mm (RMS)"]
+        trajectory = trajectory_of(one.capture, world, markers, driven(one.command, channels, settings), notes)
+        trials.append(trial_of(f"trial_{len(trials) + 1:02d}", trajectory, own, one.capture.path, settings.interpolated))
         spreads.append((within, out))
     dataset = Dataset(
         name=settings.name,
@@ -141,14 +170,36 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         mount=mount,
         trials=tuple(trials),
         description=settings.description,
-        notes=(f"imported: {mount} arm, {chosen.axis} of the laboratory is up, {chosen.why}", *arm.notes),
+        notes=(f"imported: {mount} arm, {chosen.axis} of the laboratory is up, {chosen.why}", *arm.notes, *sides),
+        bending=settings.bending,
+        torsion=settings.torsion,
+        sections=tuple(settings.sections),
+        channels=channels,
     )
     return Imported(
         dataset,
         tuple(within for within, _ in spreads),
         tuple(out for _, out in spreads),
-        warnings(dataset, spreads, settings.up is not None),
+        (*warned, *warnings(dataset, spreads, settings.up is not None)),
     )
+
+
+def _frames(
+    motions: Sequence[Motion],
+    channels: Sequence[Channel],
+    arm: StraightArm,
+    mount: str,
+    up: Array,
+    settings: ImportSettings,
+) -> tuple[list[tuple[Alignment, str]], list[str]]:
+    """The arm's frame in each trial with a sentence on its x, and what looks wrong with it."""
+    if settings.in_space:
+        torques = [torque_rows(motion.command, channels, settings.inputs_of_arm) for motion in motions]
+        plane = space_frame(motions, torques, arm, mount, up, settings.x)
+        return [plane] * len(motions), beside_its_input(*pushed_aside(motions, torques, arm, plane[0], mount))
+    if settings.own_plane:
+        return [fit_plane([motion], arm, mount, up, settings.x) for motion in motions], []
+    return [fit_plane(motions, arm, mount, up, settings.x)] * len(motions), []
 
 
 def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
@@ -163,11 +214,11 @@ def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
         )
 
 
-def _lengths(arm: StraightArm, length: float | None) -> tuple[float, tuple[Marker, ...]]:
+def _lengths(markers: tuple[Marker, ...], length: float | None) -> tuple[float, tuple[Marker, ...]]:
     """The arm's length, and its markers with no arc length beyond it."""
-    farthest = max(marker.arc_length for marker in arm.markers)
+    farthest = max(marker.arc_length for marker in markers)
     if length is None:
-        return farthest, arm.markers
+        return farthest, markers
     if farthest > length * (1 + BEYOND):
         raise RecordingError(
             "arc length",
@@ -175,36 +226,4 @@ def _lengths(arm: StraightArm, length: float | None) -> tuple[float, tuple[Marke
             received=f"{farthest:.4g} m",
             hint="is it another unit (--unit), another base, or another length?",
         )
-    return length, tuple(Marker(marker.name, min(marker.arc_length, length)) for marker in arm.markers)
-
-
-def _facts(settings: ImportSettings, trials: int) -> list[dict[str, float | None]]:
-    """What is declared of each trial."""
-    names = ("keq", "damping", "tip_mass", "t_start")
-    columns = [per_trial(getattr(settings, name), trials, name) for name in names]
-    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
-
-
-def _trajectory(one: _Tracked, world: Array, markers: tuple[Marker, ...], notes: Sequence[str]) -> Trajectory:
-    try:
-        trajectory, _ = on_even_grid(Trajectory(one.capture.time, markers, world))
-    except ValueError:
-        hint = "split the recording at long pauses"
-        expected, received = "nearly even sampling", "almost all gap"
-        raise RecordingError("time", expected=expected, received=received, hint=hint, file=one.capture.path) from None
-    kept = [*notes, *trajectory.notes]
-    if one.command is None:
-        return replace(trajectory, notes=tuple(kept))
-    time = trajectory.time
-    held = one.command.held_at(time)
-    if one.command.time[0] > time[0] + 1e-9:
-        kept.append(f"the input begins at {one.command.time[0]:g} s; its first row was held before that")
-    torque, pressures = (held[:, 0], None) if one.command.names == ("tau",) else (None, held)
-    return replace(trajectory, torque=torque, pressures=pressures, notes=tuple(kept))
-
-
-def _trial(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path) -> Trial:
-    t_start, time = facts["t_start"], trajectory.time
-    if t_start is not None and not time[0] <= t_start < time[-1]:
-        raise InputError("t_start", expected=f"a time in the recording, 0 to {time[-1]:g} s", received=f"{t_start:g}", file=path)
-    return Trial(name, trajectory, facts["keq"] or 0.0, facts["damping"], facts["tip_mass"] or 0.0, t_start)
+    return length, tuple(replace(marker, arc_length=min(marker.arc_length, length)) for marker in markers)

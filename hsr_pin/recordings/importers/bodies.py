@@ -11,6 +11,7 @@ import numpy as np
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.delimited import number
 from hsr_pin.recordings.importers.capture import Capture, seen
+from hsr_pin.recordings.poses import UNIT
 from hsr_pin.recordings.text import nearest
 from hsr_pin.trajectory import Array
 
@@ -23,29 +24,44 @@ class Body:
         name: of the marker.
         sources: names of points, or patterns of names (``"Tip*"``); with or without what stands before a colon.
         arc_length: [m] from the base; None: to be estimated.
+        radius: [m] beside the backbone, of an arm in space.
+        angle: [rad] of the side on which it stands there, from x towards y of its link; None: to be estimated.
+        pose: whether its orientation is taken too, from a rigid body: "straight": its axes are brought to those of its link where
+            the arm is straightest; "link": they are those already; empty: not.
     """
 
     name: str
     sources: tuple[str, ...]
     arc_length: float | None = None
+    radius: float = 0.0
+    angle: float | None = None
+    pose: str = ""
+
+    @property
+    def is_base(self) -> bool:
+        """Whether the arm begins at it."""
+        return self.arc_length == 0 and not self.radius
 
     @classmethod
     def parse(cls, text: str) -> Body:
-        """A body as the command line has it: ``NAME[@ARC_LENGTH]=POINT[+POINT...]``, or only ``POINT``.
+        """A body as the command line has it: ``NAME[@ARC_LENGTH[,RADIUS[,ANGLE]]]=POINT[+POINT...]``, or only ``POINT``.
 
         Raises:
             InputError: not of this form.
         """
         left, _, right = text.partition("=")
-        name, _, arc = left.partition("@")
+        name, _, place = left.partition("@")
         name, sources = name.strip(), tuple(part.strip() for part in (right or name).split("+"))
         try:
-            arc_length = number(arc) if arc.strip() else None
+            numbers = [number(part) for part in place.split(",")] if place.strip() else []
         except ValueError:
-            arc_length = -1.0
-        if not name or not all(sources) or (arc_length is not None and not arc_length >= 0):
-            raise InputError("marker", expected="NAME[@ARC_LENGTH in m]=POINT[+POINT...]", received=repr(text))
-        return cls(name, sources, arc_length)
+            numbers = [-1.0]
+        good = len(numbers) <= 3 and all(value >= 0 for value in numbers[:2]) and all(np.isfinite(value) for value in numbers)
+        if not name or not all(sources) or not good:
+            expected = "NAME[@ARC_LENGTH[,RADIUS[,ANGLE]] in m and rad]=POINT[+POINT...]"
+            raise InputError("marker", expected=expected, received=repr(text))
+        arc_length, radius, angle = [*numbers, None, None, None][:3]
+        return cls(name, sources, arc_length, radius or 0.0, angle)
 
 
 def short(name: str) -> str:
@@ -87,6 +103,31 @@ def choose(capture: Capture, bodies: Sequence[Body]) -> tuple[Array, list[str]]:
             notes.append(f"{body.name}: {some} samples are gaps because not all of its {len(merged)} points were seen")
         columns.append(points.mean(axis=1))
     return np.stack(columns, axis=1), notes
+
+
+def orientations(capture: Capture, bodies: Sequence[Body]) -> dict[str, Array]:
+    """(T, 4) unit quaternions, real part first, of bodies whose pose is wanted, in the laboratory's frame; NaN where not seen.
+
+    Raises:
+        RecordingError: a body is not one whose orientation the file has, or has numbers that are no rotation.
+    """
+    found = {}
+    for body in (body for body in bodies if body.pose):
+        indices = sorted({index for source in body.sources for index in matches(capture, source)})
+        name = capture.names[indices[0]]
+        if len(indices) > 1 or name not in capture.orientations:
+            known = ", ".join(capture.orientations)
+            expected = f"one rigid body: {known}" if known else "a file that has orientations"
+            hint = "its x, y and z alone come without the pose"
+            received = "+".join(capture.names[index] for index in indices)
+            raise RecordingError(f"pose of {body.name!r}", expected=expected, received=received, hint=hint, file=capture.path)
+        quaternion = capture.orientations[name]
+        size = np.linalg.norm(quaternion, axis=1)
+        if np.any(wrong := np.abs(size - 1) > UNIT):
+            expected, received = "quaternions of length 1", f"{size[np.argmax(wrong)]:.3g}"
+            raise RecordingError(f"orientation of {name!r}", expected=expected, received=received, file=capture.path)
+        found[body.name] = quaternion / size[:, None]
+    return found
 
 
 def _labels(capture: Capture, indices: Sequence[int]) -> list[list[int]]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +46,8 @@ class Capture:
         unit: of length in the file.
         start: [s] the first frame on the clock of the file.
         notes: one sentence each.
+        orientations: (T, 4) of each point that is a rigid body: the quaternion, real part first, that takes its axes to the
+            laboratory's; NaN where not seen.
     """
 
     path: Path
@@ -57,6 +59,7 @@ class Capture:
     unit: str
     start: float = 0.0
     notes: tuple[str, ...] = ()
+    orientations: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -78,6 +81,7 @@ def capture(
     start: float = 0.0,
     notes: Sequence[str] = (),
     encoding: str = "",
+    turns: Mapping[int, Array] | None = None,
 ) -> Capture:
     """A capture that has been looked through: points that are not seen are NaN, names are unique, time begins at 0.
 
@@ -93,6 +97,7 @@ def capture(
         factor: metres in one of their unit.
         notes: so far.
         encoding: of the text, if not UTF-8.
+        turns: (T, 4) quaternions of some points, by their place in ``names``; one of length zero was not seen.
 
     Raises:
         RecordingError: no point, fewer than two frames, or time that does not increase or is not that of a motion.
@@ -125,7 +130,10 @@ def capture(
         notes.append(f"{int(partial.sum())} samples with a coordinate missing were taken as not seen")
     if zero.any() or partial.any():
         positions[zero | partial] = np.nan
-    return Capture(path, system, time - time[0], _unique(names), positions, up, unit, start + float(time[0]), tuple(notes))
+    named = _unique(names)
+    turned = {named[k]: np.where(np.any(each, axis=1, keepdims=True), each, np.nan) for k, each in (turns or {}).items()}
+    begin = start + float(time[0])
+    return Capture(path, system, time - time[0], named, positions, up, unit, begin, tuple(notes), turned)
 
 
 def seen(positions: Array) -> NDArray[np.bool_]:

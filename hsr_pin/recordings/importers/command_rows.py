@@ -1,18 +1,20 @@
-"""The input of a captured trial: ``t,P1,P2`` or ``t,tau``, at times of its own, each row held until the next."""
+"""The input of a captured trial: ``t,P1,P2``, ``t,tau``, or what an arm in space has, at times of its own."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.grid import TOLERANCE, hold
-from hsr_pin.recordings.text import nearest, read_table
+from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array
 
-#: The inputs there are.
-INPUTS = (("P1", "P2"), ("tau",))
+#: The inputs there are in a plane.
+IN_PLANE = (("P1", "P2"), ("tau",))
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +24,7 @@ class CommandRows:
     Attributes:
         path: the file.
         time: (R,) [s] on the capture's clock, 0 at its first frame.
-        names: ("P1", "P2") [bar] or ("tau",) [N m].
+        names: ("P1", "P2") [bar] or ("tau",) [N m]; in space torques [N m] or channels in units of their own.
         values: (R, len(names)).
     """
 
@@ -32,29 +34,36 @@ class CommandRows:
     values: Array
 
     def held_at(self, time: Array) -> Array:
-        """(T, len(names)) at other times; before the first row, the first row."""
+        """(T, len(names)) at other times, each row held until the next; before the first row, the first row."""
         step = (time[-1] - time[0]) / (len(time) - 1)
         return hold(self.time, self.values, time + TOLERANCE * step)
 
+    def drawn_at(self, time: Array) -> Array:
+        """(T, len(names)) at other times, straight from row to row."""
+        return np.stack([np.interp(time, self.time, column) for column in self.values.T], axis=1)
+
     def drive_at(self, time: Array) -> Array:
-        """(T,) what rises with the commanded bending: the torque, or P2 above P1 (Eq. (4) of the paper)."""
+        """(T,) what rises with the commanded bending in a plane: the torque, or P2 above P1 (Eq. (4) of the paper)."""
         held = self.held_at(time)
         return np.asarray(held[:, -1] - (held[:, 0] if len(self.names) == 2 else 0.0))
 
 
-def read_command_rows(path: str | Path) -> CommandRows:
+def read_command_rows(path: str | Path, inputs: Sequence[tuple[str, ...]] = IN_PLANE) -> CommandRows:
     """Read an input.
+
+    Args:
+        path: the file.
+        inputs: the sets of columns that it may have beside ``t``; none: whatever it has.
 
     Raises:
         RecordingError: with file, line and column of the first fault.
     """
     table = read_table(Path(path))
-    names = next((names for names in INPUTS if set(table.header) == {"t", *names}), None)
+    names = next((names for names in inputs if set(table.header) == {"t", *names}), None)
+    if not inputs and "t" in table.header and len(table.header) > 1:
+        names = tuple(name for name in table.header if name != "t")
     if names is None:
-        unknown = next((name for name in table.header if name not in ("t", "P1", "P2", "tau")), None)
-        field = table.header.index(unknown) if unknown else 0
-        hint = nearest(unknown, ("t", "P1", "P2", "tau"), "columns") if unknown else ""
-        raise table.fault("columns", None, field, expected="t,P1,P2 or t,tau", received=",".join(table.header)[:60], hint=hint)
+        raise _other_columns(table, inputs)
     gaps = np.argwhere(np.isnan(table.values) | (np.abs(table.values) > 1e10))
     if gaps.size:
         row, field = (int(place) for place in gaps[0])
@@ -64,3 +73,16 @@ def read_command_rows(path: str | Path) -> CommandRows:
         row = int(np.argmax(np.diff(time) <= 0)) + 1
         raise table.fault("time", row, table.header.index("t"), expected="increasing", received=f"{time[row]:.9g} s")
     return CommandRows(table.path, time, names, np.stack([table.column(name) for name in names], axis=1))
+
+
+def _other_columns(table: Table, inputs: Sequence[tuple[str, ...]]) -> RecordingError:
+    known = ["t", *(name for names in inputs for name in names)]
+    unknown = next((name for name in table.header if name not in known), None)
+    hint, in_plane = nearest(unknown, known, "columns") if unknown else "", tuple(inputs) == IN_PLANE
+    if in_plane and {"tau_x", "P3"} & set(table.header):
+        hint = "for an arm in space say --bending space"
+    elif not in_plane and "tau" not in "".join(table.header):
+        hint = "say what each column gives, with --gain or with [[input]] in --map"
+    expected = " or ".join(",".join(["t", *names]) for names in inputs) or "t and a column for each input"
+    field, received = table.header.index(unknown) if unknown else 0, ",".join(table.header)[:60]
+    return table.fault("columns", None, field, expected=expected, received=received, hint=hint)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.files import check_regular
 from hsr_pin.recordings.importers.c3d import is_c3d, read_c3d
 from hsr_pin.recordings.importers.capture import Capture
-from hsr_pin.recordings.importers.command_rows import CommandRows, read_command_rows
+from hsr_pin.recordings.importers.command_rows import IN_PLANE, CommandRows, read_command_rows
 from hsr_pin.recordings.importers.mapped import read_mapped, read_mapped_commands
 from hsr_pin.recordings.importers.mapping import TableMapping
 from hsr_pin.recordings.importers.optitrack import is_optitrack, read_optitrack
@@ -23,6 +23,8 @@ from hsr_pin.recordings.importers.vicon import is_vicon, read_vicon
 
 #: So much of the beginning tells the format [bytes].
 HEAD = 8192
+#: In place of a file of commands: there were none.
+NOTHING = "-"
 
 _TEXTS: tuple[tuple[Callable[[str], bool], Callable[[Path, str | None], Capture]], ...] = (
     (is_optitrack, read_optitrack),
@@ -72,13 +74,16 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
     )
 
 
-def read_commands_of(recording: Capture, path: str | Path | None, mapping: TableMapping | None) -> CommandRows | None:
+def read_commands_of(
+    recording: Capture, path: str | Path | None, mapping: TableMapping | None, inputs: Sequence[tuple[str, ...]] = IN_PLANE
+) -> CommandRows | None:
     """The input of a recording: of a file of its own, or, where a mapping says so, of the recording's file; None: it has none.
 
     Args:
         recording: whose clock it is put on.
-        path: of the input; None: no file of its own.
-        mapping: where it is in a table or a bag; without one the file has columns ``t,P1,P2`` or ``t,tau``.
+        path: of the input; None: no file of its own; ``-``: there was no input.
+        mapping: where it is in a table or a bag.
+        inputs: without one, the sets of columns that the file may have beside ``t``; none: whatever it has.
 
     Raises:
         RecordingError: with file, line and column of the first fault.
@@ -86,8 +91,15 @@ def read_commands_of(recording: Capture, path: str | Path | None, mapping: Table
     """
     wanted = None if mapping is None else mapping.input
     if mapping is None or wanted is None:
-        return None if path is None else read_command_rows(path)
+        return None if path in (None, NOTHING) else read_command_rows(path, inputs)
+    if path == NOTHING:
+        return None
     source = recording.path if path is None else Path(path)
+    if path is None and not mapping.points and not is_bag(source, _head(source)):
+        columns, hint = ", ".join(str(column) for _, column in wanted.columns), f"--input {NOTHING} where there was none"
+        raise RecordingError(
+            "no commands", expected=f"--input FILE with {columns}", received="none", hint=hint, file=recording.path
+        )
     if is_bag(source, _head(source)):
         return read_bag_commands(source, wanted, recording)
     return read_mapped_commands(source, mapping, wanted, recording)

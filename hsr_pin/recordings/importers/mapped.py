@@ -45,8 +45,9 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
     clock = _clock(sheet, names, header, mapping.time)
     frame = [] if mapping.frame is None else [_find(sheet, names, header, mapping.frame)]
     used = [place.column for place in places if isinstance(place.column, int)]
+    parts = [_find(sheet, names, header, column) for _, columns in mapping.poses for column in columns]
     rows = _body(sheet, header, [*clock, *frame, *used][0] if mapping.time is None or mapping.time.form is None else used[0])
-    stamps, values = _values(sheet, rows, mapping.time, clock, [*frame, *used], ["frame"] * len(frame))
+    stamps, values = _values(sheet, rows, mapping.time, clock, [*frame, *used, *parts], ["frame"] * len(frame))
     notes = [f"imported from {path.name} by {mapping.path.name} ({unit or mapping.unit})"]
     if stamps is not None:
         kept = _in_order(sheet, rows, stamps)
@@ -57,18 +58,20 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
     found = iter(values[:, len(frame) :].T)
     nothing = np.zeros(len(values))
     columns = [nothing if place.column is None else place.sign * next(found) for place in places]
-    said = unit or mapping.unit
+    said, called = unit or mapping.unit, [name for name, _ in mapping.points]
+    turned = values[:, len(frame) + len(used) :]
     return capture(
         path,
         f"table, by {mapping.path.name}",
         time,
-        [name for name, _ in mapping.points],
+        called,
         np.stack(columns, axis=1).reshape(len(values), len(mapping.points), 3),
         up=mapping.known_up,
         unit=said,
         factor=metres(unit) if unit else mapping.factor,
         notes=[*notes, *([note] if note else [])],
         encoding=sheet.encoding,
+        turns={called.index(name): turned[:, 4 * k : 4 * k + 4] for k, (name, _) in enumerate(mapping.poses)},
     )
 
 
@@ -86,7 +89,7 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     """
     own = path.resolve() != recording.path.resolve()
     sheet, names, header = _opened(path, replace(mapping, header=None) if own and mapping.header else mapping)
-    times = wanted.time or mapping.time
+    times = wanted.time or (_own_clock(mapping.time, names) if own else mapping.time)
     clock = _clock(sheet, names, header, times)
     fields = [_find(sheet, names, header, column) for _, column in wanted.columns]
     rows = _body(sheet, header, [*clock, *fields][0] if times is None or times.form is None else fields[0])
@@ -104,6 +107,12 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
         raise sheet.fault(max(header, 0), 0, "no time of the commands", expected="a column of times", hint=hint)
     given &= _in_order(sheet, rows, stamps)
     return CommandRows(path, stamps[given], tuple(name for name, _ in wanted.columns), commands[given])
+
+
+def _own_clock(clock: Clock | None, names: list[str]) -> Clock | None:
+    """Where times are in a file of commands, if nothing is said of it: as in the recording, or else in ``t`` [s]."""
+    there = clock is not None and all(isinstance(column, int) or column in names for column in clock.columns)
+    return Clock(("t",)) if "t" in names and not there else clock
 
 
 def _opened(path: Path, mapping: TableMapping) -> tuple[Sheet, list[str], int]:

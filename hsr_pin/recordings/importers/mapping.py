@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from hsr_pin.recordings.document import Section, read_document
 from hsr_pin.recordings.importers.capture import UNITS
 from hsr_pin.recordings.importers.up import Up, axis_vector
+from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.recordings.text import nearest
 
 #: A column by its name, or by its number counted from 1.
@@ -20,6 +22,10 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 PRESSURE_UNITS = {"bar": 1.0, "mbar": 1e-3, "Pa": 1e-5, "kPa": 1e-2, "MPa": 10.0, "psi": 0.0689475729}
 #: N m in one of each unit of torque.
 TORQUE_UNITS = {"Nm": 1.0, "Nmm": 1e-3}
+#: What a mapping may say of the arm, in the words of dataset.toml.
+ARM = ("robot", "section", "measured", "marker")
+#: Where times of commands are.
+CLOCK = ("time", "time_unit", "time_format", "clock")
 #: How the clock of a file of commands stands to that of the recording.
 CLOCKS = ("capture", "shared")
 
@@ -52,8 +58,8 @@ class InputMapping:
     """Where commands are.
 
     Attributes:
-        columns: of P1 and P2, or of the torque; in a bag, ``topic:field``.
-        factor: to bar, or to N m.
+        columns: of P1 and P2, of the torque or its components, or of channels; in a bag, ``topic:field``.
+        factor: to bar, or to N m; of channels 1.
         time: where times are, in a file of its own; None: as in the recording.
         clock: "capture": 0 at the recording's first frame; "shared": that of the recording.
     """
@@ -81,6 +87,10 @@ class TableMapping:
         separator: between fields; None: told from the file.
         decimal: mark in numbers; None: likewise.
         input: where commands are, if anywhere.
+        poses: name of a point, and columns of its quaternion, real part first.
+        x: axis that x of an arm in space points along, if said.
+        origin: [m] of the base in the laboratory's frame, if said.
+        arm: the whole file, for what it says of the arm (:mod:`declared`).
     """
 
     path: Path
@@ -95,6 +105,10 @@ class TableMapping:
     separator: str | None = None
     decimal: str | None = None
     input: InputMapping | None = None
+    poses: tuple[tuple[str, tuple[Column, ...]], ...] = ()
+    x: str | None = None
+    origin: tuple[float, ...] | None = None
+    arm: Section | None = None
 
     @property
     def known_up(self) -> Up:
@@ -109,18 +123,22 @@ def read_mapping(path: str | Path) -> TableMapping:
         RecordingError: with file, line and column of the first fault.
     """
     top = read_document(Path(path))
-    top.only("file", "time", "space", "points", "input")
-    if not {"points", "input"} & set(top.values):
-        raise top.fault("nothing is mapped", expected="[points], or [input]")
-    facts: dict[str, Any] = {}
+    top.only("file", "time", "space", "points", "poses", "input", *ARM)
+    if not {"points", "input", *ARM} & set(top.values):
+        raise top.fault("nothing is mapped", expected="[points], or [input], or what dataset.toml says of the arm")
+    facts: dict[str, Any] = {"arm": top}
     if "points" in top.values:
         facts["points"] = _points(top.section("points"))
+        if "poses" in top.values:
+            facts["poses"] = _poses(top.section("poses"), [name for name, _ in facts["points"]])
         if "time" in top.values:
             facts |= _time(top.section("time"))
     for name, read in (("space", _space), ("file", _file)):
         if name in top.values:
             facts |= read(top.section(name))
-    if "input" in top.values:
+    if isinstance(top.values.get("input"), list):
+        facts["input"] = _channels([*top.sections("input"), *(top.sections("measured") if "measured" in top.values else ())])
+    elif "input" in top.values:
         facts["input"] = _input(top.section("input"))
     return TableMapping(Path(path), **facts)
 
@@ -166,8 +184,20 @@ def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], .
     return tuple(found)
 
 
+def _poses(section: Section, points: list[str]) -> tuple[tuple[str, tuple[Column, ...]], ...]:
+    found = []
+    for name, columns in section.values.items():
+        if name not in points:
+            raise section.fault(f"pose {name!r}", name, expected="the name of a point", hint=nearest(name, points, "points"))
+        if not (isinstance(columns, list) and len(columns) == 4 and all(_is_column(column) for column in columns)):
+            expected = 'four columns of a quaternion, its real part first: ["qw", "qx", "qy", "qz"]'
+            raise section.fault(f"pose {name!r}", name, expected=expected, received=repr(columns)[:60])
+        found.append((name, tuple(columns)))
+    return tuple(found)
+
+
 def _space(section: Section) -> dict[str, Any]:
-    section.only("unit", "up")
+    section.only("unit", "up", "x", "origin")
     facts: dict[str, Any] = {}
     if isinstance(section.values.get("unit"), int | float):  # the pixel of a camera
         facts["factor"] = section.number("unit", "m")
@@ -181,6 +211,13 @@ def _space(section: Section) -> dict[str, Any]:
             axis_vector(facts["up"], "up")
         except ValueError as error:
             raise section.fault("up", "up", expected="+x, -x, +y, -y, +z or -z", received=repr(facts["up"])) from error
+    if "x" in section.values:
+        facts["x"] = section.text("x")
+    if "origin" in section.values:
+        origin = section.values["origin"]
+        if not (isinstance(origin, list) and len(origin) == 3 and all(type(value) in (int, float) for value in origin)):
+            raise section.fault("origin", "origin", expected="three numbers [m]", received=repr(origin)[:60])
+        facts["origin"] = tuple(map(float, origin))
     return facts
 
 
@@ -202,17 +239,47 @@ def _file(section: Section) -> dict[str, Any]:
 
 
 def _input(section: Section) -> InputMapping:
-    section.only("P1", "P2", "tau", "unit", "time", "time_unit", "time_format", "clock")
+    torques = [name for name in section.values if re.fullmatch(r"tau_[xy](_[1-9]\d*)?", name)]
+    section.only("P1", "P2", "tau", *torques, "unit", *CLOCK)
     names = [name for name in ("P1", "P2", "tau") if name in section.values]
-    if names not in (["P1", "P2"], ["tau"]):
-        raise section.fault("input", expected="P1 and P2, or tau", received=" and ".join(names) or "none")
-    units, usual = (TORQUE_UNITS, "Nm") if names == ["tau"] else (PRESSURE_UNITS, "bar")
+    in_space = [names for names in (torque_columns(1), torque_columns(len(torques) // 2)) if set(names) == set(torques)]
+    if not names and in_space:
+        names = list(in_space[0])
+    elif torques or names not in (["P1", "P2"], ["tau"]):
+        expected = "P1 and P2, or tau; in space tau_x and tau_y, or tau_x_1, tau_y_1, ... of sections"
+        hint = "several chambers or tendons are tables [[input]] with columns"
+        raise section.fault("input", expected=expected, received=" and ".join([*names, *torques]) or "none", hint=hint)
+    units, usual = (PRESSURE_UNITS, "bar") if names == ["P1", "P2"] else (TORQUE_UNITS, "Nm")
     return InputMapping(
         columns=tuple((name, _column(section, name)) for name in names),
         factor=units[_one_of(section, "unit", units, usual)],
-        time=_clock(section, "time", "time_unit", "time_format") if "time" in section.values else None,
-        clock=_one_of(section, "clock", dict.fromkeys(CLOCKS, 0.0), CLOCKS[0]),
+        **_command_clock(section),
     )
+
+
+def _command_clock(section: Section) -> dict[str, Any]:
+    return {
+        "time": _clock(section, "time", "time_unit", "time_format") if "time" in section.values else None,
+        "clock": _one_of(section, "clock", dict.fromkeys(CLOCKS, 0.0), CLOCKS[0]),
+    }
+
+
+def _channels(tables: list[Section]) -> InputMapping:
+    """Tables ``[[input]]`` and ``[[measured]]``: columns of those names, or of others that ``from`` says; one clock for all."""
+    columns: list[tuple[str, Column]] = []
+    for table in tables:
+        names, sources = table.values.get("columns"), table.values.get("from", table.values.get("columns"))
+        if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
+            expected = 'names of columns, as ["P1", "P2", "P3"]'
+            raise table.fault("columns", "columns", expected=expected, received=repr(names)[:60])
+        if not isinstance(sources, list) or len(sources) != len(names) or not all(_is_column(column) for column in sources):
+            expected = f"a column of the file for each of {len(names)}: its name, or its number counted from 1"
+            raise table.fault("from", "from", expected=expected, received=repr(sources)[:60])
+        columns += zip(names, sources, strict=True)
+    said = [table for table in tables if set(CLOCK) & set(table.values)]
+    if len(said) > 1:
+        raise said[1].fault("time", expected="the clock of commands in one of the tables", received="in two")
+    return InputMapping(tuple(columns), 1.0, **(_command_clock(said[0]) if said else {}))
 
 
 def _is_column(value: object) -> bool:

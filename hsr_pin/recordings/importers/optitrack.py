@@ -56,7 +56,10 @@ def read_optitrack(path: Path, unit: str | None = None) -> Capture:
         raise sheet.fault(axis_row, 1, "columns", expected="Time (Seconds)", received=repr(sheet.field(axis_row, 1)[:40]))
     points = _points(sheet, axis_row)
     rows = range(axis_row + 1, len(sheet))
-    values = sheet.numbers(rows, [0, 1, *(index + axis for index, _ in points for axis in range(3))], ("frame", "time"))
+    bodies = {place: index for place, (index, _) in enumerate(points) if _is_turned(sheet, axis_row, index)}
+    places = [index + axis for index, _ in points for axis in range(3)]
+    turns = [index - back for index in bodies.values() for back in (1, 4, 3, 2)]  # X, Y, Z, W stand before the position
+    values = sheet.numbers(rows, [0, 1, *places, *turns], ("frame", "time"))
     sheet.check_count(rows, positive(facts.get("Total Exported Frames", "")), "Total Exported Frames in line 1")
     time, note = frame_times(values[:, 0], positive(facts.get("Export Frame Rate", "")), values[:, 1])
     return capture(
@@ -64,13 +67,21 @@ def read_optitrack(path: Path, unit: str | None = None) -> Capture:
         "OptiTrack CSV",
         time,
         [name for _, name in points],
-        values[:, 2:].reshape(len(rows), len(points), 3),
+        values[:, 2 : 2 + len(places)].reshape(len(rows), len(points), 3),
         up=Up("+y", "as Motive has it"),
         unit=said,
         factor=factor,
         notes=[f"imported from {path.name} (OptiTrack CSV {version}, {said})", *([note] if note else [])],
         encoding=sheet.encoding,
+        turns={place: values[:, 2 + len(places) + 4 * k :][:, :4] for k, place in enumerate(bodies)},
     )
+
+
+def _is_turned(sheet: Sheet, axis_row: int, index: int) -> bool:
+    """Whether a quaternion stands before a position."""
+    fields = range(max(index - 4, 0), index)
+    axes = [sheet.field(axis_row, field).upper() for field in fields]
+    return axes == ["X", "Y", "Z", "W"] and all(sheet.field(axis_row - 1, field) == "Rotation" for field in fields)
 
 
 def _points(sheet: Sheet, axis_row: int) -> list[tuple[int, str]]:

@@ -52,8 +52,12 @@ def read_optitrack_legacy(path: Path, unit: str | None = None) -> Capture:
         positions[list(found), column] = list(found.values())
     time, note = frame_times(np.array(read.frames, dtype=float), None, np.array(read.stamps))
     said = [f"imported from {path.name} (OptiTrack CSV {read.version}, {unit or UNIT})", *([note] if note else [])]
+    turns = {list(read.places).index(name): np.full((len(read.frames), 4), np.nan) for name in read.turns}
+    for turn, seen in zip(turns.values(), read.turns.values(), strict=True):
+        turn[list(seen)] = list(seen.values())
     if read.left_handed:
         positions[..., 2] *= -1
+        turns = {place: turn * [1, -1, -1, 1] for place, turn in turns.items()}
         said.append("the file's axes are left-handed: z was turned round")
     return capture(
         path,
@@ -66,12 +70,13 @@ def read_optitrack_legacy(path: Path, unit: str | None = None) -> Capture:
         factor=metres(unit or UNIT),
         notes=said,
         encoding=sheet.encoding,
+        turns=turns,
     )
 
 
 @dataclass
 class _Read:
-    """What was read so far: of each point, its place in each frame that shows it."""
+    """What was read so far: of each point, its place in each frame that shows it; of each body, its quaternion too."""
 
     stated: int = 0
     version: str = "1.0"
@@ -80,6 +85,7 @@ class _Read:
     frames: list[int] = field(default_factory=list)
     stamps: list[float] = field(default_factory=list)
     places: dict[str, dict[int, tuple[float, ...]]] = field(default_factory=dict)
+    turns: dict[str, dict[int, tuple[float, ...]]] = field(default_factory=dict)
 
 
 def _read(sheet: Sheet) -> _Read:
@@ -93,7 +99,7 @@ def _read(sheet: Sheet) -> _Read:
             if fields[0] == "frame":
                 read.frames.append(int(fields[1]))
                 read.stamps.append(float(fields[2]))
-                _frame(fields, read.bodies, read.places, len(read.frames) - 1)
+                _frame(fields, read, len(read.frames) - 1)
             elif fields[0] in _BODIES and fields[1].lstrip("-").isdigit():
                 _seen_markers(fields, read.places, len(read.frames) - 1)
             elif fields[0] in _BODIES:
@@ -110,16 +116,18 @@ def _read(sheet: Sheet) -> _Read:
     return read
 
 
-def _frame(fields: list[str], bodies: dict[int, str], places: dict[str, dict[int, tuple[float, ...]]], frame: int) -> None:
+def _frame(fields: list[str], read: _Read, frame: int) -> None:
     at = 4 + BODY * int(fields[3])
     for start in range(4, at, BODY):
-        name = bodies.get(int(fields[start]), f"body {fields[start]}")
-        places.setdefault(name, {})[frame] = _place(fields[start + 1 : start + 4])
+        name = read.bodies.get(int(fields[start]), f"body {fields[start]}")
+        read.places.setdefault(name, {})[frame] = _place(fields[start + 1 : start + 4])
+        x, y, z, w = (float(field) for field in fields[start + 4 : start + 8])
+        read.turns.setdefault(name, {})[frame] = w, x, y, z
     count = int(fields[at])
     rest = [field for field in fields[at + 1 :] if field != ""]
     if len(rest) == 5 * count and count and not _is_number(rest[4]):  # with names
         for start in range(0, len(rest), 5):
-            places.setdefault(rest[start + 4], {})[frame] = _place(rest[start : start + 3])
+            read.places.setdefault(rest[start + 4], {})[frame] = _place(rest[start : start + 3])
     elif len(rest) not in (4 * count, 5 * count):
         raise ValueError("markers")
 

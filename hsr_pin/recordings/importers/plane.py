@@ -34,33 +34,31 @@ class Motion:
     command: CommandRows | None
 
 
-def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array, bending: str | None) -> tuple[Alignment, str]:
+def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array, x: str | None) -> tuple[Alignment, str]:
     """The arm's frame, and a sentence on which way x points.
 
     A horizontal arm points along +x and bends up and down. A vertical one bends towards x, at right angles to ``up``: the
     direction in which its markers move most.
 
     Raises:
-        RecordingError: a vertical arm that does not move, with no ``bending`` to go by.
-        InputError: ``bending`` is not across the arm, or not the way the arm bends.
+        RecordingError: a vertical arm that does not move, with no ``x`` to go by.
+        InputError: ``x`` is not across the arm, or not the way the arm bends.
     """
     if mount == "horizontal":
         return frame(arm.origin, arm.direction, up), _horizontal_note(motions, arm, up)
     fitted = bending_direction([motion.positions[:, arm.moving] for motion in motions], up)
-    if bending is not None:
-        wanted = axis_vector(bending, "bending")
+    if x is not None:
+        wanted = axis_vector(x, "x")
         if abs(wanted @ up) > 0.9:
-            raise InputError("bending", expected="an axis across the arm", received=bending)
+            raise InputError("x", expected="an axis across the arm", received=x)
         if fitted is None:
-            return frame(arm.origin, wanted, up), f"x is the laboratory's {bending}: the arm hardly moves"
+            return frame(arm.origin, wanted, up), f"x is the laboratory's {x}: the arm hardly moves"
         agreement = float(fitted @ wanted)
         if abs(agreement) < 0.3:
-            raise InputError("bending", expected="an axis along the bending plane", received=f"{bending}, across it")
-        return frame(arm.origin, np.sign(agreement) * fitted, up), f"x is the way of the laboratory's {bending}"
+            raise InputError("x", expected="an axis along the bending plane", received=f"{x}, across it")
+        return frame(arm.origin, np.sign(agreement) * fitted, up), f"x is the way of the laboratory's {x}"
     if fitted is None:
-        raise RecordingError(
-            "no moving marker", expected="motion that shows the bending plane", hint="say the plane with --bending"
-        )
+        raise RecordingError("no moving marker", expected="motion that shows the bending plane", hint="say the plane with --x")
     excursions = [(motion.positions[:, -1] - arm.pose[-1]) @ fitted for motion in motions]
     correlation = _correlation(motions, excursions)
     if abs(correlation) >= TELLS:

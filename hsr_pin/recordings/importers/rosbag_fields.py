@@ -51,17 +51,20 @@ def read_mapped_bag(path: Path, mapping: TableMapping, unit: str | None = None) 
         MissingDependencyError: rosbags is not installed.
     """
     wanted: dict[str, list[_Way | None]] = {}
+    turned = dict(mapping.poses)
     for name, triple in mapping.points:
         wanted[name] = [None if place.column is None else _way(place.column, path) for place in triple]
+        wanted[name] += [_way(column, path) for column in turned.get(name, ())]
         topics = {way.topic for way in wanted[name] if way is not None}
         if len(topics) > 1:
             received = " and ".join(sorted(topics))
             raise RecordingError(f"point {name!r}", expected="fields of one topic", received=received, file=mapping.path)
     tracks = _tracks(path, wanted)
     stamps = {name: track[0] for name, track in tracks.items()}
-    places = {name: track[1] for name, track in tracks.items()}
+    places = {name: [each[:3] for each in track[1]] for name, track in tracks.items()}
+    turns = {name: [each[3:] for each in tracks[name][1]] for name in turned}
     factor = metres(unit) if unit else mapping.factor
-    return on_one_clock(path, stamps, places, unit=unit or mapping.unit, factor=factor, up=mapping.known_up)
+    return on_one_clock(path, stamps, places, turns, unit=unit or mapping.unit, factor=factor, up=mapping.known_up)
 
 
 def read_bag_commands(path: Path, wanted: InputMapping, recording: Capture) -> CommandRows:

@@ -10,8 +10,10 @@ from typing import TypeVar
 
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.importers.bodies import Body
+from hsr_pin.recordings.importers.command_rows import IN_PLANE
 from hsr_pin.recordings.importers.mapping import TableMapping
-from hsr_pin.trajectory import MOUNTS
+from hsr_pin.recordings.sections import torque_columns
+from hsr_pin.trajectory import BENDS, MOUNTS, Channel, Section
 
 _Value = TypeVar("_Value")
 
@@ -34,15 +36,25 @@ class ImportSettings:
         markers: which points are what; none: every named point is a marker.
         origin: (3,) [m] the base in the laboratory's frame; None: a marker with arc length 0, or estimated.
         up: the laboratory's axis that points up (``"+z"``); None: as the tracking system has it.
-        bending: the laboratory's axis that positive bending carries the tip towards; None: told from the input, or else the
-            side of the largest excursion. A horizontal arm needs none: positive is down.
+        bending: "plane", or "space" where the arm bends about two axes.
+        x: where x of the arm points, to which positive bending carries the tip: an axis of the laboratory (``"+x"``), or in space
+            a direction there (``"0.8,0.6,0"``), or "input": as the input shows it. None: in a plane told from the input, or else
+            the side of the largest excursion; in space the first axis across the arm. A horizontal arm needs none: positive is
+            down.
         unit: of length, in place of what the files say.
         own_plane: fit the bending plane to each file, not to all together (arms pulled aside by hand).
         damping: [Nm s/rad].
         tip_mass: [kg].
-        t_start: [s] on the capture's clock, 0 at its first frame.
-        inputs: CSV files ``t,P1,P2`` or ``t,tau`` on the same clock; with a mapping, files as it says.
+        t_start: [s] on the capture's clock, 0 at its first frame; None: from there on.
+        inputs: CSV files ``t,P1,P2`` or ``t,tau`` on the same clock, in space ``t,tau_x,tau_y`` (of sections ``tau_x_1``, ...)
+            or, with a gain, chambers; with a mapping, files as it says; ``"-"``: none.
         mapping: what stands where in tables that are not of a known system, and in those of the input.
+        torsion: stiffness against twisting, in space [Nm/rad]; infinite: it does not twist.
+        sections: that the arm is made of, in space, from the base on; none: a uniform arm.
+        channels: of the input and what was measured beside it, in space, in the order of the mapping's; none: torques.
+        gain: [N m per unit] of each column of the inputs, which are chambers evenly around an arm in space; in place of channels.
+        angle: [rad] of the first of them, from x towards y of the base.
+        interpolated: the input was measured, and goes straight from sample to sample.
     """
 
     mass: float
@@ -55,18 +67,47 @@ class ImportSettings:
     markers: Sequence[Body] = ()
     origin: Sequence[float] | None = None
     up: str | None = None
-    bending: str | None = None
+    bending: str = BENDS[0]
+    x: str | None = None
     unit: str | None = None
     own_plane: bool = False
     damping: Sequence[float] = ()
     tip_mass: Sequence[float] = ()
-    t_start: Sequence[float] = ()
+    t_start: Sequence[float | None] = ()
     inputs: Sequence[str | Path] = ()
     mapping: TableMapping | None = None
+    torsion: float = math.inf
+    sections: Sequence[Section] = ()
+    channels: Sequence[Channel] = ()
+    gain: float | None = None
+    angle: float = 0.0
+    interpolated: bool = False
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the arm bends about two axes."""
+        return self.bending == "space"
+
+    @property
+    def inputs_of_arm(self) -> int:
+        """Torques of an arm in space, of two components each: one for each section."""
+        return max(1, len(self.sections))
+
+    @property
+    def input_columns(self) -> tuple[tuple[str, ...], ...]:
+        """The sets of columns that a file of commands may have beside ``t``; none: whatever it has."""
+        if self.gain is not None:
+            return ()
+        return (torque_columns(len(self.sections)),) if self.in_space else IN_PLANE
 
     def __post_init__(self) -> None:
         if self.mount is not None and self.mount not in MOUNTS:
             raise InputError("mount", expected=" or ".join(MOUNTS), received=repr(self.mount))
+        if self.bending not in BENDS:
+            is_axis = self.bending.lower().lstrip("+-") in set("xyz")
+            hint = "where positive bending carries the tip is said by --x" if is_axis else ""
+            raise InputError("bending", expected=" or ".join(BENDS), received=repr(self.bending), hint=hint)
+        self._check_space()
         names = [body.name for body in self.markers]
         for name in names:
             if names.count(name) > 1:
@@ -81,6 +122,28 @@ class ImportSettings:
         self._check_numbers("tip_mass", self.tip_mass, zero=True)
         if not self.keq:
             raise InputError("keq", expected="a stiffness [Nm/rad]", received="none")
+
+    def _check_space(self) -> None:
+        only = {
+            "torsion": math.isfinite(self.torsion),
+            "sections": bool(self.sections),
+            "channels": bool(self.channels),
+            "gain": self.gain is not None,
+            "marker beside the backbone": any(body.radius for body in self.markers),
+            "pose of a marker": any(body.pose for body in self.markers),
+        }
+        for name in (name for name, said in only.items() if said and not self.in_space):
+            raise InputError(name, expected="--bending space with it", received=self.bending)
+        if self.own_plane and self.in_space:
+            raise InputError("own_plane", expected="an arm that bends in a plane", received="one in space")
+        if self.gain is not None and self.channels:
+            raise InputError("gain", expected="a gain, or [[input]]", received="both")
+        if self.gain is not None and len(self.sections) > 1:
+            raise InputError("gain", expected="an arm of one section", received=len(self.sections), hint="say [[input]] in --map")
+        for name, value in (("gain", self.gain), ("angle", self.angle)):
+            if value is not None and not math.isfinite(value):
+                raise InputError(name, expected="a number", received=f"{value:g}")
+        self._check_numbers("torsion", [] if math.isinf(self.torsion) else [self.torsion], zero=True)
 
     @staticmethod
     def _check_numbers(name: str, values: Sequence[float], *, zero: bool) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import InputError, RecordingError
-from hsr_pin.recordings.importers.alignment import mount_of, straight_pose
+from hsr_pin.recordings.importers.alignment import mount_of, straightest
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.capture import seen
 from hsr_pin.trajectory import Array, Marker
@@ -25,11 +26,12 @@ class StraightArm:
 
     Attributes:
         origin: (3,) [m] the base, in the laboratory's frame.
-        direction: (3,) unit vector from the base to the farthest body.
+        direction: (3,) unit vector from the base to the farthest body, of those on the backbone if there are any.
         pose: (B, 3) [m] the bodies, in the laboratory's frame, from base to tip.
         markers: (B,) the bodies as markers.
         order: (B,) place of each marker among the bodies that were given.
         notes: one sentence each.
+        frames: (F,) in which it was the straightest, counted through all captures.
     """
 
     origin: Array
@@ -38,6 +40,7 @@ class StraightArm:
     markers: tuple[Marker, ...]
     order: tuple[int, ...]
     notes: tuple[str, ...]
+    frames: NDArray[np.intp]
 
     @property
     def moving(self) -> list[int]:
@@ -64,17 +67,17 @@ def straight_arm(
         RecordingError: no frame shows all bodies; a reach that does not fit its arc length; no body beyond the base.
         InputError: too little was given to find the base.
     """
-    base = next((index for index, body in enumerate(bodies) if body.arc_length == 0), None)
+    base = next((index for index, body in enumerate(bodies) if body.is_base), None)
     notes = []
     if base is not None:
         places = np.concatenate([positions[:, base][seen(positions[:, base])] for positions in captures])
         if not len(places):
             raise RecordingError(f"the base, {bodies[base].name!r}, was never seen")
-        origin = np.median(places, axis=0)
+        origin = np.median(places, axis=0) if origin is None else origin
     if all(index == base for index in range(len(bodies))):
         raise RecordingError("no moving marker", expected="at least one beyond the base")
     if origin is None:
-        origin, pose = _estimated_base(bodies, captures, mount, up)
+        origin, frames = _estimated_base(bodies, captures, mount, up)
         notes.append(f"the base was estimated from the straight pose and the arc length of {_first(bodies)[1].name}")
     else:
         far = _farthest(bodies, captures, origin)
@@ -84,12 +87,19 @@ def straight_arm(
         shown = shown[np.isfinite(shown)]
         if base is not None and len(shown):
             _check_base(places, origin, float(np.median(shown)), bodies[base].name)
-        pose = straight_pose(captures, reach)
+        frames = straightest(captures, reach)
+    pose = _pose(captures, frames)
     order = sorted(range(len(bodies)), key=lambda index: (index != base, float(np.linalg.norm(pose[index] - origin))))
     pose = pose[order]
     markers = _markers([bodies[index] for index in order], pose, origin, notes)
-    direction = (pose[-1] - origin) / np.linalg.norm(pose[-1] - origin)
-    return StraightArm(origin, direction, pose, markers, tuple(order), tuple(notes))
+    far = max((k for k, marker in enumerate(markers) if marker.arc_length > 0 and not marker.radius), default=len(markers) - 1)
+    direction = (pose[far] - origin) / np.linalg.norm(pose[far] - origin)
+    return StraightArm(origin, direction, pose, markers, tuple(order), tuple(notes), frames)
+
+
+def _pose(captures: Sequence[Array], frames: NDArray[np.intp]) -> Array:
+    """(B, 3) [m] where the bodies are in the middle of these frames."""
+    return np.asarray(np.median(np.concatenate(captures)[frames], axis=0))
 
 
 def _check_base(places: Array, origin: Array, reach: float, name: str) -> None:
@@ -115,14 +125,14 @@ def pointing(bodies: Sequence[Body], captures: Sequence[Array], origin: Array | 
     Raises:
         RecordingError: no frame shows all bodies.
     """
-    base = next((index for index, body in enumerate(bodies) if body.arc_length == 0), None)
+    base = next((index for index, body in enumerate(bodies) if body.is_base), None)
     if base is not None:
         places = np.concatenate([positions[:, base][seen(positions[:, base])] for positions in captures])
-        origin = np.median(places, axis=0) if len(places) else None
+        origin = np.median(places, axis=0) if len(places) and origin is None else origin
     if origin is None:
         return None
     far = _farthest(bodies, captures, origin)
-    pose = straight_pose(captures, [np.linalg.norm(positions[:, far] - origin, axis=1) for positions in captures])
+    pose = _pose(captures, straightest(captures, [np.linalg.norm(positions[:, far] - origin, axis=1) for positions in captures]))
     reach = pose[far] - origin
     return np.asarray(reach / np.linalg.norm(reach)) if np.linalg.norm(reach) > 0 else None
 
@@ -133,7 +143,7 @@ def _first(bodies: Sequence[Body]) -> tuple[int, Body]:
     Raises:
         InputError: there is none.
     """
-    known = [(body.arc_length, index) for index, body in enumerate(bodies) if body.arc_length is not None]
+    known = [(body.arc_length, index) for index, body in enumerate(bodies) if body.arc_length is not None and not body.radius]
     if not known:
         raise InputError(
             "base",
@@ -146,9 +156,8 @@ def _first(bodies: Sequence[Body]) -> tuple[int, Body]:
 
 def _farthest(bodies: Sequence[Body], captures: Sequence[Array], origin: Array) -> int:
     """The body with the largest arc length, or where one is not given, the one that is farthest from the base."""
-    arcs = [body.arc_length for body in bodies]
-    if all(arc is not None for arc in arcs):
-        return int(np.argmax([arc or 0.0 for arc in arcs]))
+    if all(body.arc_length is not None for body in bodies):
+        return max(range(len(bodies)), key=lambda index: (bodies[index].arc_length or 0.0, -bodies[index].radius))
     places = np.concatenate(captures)
     return int(
         np.argmax(
@@ -157,23 +166,28 @@ def _farthest(bodies: Sequence[Body], captures: Sequence[Array], origin: Array) 
     )
 
 
-def _estimated_base(bodies: Sequence[Body], captures: Sequence[Array], mount: str | None, up: Array) -> tuple[Array, Array]:
+def _estimated_base(
+    bodies: Sequence[Body], captures: Sequence[Array], mount: str | None, up: Array
+) -> tuple[Array, NDArray[np.intp]]:
+    """(3,) [m] where the base must be, and the frames in which the arm is straightest."""
     first, body = _first(bodies)
     others = [index for index in range(len(bodies)) if index != first]
     if others:
         gaps = [np.linalg.norm(positions[:, others] - positions[:, [first]], axis=2).max(axis=1) for positions in captures]
-        pose = straight_pose(captures, gaps)
+        frames = straightest(captures, gaps)
+        pose = _pose(captures, frames)
         last = others[int(np.argmax(np.linalg.norm(pose[others] - pose[first], axis=1)))]
         direction = (pose[last] - pose[first]) / np.linalg.norm(pose[last] - pose[first])
         mount = mount or mount_of(direction, up)
     elif mount in ("hanging", "upright"):
         direction = up if mount == "upright" else -up
-        pose = straight_pose(captures, [positions[:, first] @ direction for positions in captures])
+        frames = straightest(captures, [positions[:, first] @ direction for positions in captures])
+        pose = _pose(captures, frames)
     else:
         raise InputError("base", expected="a marker at the base, or its place", hint="give --base or --origin")
     if mount in ("hanging", "upright"):  # a vertical arm that rests hangs or stands plumb
         direction = up if mount == "upright" else -up
-    return pose[first] - (body.arc_length or 0.0) * direction, pose
+    return pose[first] - (body.arc_length or 0.0) * direction, frames
 
 
 def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str]) -> tuple[Marker, ...]:
@@ -188,6 +202,7 @@ def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str
             notes.append(f"{body.name}: arc length {arc:g} m estimated from the straightest pose")
         else:
             arc = body.arc_length
+            reach = float(np.sqrt(max(reach**2 - body.radius**2, 0.0)))
             if arc > 0 and abs(reach - arc) > DISAGREES * arc:
                 raise RecordingError(
                     f"marker {body.name!r} does not fit its arc length",
@@ -197,6 +212,7 @@ def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str
                 )
             if arc > 0 and reach < STRAIGHT * arc:
                 notes.append(f"{body.name}: even the straightest pose reaches only {reach / arc:.0%} of its arc length")
-        markers.append(Marker(body.name, arc))
-        before, place = arc, here
+        markers.append(Marker(body.name, arc, body.radius, body.angle or 0.0))
+        if not body.radius:
+            before, place = arc, here
     return tuple(markers)

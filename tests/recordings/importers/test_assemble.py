@@ -90,15 +90,15 @@ def test_the_input_tells_which_way_is_positive(record, laboratory):
 def test_an_axis_tells_which_way_is_positive(record, laboratory):
     lab = laboratory(yaw=0.3)  # bends towards the laboratory's +x, mostly
     path = record(lab)
-    assert error_of(import_recordings([path], settings(bending="+x")), lab) < 2e-6
+    assert error_of(import_recordings([path], settings(x="+x")), lab) < 2e-6
     lab.world[..., :2] *= -1
-    assert error_of(import_recordings([path], settings(bending="-x")), lab) < 2e-6
+    assert error_of(import_recordings([path], settings(x="-x")), lab) < 2e-6
 
 
 @pytest.mark.parametrize("axis, said", [("+z", "across the arm"), ("+y", "along the bending plane"), ("north", "an axis")])
 def test_an_axis_that_cannot_be_is_refused(record, laboratory, axis, said):
     with pytest.raises(InputError, match=said):
-        import_recordings([record(laboratory(yaw=0.05))], settings(bending=axis))
+        import_recordings([record(laboratory(yaw=0.05))], settings(x=axis))
 
 
 def test_the_input_is_held_at_the_samples_of_the_capture(record, laboratory):

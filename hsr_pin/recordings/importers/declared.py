@@ -1,0 +1,130 @@
+"""What a mapping says of the arm, in the words of ``dataset.toml``: what is said beside it, on a command line, wins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.errors import InputError
+from hsr_pin.recordings.declaration import INPUTS
+from hsr_pin.recordings.document import Section
+from hsr_pin.recordings.importers.bodies import Body
+from hsr_pin.recordings.importers.mapping import CLOCK, TableMapping
+from hsr_pin.recordings.importers.settings import ImportSettings
+from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
+from hsr_pin.recordings.text import nearest
+
+_NUMBERS = {"length": "m", "mass": "kg", "diameter": "m", "torsion": "Nm/rad"}
+_EACH = {"keq": "Nm/rad", "damping": "Nm s/rad"}
+_WORDS = ("mount", "bending")
+
+
+def declared_settings(mapping: TableMapping | None, *, poses: Sequence[str] = (), **given: Any) -> ImportSettings:
+    """Settings of what a mapping says of the arm, and of what is given beside it.
+
+    Args:
+        mapping: which may have the tables ``[robot]``, ``[[section]]``, ``[[input]]``, ``[[measured]]`` and ``[[marker]]`` of the
+            recording format, markers with their ``points`` too; None: there is none.
+        poses: names of markers whose orientation is taken too.
+        given: fields of :class:`ImportSettings`; None and empty ones are not given.
+
+    Raises:
+        InputError: mass, diameter or stiffness stand nowhere; or a setting that cannot be used.
+        RecordingError: with file, line and column of what the mapping says wrongly.
+    """
+    said = {name: value for name, value in given.items() if value is not None and np.shape(value) != (0,)}
+    facts = said if mapping is None or mapping.arm is None else _declared(mapping, mapping.arm, said)
+    if poses:
+        facts["markers"] = _posed(facts.get("markers", ()), poses)
+    for name in ("mass", "diameter", "keq"):
+        if name not in facts:
+            raise InputError(name, expected=f"--{name}, or {name} under [robot] in --map", received="none")
+    return ImportSettings(**facts, mapping=mapping)
+
+
+def _declared(mapping: TableMapping, top: Section, said: dict[str, Any]) -> dict[str, Any]:
+    robot = top.section("robot") if "robot" in top.values else Section(top.path, ("robot",), {}, top.places)
+    robot.only(*_NUMBERS, *_EACH, *_WORDS, "input")
+    facts: dict[str, Any] = {
+        name: robot.number(name, unit, zero=name == "torsion") for name, unit in _NUMBERS.items() if name in robot.values
+    }
+    facts |= {name: [robot.number(name, unit, zero=name == "damping")] for name, unit in _EACH.items() if name in robot.values}
+    facts |= {name: robot.text(name) for name in _WORDS if name in robot.values}
+    known = {"x": mapping.x, "origin": mapping.origin, "up": None if mapping.points else mapping.up}
+    facts |= {name: value for name, value in known.items() if value is not None}
+    if "input" in robot.values and (word := robot.text("input")) not in INPUTS:
+        raise robot.fault(
+            "input", "input", expected=" or ".join(INPUTS), received=repr(word), hint=nearest(word, INPUTS, "words")
+        )
+    facts["interpolated"] = robot.values.get("input") == INPUTS[1]
+    facts |= said
+    in_space = facts.get("bending") == "space"
+    for key in ("section", "measured", "input"):
+        if key in top.values and not in_space and not (key == "input" and isinstance(top.values[key], dict)):
+            expected, hint = 'bending = "space" under [robot], or --bending space', "in a plane there is one table [input]"
+            raise top.fault(key, key, expected=expected, received="neither", hint=hint if key == "input" else "")
+    if "section" in top.values:
+        facts |= _sections(top, robot, facts, said)
+    if mapping.input is not None and isinstance(top.values["input"], list):
+        count = max(1, len(facts.get("sections", ())))
+        facts["channels"] = channels_of(top, count, {"t", *torque_columns(count)}, ("from", *CLOCK))
+    elif "measured" in top.values:
+        raise top.fault("measured", "measured", expected="tables [[input]] beside it, for what drives the arm", received="none")
+    if "marker" in top.values and "markers" not in said:
+        facts["markers"] = _markers(top)
+    return facts
+
+
+def _sections(top: Section, robot: Section, facts: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
+    """The sections, and what they tell of the whole arm where nothing else does."""
+    tables = top.sections("section")
+    length = facts.get("length") or _together(tables, "length")
+    if "mass" not in facts and not any("mass" in table.values for table in tables):
+        raise InputError("mass", expected="--mass, or mass under [robot] in --map, or in each [[section]]", received="none")
+    mass = facts.get("mass") or _together(tables, "mass")
+    kept = {key: value for key, value in robot.values.items() if key not in said}
+    whole = Section(robot.path, robot.way, {**kept, "length": length, "mass": mass}, robot.places)
+    sections = sections_of(top, whole, length, mass)
+    told = {key: [value] for key, value in declared_whole(top, sections).items() if key not in facts}
+    return {"length": length, "mass": mass, "sections": sections, **told}
+
+
+def _together(tables: Sequence[Section], key: str) -> float:
+    """The sum of a number in several tables; what is none there is told when they are read."""
+    return sum(value for table in tables if isinstance(value := table.values.get(key), int | float)) or 1.0
+
+
+def _markers(top: Section) -> list[Body]:
+    bodies = []
+    for table in top.sections("marker"):
+        table.only("name", "arc_length", "radius", "angle", "orientation", "points")
+        name, points = table.text("name"), table.values.get("points", [table.values["name"]])
+        if not isinstance(points, list) or not points or not all(isinstance(point, str) and point for point in points):
+            raise table.fault("points", "points", expected='names of points, as ["Arm:m1", "Arm:m2"]', received=repr(points)[:60])
+        pose = table.values.get("orientation", False)
+        if pose not in (True, False, "link") or (isinstance(pose, int) and not isinstance(pose, bool)):
+            expected = 'true, false, or "link" where it is that of its link without being brought to it'
+            raise table.fault("orientation", "orientation", expected=expected, received=repr(pose)[:60])
+        bodies.append(
+            Body(
+                name,
+                tuple(points),
+                table.number("arc_length", "m", zero=True) if "arc_length" in table.values else None,
+                table.number("radius", "m", zero=True) if "radius" in table.values else 0.0,
+                table.number("angle", "rad", sign=True) if "angle" in table.values else None,
+                pose if isinstance(pose, str) else "straight" if pose else "",
+            )
+        )
+    return bodies
+
+
+def _posed(bodies: Sequence[Body], poses: Sequence[str]) -> list[Body]:
+    names = [body.name for body in bodies]
+    for name in poses:
+        if name not in names:
+            hint = "" if names else "name it with --marker too"
+            raise InputError("pose", expected=" or ".join(names) or "the name of a marker", received=repr(name), hint=hint)
+    return [replace(body, pose=body.pose or "straight") if body.name in poses else body for body in bodies]

@@ -1,0 +1,111 @@
+"""One captured trial as the recording format has it: its input at the samples of its motion, and what is declared of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.importers.capture import Capture
+from hsr_pin.recordings.importers.command_rows import CommandRows
+from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
+from hsr_pin.recordings.importers.space import torque_rows
+from hsr_pin.recordings.sections import around, torque_columns
+from hsr_pin.trajectory import Array, Channel, Marker, Trajectory, Trial
+
+#: Gives, at times [s], what a trajectory has of its input, by name, and a note where there is one.
+_Drive = Callable[[Array], tuple[dict[str, Any], list[str]]]
+
+
+def check_torques(command: CommandRows, settings: ImportSettings) -> None:
+    """Refuse a command of an arm in space that is no torque of its sections, where nothing says what it gives.
+
+    Raises:
+        RecordingError: it is something else.
+    """
+    if not settings.in_space or settings.channels or settings.gain is not None:
+        return
+    columns = torque_columns(settings.inputs_of_arm)
+    if command.names != columns:
+        expected, received = " and ".join(columns), " and ".join(command.names)
+        hint = "say what chambers and tendons give in tables [[input]]"
+        raise RecordingError("input", expected=expected, received=received, hint=hint, file=command.path)
+
+
+def channels_of_input(commands: Sequence[CommandRows | None], settings: ImportSettings) -> tuple[Channel, ...]:
+    """The channels as declared, or, with a gain, the columns of the files: chambers evenly around the arm.
+
+    Raises:
+        InputError: a gain without an input.
+        RecordingError: files that have other columns than the first.
+    """
+    if settings.gain is None:
+        return tuple(settings.channels)
+    given = [command for command in commands if command is not None]
+    if not given:
+        raise InputError("gain", expected="an input whose columns it is of", received="none", hint="say it with --input")
+    first = given[0]
+    for other in given[1:]:
+        if other.names != first.names:
+            expected, received = f"t,{','.join(first.names)}, as in {first.path.name}", f"t,{','.join(other.names)}"
+            raise RecordingError("columns", expected=expected, received=received, file=other.path, line=1, column=1)
+    torques = around(len(first.names), settings.gain, settings.angle)
+    return tuple(Channel(name, "bar", torque) for name, torque in zip(first.names, torques, strict=True))
+
+
+def driven(command: CommandRows | None, channels: tuple[Channel, ...], settings: ImportSettings) -> _Drive:
+    """What drives an arm: rows held until the next or, where they were measured, straight lines from one to the next."""
+
+    def at(time: Array) -> tuple[dict[str, Any], list[str]]:
+        if command is None:
+            return {}, []
+        values = command.drawn_at(time) if settings.interpolated else command.held_at(time)
+        late = command.time[0] > time[0] + 1e-9
+        notes = [f"the input begins at {command.time[0]:g} s; its first row was held before that"] if late else []
+        if channels:
+            each = replace(command, time=time, values=values)
+            return {"channels": values, "torque": torque_rows(each, channels, settings.inputs_of_arm)}, notes
+        if command.names == ("P1", "P2"):
+            return {"pressures": values}, notes
+        return {"torque": values[:, 0] if command.names == ("tau",) else values}, notes
+
+    return at
+
+
+def trajectory_of(capture: Capture, world: Array, markers: tuple[Marker, ...], drive: _Drive, notes: Sequence[str]) -> Trajectory:
+    """Motion at even times, with what drove it.
+
+    Raises:
+        RecordingError: sampling that is almost all gap.
+    """
+    try:
+        trajectory, _ = on_even_grid(Trajectory(capture.time, markers, world))
+    except ValueError:
+        hint = "split the recording at long pauses"
+        expected, received = "nearly even sampling", "almost all gap"
+        raise RecordingError("time", expected=expected, received=received, hint=hint, file=capture.path) from None
+    given, said = drive(trajectory.time)
+    return replace(trajectory, **given, notes=(*notes, *trajectory.notes, *said))
+
+
+def facts_of_trials(settings: ImportSettings, trials: int) -> list[dict[str, float | None]]:
+    """What is declared of each trial."""
+    names = ("keq", "damping", "tip_mass", "t_start")
+    columns = [per_trial(getattr(settings, name), trials, name) for name in names]
+    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def trial_of(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path, interpolated: bool) -> Trial:
+    """A trial.
+
+    Raises:
+        InputError: it starts after its end.
+    """
+    t_start, time = facts["t_start"], trajectory.time
+    if t_start is not None and not time[0] <= t_start < time[-1]:
+        raise InputError("t_start", expected=f"a time in the recording, 0 to {time[-1]:g} s", received=f"{t_start:g}", file=path)
+    keq, damping, tip_mass = facts["keq"] or 0.0, facts["damping"], facts["tip_mass"] or 0.0
+    return Trial(name, trajectory, keq, damping, tip_mass, t_start, interpolated)
