@@ -16,6 +16,7 @@
 - ``ladder``: how far, rung by rung
 - ``next_experiment``: what to record next
 - ``page``: in what surroundings pages are written
+- ``pulsation``: what pulses by a clock of its own
 - ``repeats``: how far the arm is from itself
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks

@@ -21,6 +21,7 @@
 - ``result``: SimulationResult and its outcomes
 - ``scenario``: Scenario: what to simulate
 - ``sensitivity``: derivatives of marker positions to parameters
+- ``sight``: where markers are, for the compiler
 - ``simulate``: simulate: a batch of one
 - ``space``: the loops for arms that bend about two axes
 - ``stamp``: a mark of the source that compiled code was made from
