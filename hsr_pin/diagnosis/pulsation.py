@@ -25,6 +25,8 @@ MOST, LESS = 0.5, 0.85
 _SLOWEST, _FASTEST, _APART, _PERIODS = 0.5, 8.0, 0.2, 1.2
 #: [s] of a run that are looked at, at samples that far apart at least; samples left out at both ends, where derivatives are poor.
 _LONGEST, _STEP, _EDGE = 10.0, 0.02, 10
+#: Where one course in time, of any size in each run, takes this share of what the wave does, it may be an event in each of them.
+_EVENT = 0.9
 #: Harmonics of a wave; moments at which it may begin; how often these and its shape are fitted in turn; frequencies for which
 #: that is done, and runs that it takes.
 _HARMONICS, _MOMENTS, _ROUNDS, _FINALISTS, _RUNS = 3, 48, 4, 6, 3
@@ -117,7 +119,11 @@ class _Run:
 
 
 def _foretold(runs: Sequence[_Run], frequency: float) -> float:
-    """What a wave learnt from the other runs takes away from each, in all."""
+    """What a wave learnt from the other runs takes away from each, in all.
+
+    Where it may as well be an event that comes once in each, at the same time, what the first halves of the runs foretell of the
+    second halves, over all; nothing if these are too short.
+    """
     bases = [run.basis(frequency) for run in runs]
     turns = np.exp(2j * np.pi * np.arange(_MOMENTS)[:, None] / _MOMENTS * np.arange(1, _HARMONICS + 1))
 
@@ -138,7 +144,31 @@ def _foretold(runs: Sequence[_Run], frequency: float) -> float:
         moments = [left(k, learnt)[1] for k in every]
         learnt = shape(every, moments)
     moments = [left(k, learnt)[1] for k in every]
-    return sum(runs[k].square - left(k, shape([other for other in every if other != k], moments))[0] for k in every)
+    taken = sum(runs[k].square - left(k, shape([other for other in every if other != k], moments))[0] for k in every)
+    whole = sum(run.square for run in runs)
+    if taken > _at_once(runs) * whole / _EVENT:
+        return taken
+    if min(run.lasts for run in runs) * frequency < 2 * _PERIODS:
+        return 0.0
+    return min(taken, whole * _repeated(runs, [basis * turns[m] for basis, m in zip(bases, moments, strict=True)]))
+
+
+def _at_once(runs: Sequence[_Run]) -> float:
+    """Share of what is missing, as long as all runs last, that one course in time explains, of another size in each."""
+    length = min(len(run.missing) for run in runs)
+    strength = np.linalg.svd(np.array([run.missing[:length] for run in runs]), compute_uv=False) ** 2
+    return float(strength[0] / max(strength.sum(), 1e-300))
+
+
+def _repeated(runs: Sequence[_Run], bases: Sequence[Array]) -> float:
+    """Share of the second halves that a wave learnt from the first halves foretells."""
+    halves = [len(run.missing) // 2 for run in runs]
+    parts = [_equations(basis[:h], run.missing[:h]) for run, basis, h in zip(runs, bases, halves, strict=True)]
+    learnt = _solved(np.sum([normal for normal, _ in parts], axis=0), np.sum([product for _, product in parts], axis=0))
+    waves = [basis[h:] @ (learnt[:_HARMONICS] - 1j * learnt[_HARMONICS:]) for basis, h in zip(bases, halves, strict=True)]
+    seen = [run.missing[h:] for run, h in zip(runs, halves, strict=True)]
+    left = sum(float(((one - wave.real) ** 2).sum()) for one, wave in zip(seen, waves, strict=True))
+    return 1 - left / max(sum(float(one @ one) for one in seen), 1e-300)
 
 
 def _equations(basis: Array, missing: Array) -> tuple[Array, Array]:
