@@ -33,7 +33,7 @@ class Case(NamedTuple):
         run: whose input.
         values: (C, P) of the open parameters.
         bent: (C,) [rad] how much further than the markers show the arm was held before its release; in space complex.
-        pushed: (C,) [N m] torque beside the command, from before the start on; in space complex.
+        pushed: (C,) [N m] torque beside what arrives of the command, always there; in space complex.
     """
 
     run: Run
@@ -105,11 +105,11 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     run, values, columns = case.run, case.values, engine.columns
     torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
     flow = torque[:, None] * hypothesis.factor("torque_gain", run, values)[:, None]
-    if case.pushed is not None:
-        flow = flow + case.pushed[:, None]
     if run.by_section is None:
         flow = flow[..., 0]  # the same for all
     command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated)
+    if case.pushed is not None:
+        command = command.beside(case.pushed)
     found = np.ones(len(values), dtype=bool)
     q, v = _start(experiment, run, hypothesis, columns, cameras)
     if run.start_pose is None:

@@ -7,7 +7,7 @@ the same cells.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -37,6 +37,13 @@ class Delivered:
     cell: float
     per_sample: int
     initial: Array
+
+    def beside(self, torque: Array) -> Delivered:
+        """With a torque (B,) [N m] that no muscle passes on, always there; in space complex, the same for all sections."""
+        if self.impulse.ndim == 3:
+            torque = np.tile(np.stack([torque.real, torque.imag], axis=1), self.impulse.shape[2] // 2)
+        cells = np.arange(self.impulse.shape[1]).reshape(-1, *[1] * (torque.ndim - 1))
+        return replace(self, impulse=self.impulse + torque[:, None] * cells, initial=self.initial + torque)
 
     def until(self) -> Array:
         """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all."""

@@ -6,7 +6,7 @@ import pytest
 from hsr_pin.effects import parse_effect
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns
-from hsr_pin.simulation.command import CELL, by_machine, deliver
+from hsr_pin.simulation.command import CELL, Delivered, by_machine, deliver
 from hsr_pin.simulation.march import mean_torque
 from hsr_pin.simulation.scenario import Scenario
 
@@ -85,3 +85,15 @@ def test_muscles_act_in_the_order_in_which_they_are_given():
     bias, double = parse_effect("torque_bias:bias=0.3"), parse_effect("torque_map:quadratic=0.5")
     first, second = delivered(bias, double).impulse, delivered(double, bias).impulse
     assert np.abs(first - second).max() > 0.01
+
+
+def test_a_torque_beside_what_arrives_is_passed_on_by_no_muscle():
+    """It is there before the first sample too; in space it is towards both sides, the same for each section."""
+    plain = deliver(columns(parse_effect("actuator_lag:time_constant=0.05"), count=2), TORQUE[:, None], np.zeros(1), 0.02)
+    more = plain.beside(np.array([0.1, -0.3]))
+    per_cell = np.diff(more.impulse - plain.impulse, axis=1)
+    np.testing.assert_allclose(per_cell, np.broadcast_to([[0.1], [-0.3]], per_cell.shape), atol=1e-13)
+    np.testing.assert_allclose(more.initial - plain.initial, [0.1, -0.3])
+    of_two_sections = Delivered(np.zeros((1, 4, 4)), 0.01, 1, np.zeros((1, 4))).beside(np.array([0.1 - 0.3j]))
+    np.testing.assert_allclose(of_two_sections.initial, [[0.1, -0.3, 0.1, -0.3]])
+    np.testing.assert_allclose(of_two_sections.impulse[0, 3], [0.3, -0.9, 0.3, -0.9])
