@@ -108,7 +108,7 @@ class Hypothesis:
     Attributes:
         effects: what acts beside the nominal model; their values are where a fit starts.
         free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale", "torque_gain" (with "@1.11" behind it: for
-            the trials declared with that Keq only), "effect.parameter".
+            the trials declared with that Keq only), those of :data:`SESSION`, "effect.parameter".
         links, placement: the chain.
         tolerance: error of a step [m at the tip].
         resized: names of effects whose amplitude is that of the softest level, and changes with the level against their law.
