@@ -181,7 +181,7 @@ class Trial:
         damping: declared damping C of the whole arm [Nm s/rad]; None if not declared.
         tip_mass: declared payload at the tip [kg].
         t_start: use the recording from here on [s]; None: from its first sample.
-        interpolated: the input goes straight from sample to sample instead of being held.
+        interpolated: whether the input goes straight from sample to sample instead of being held; None: not declared.
     """
 
     name: str
@@ -190,7 +190,7 @@ class Trial:
     damping: float | None = None
     tip_mass: float = 0.0
     t_start: float | None = None
-    interpolated: bool = False
+    interpolated: bool | None = None
 
     @property
     def starts_at_rest(self) -> bool:

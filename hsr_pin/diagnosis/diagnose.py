@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
+from hsr_pin.identification.input_form import as_it_fits, goes_straight, otherwise, taken
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
@@ -118,44 +120,80 @@ def diagnose(
     ready(kinds, space=space)
     if executor is not None:
         beforehand(executor, ready, kinds, space)
-    prints, own = fingerprint(experiment), repeats(experiment)
-    experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
-    thresholds = Thresholds.of(experiment.noise_rms, dataset.length, own.floor if own else None)
-    hypothesis = Hypothesis(links=links)
-    paper = replace(hypothesis, links=declared_links, placement="base")
-    nominal = _simulated(experiment, paper)
-    mended = _simulated(experiment, hypothesis)
-    first: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [
-        ("declared model", (), _simulated(aside, paper) if aside else nominal),
-        ("finer discretisation", (), _simulated(aside, hypothesis) if aside else mended),
-    ]
-    lacking = _insufficient(experiment)
-    if lacking:
-        verdict = Verdict("insufficient", (), (), lacking)
-        rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
-        proposals = propose(experiment, rivals)
-        rungs = ladder(first, thresholds.noise, seed)
-        return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals, prints, own)
-    tell("stiffness and damping")
-    base_fit = fit(experiment, hypothesis)
-    if not any(slopes.any() for slopes in base_fit.slopes):
-        raise IdentificationError(
-            "model", expected="an arm that can be simulated under the recorded input", received="one that fails in every trial"
-        )
-    if base_fit.failed:
-        experiment = _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base_fit.failed)}")
-    base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
-    by_level = _by_level(experiment, base)
     with workers(jobs, cluster, executor) as executor:
-        crew = Crew(experiment, executor, advance)
+        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, executor, seed, tell, advance)
+        found = study.of(experiment)
+        other = study.turned(found)
+        if other is None:
+            return found
+        tell("the commands taken the other way")
+        again = study.of(other, settled=True)
+    return min((found, again), key=lambda each: mean_square(each.search.best) if each.search else math.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class _Study:
+    """How recordings are diagnosed: arguments as of :func:`diagnose`.
+
+    Attributes:
+        parts: the candidates.
+        hypothesis: the arm alone.
+        aside: the trials set aside.
+    """
+
+    parts: Sequence[Part]
+    hypothesis: Hypothesis
+    declared_links: int
+    max_effects: int
+    aside: Experiment | None
+    executor: Executor
+    seed: int
+    tell: Callable[[str], None]
+    advance: Callable[[], None]
+
+    def of(self, experiment: Experiment, *, settled: bool = False) -> Diagnosis:
+        """The diagnosis; unless it is ``settled`` with open commands as they fit the arm alone best."""
+        seed, tell, hypothesis, lacking = self.seed, self.tell, self.hypothesis, _insufficient(experiment)
+        if not lacking:
+            tell("stiffness and damping")
+            base_fit = fit(experiment, hypothesis)
+            experiment, base_fit = (experiment, base_fit) if settled else as_it_fits(experiment, base_fit)
+        aside = taken(self.aside, straight=goes_straight(experiment)) if self.aside else None
+        prints, own = fingerprint(experiment), repeats(experiment)
+        experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
+        length, itself = experiment.dataset.length, own.floor if own else None
+        thresholds = Thresholds.of(experiment.noise_rms, length, itself)
+        paper = replace(hypothesis, links=self.declared_links, placement="base")
+        nominal = _simulated(experiment, paper)
+        mended = _simulated(experiment, hypothesis)
+        first: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [
+            ("declared model", (), _simulated(aside, paper) if aside else nominal),
+            ("finer discretisation", (), _simulated(aside, hypothesis) if aside else mended),
+        ]
+        if lacking:
+            verdict = Verdict("insufficient", (), (), lacking)
+            rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
+            proposals = propose(experiment, rivals)
+            rungs = ladder(first, thresholds.noise, seed)
+            return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals, prints, own)
+        if not any(slopes.any() for slopes in base_fit.slopes):
+            raise IdentificationError(
+                "model",
+                expected="an arm that can be simulated under the recorded input",
+                received="one that fails in every trial",
+            )
+        if base_fit.failed:
+            experiment = _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base_fit.failed)}")
+        base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
+        by_level = _by_level(experiment, base)
+        crew = Crew(experiment, self.executor, self.advance)
 
         def searched(start: Candidate) -> Search:
-            return search(start, parts, thresholds, crew, max_effects=max_effects, seed=seed, tell=tell)
+            return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
             parts, kinds = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
-            itself = own.floor if own else None
-            evidence = Evidence(structure(mended), parts, kinds, dataset.length, itself, by_level, seed)
+            evidence = Evidence(structure(mended), parts, kinds, length, itself, by_level, seed)
             return judge(found, thresholds, evidence)
 
         found = searched(base)
@@ -167,26 +205,39 @@ def diagnose(
                 tell("stiffness and damping of each level")
                 found = searched(by_level)
                 verdict = judged(found, None)
-    tell("where the gap lies")
-    where = locate(experiment, base, found.best, seed)
-    looks: tuple[Callable[[], Trace | None], ...] = (
-        lambda: where.base,
-        lambda: where.spread,
-        lambda: pulsation(experiment, base_fit, seed),
-    )
-    verdict = with_traces(verdict, (look() for look in looks))
-    return Diagnosis(
-        experiment,
-        verdict,
-        ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, own.floor if own else None),
-        found,
-        thresholds,
-        tuple(nominal),
-        where,
-        propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
-        prints,
-        own,
-    )
+        tell("where the gap lies")
+        where = locate(experiment, base, found.best, seed)
+        looks: tuple[Callable[[], Trace | None], ...] = (
+            lambda: where.base,
+            lambda: where.spread,
+            lambda: pulsation(experiment, base_fit, seed),
+        )
+        verdict = with_traces(verdict, (look() for look in looks))
+        return Diagnosis(
+            experiment,
+            verdict,
+            ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, itself),
+            found,
+            thresholds,
+            tuple(nominal),
+            where,
+            propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
+            prints,
+            own,
+        )
+
+    def turned(self, found: Diagnosis) -> Experiment | None:
+        """The recordings with open commands taken the other way, where the best model, or the best that is late, fits better.
+
+        Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held.
+        """
+        other = otherwise(found.experiment)
+        if other is None or found.search is None:
+            return None
+        best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
+        likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
+        turned = Crew(other, self.executor, self.advance).finish(list(likely.values()))
+        return other if worth_having(best, min(turned, key=mean_square), found.thresholds, self.seed) else None
 
 
 def _rungs(base: Candidate, found: Search, aside: Experiment | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:

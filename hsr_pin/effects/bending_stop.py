@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
+import numpy as np
+
+from hsr_pin.effects.effect import IMPLICIT, Bending, Effect, option
 from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
+#: Sides in the order of the option.
+BOTH, POSITIVE = 0, 1
+
 
 @dataclass(frozen=True)
 class BendingStop(Effect):
-    """m = Keq ratio sign(angle) max(|angle| - stop, 0)."""
+    """m = Keq ratio sign(angle) max(|angle| - stop, 0), to both sides or to one."""
 
     name = "bending_stop"
     lacks = "stiffness jumps beyond an angle"
@@ -33,10 +38,21 @@ class BendingStop(Effect):
         description="stiffness added beyond the stop, over Keq",
     )
     angle: float = parameter(0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
+    side: str = option("both", "positive", "negative", description="towards which bending the links lock")
+
+    @property
+    def in_space(self) -> bool:
+        return self.side == "both"
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:
-        return bending.keq * p.ratio * (bending.angle - limited(bending.angle, p.angle))
+        if p.side == BOTH:
+            beyond = bending.angle - limited(bending.angle, p.angle)
+        elif p.side == POSITIVE:
+            beyond = np.maximum(bending.angle - p.angle, 0.0)
+        else:
+            beyond = np.minimum(bending.angle + p.angle, 0.0)
+        return bending.keq * p.ratio * beyond
 
     def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
         return IMPLICIT * keq * self.ratio, 0.0

@@ -7,14 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect
+from hsr_pin.effects.effect import Effect, option
 from hsr_pin.effects.vector import chosen
 from hsr_pin.parameters import parameter
+
+#: What fills, in the order of the option.
+EITHER = 0
 
 
 @dataclass(frozen=True)
 class UnequalLag(Effect):
-    """T dy/dt = u - y, T = rise while |y| grows and fall while it shrinks; y comes ``delay`` late. Exact for a held u."""
+    """T dy/dt = u - y, T = rise while |y| grows and fall while it shrinks; y comes ``delay`` late. Exact for a held u.
+
+    Where one muscle does most of the work, always under pressure, it fills for every torque towards its side: T = rise while y
+    grows towards that side, whatever its sign.
+    """
 
     name = "unequal_lag"
     lacks = "the torque rises and falls with different time constants, late"
@@ -29,12 +36,18 @@ class UnequalLag(Effect):
         0.0, lower=0.0, upper=10.0, unit="s", scale=0.05, amplitude=True, description="time constant, venting"
     )
     delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of both")
+    fills: str = option("either", "positive", description="the muscle of the side that is bent to, or always that of one side")
+
+    @property
+    def in_space(self) -> bool:
+        return self.fills == "either"
 
     def late(self) -> Any:
         return self.delay
 
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
-        lag = chosen(np.abs(torque) > np.abs(memory[0]), p.rise, p.fall)
+        filled, before = (np.abs(torque), np.abs(memory[0])) if p.fills == EITHER else (np.real(torque), np.real(memory[0]))
+        lag = chosen(filled > before, p.rise, p.fall)
         y = torque + (memory[0] - torque) * np.exp(-step / np.maximum(lag, 1e-3 * step))
         return torque - lag / step * (y - memory[0]), (y,)

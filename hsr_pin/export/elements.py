@@ -84,7 +84,9 @@ def _backlash(effect: Any, model: CorrectedModel, major: int) -> Elements:
     return Elements(strands, springless=True, remark="springs with a dead band")
 
 
-def _bending_stop(effect: Any, model: CorrectedModel, major: int) -> Elements:
+def _bending_stop(effect: Any, model: CorrectedModel, major: int) -> Elements | None:
+    if effect.side != "both":
+        return None
     links, keq = model.arm.links, model.arm.keq
     k, dead = links * keq * effect.ratio, effect.angle / links
     strands = tuple(Strand(f"stop_{i + 1}", i + 1, k, dead=dead) for i in range(links))

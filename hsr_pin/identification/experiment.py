@@ -284,7 +284,7 @@ def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach:
         start_pose=None if start is None else _held(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
         start_velocity=None if start is None else _held(start.velocity[moving]),
-        interpolated=trial.interpolated,
+        interpolated=bool(trial.interpolated),
         axes=dataset.axes,
         by_section=_held(command[first:]) if command.shape[1] > 1 else None,
     )

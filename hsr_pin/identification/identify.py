@@ -16,6 +16,7 @@ from hsr_pin.identification.experiment import Experiment, prepare, restricted
 from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
+from hsr_pin.identification.input_form import as_it_fits, goes_straight, taken
 from hsr_pin.identification.starts import starts
 from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
 from hsr_pin.robot.specification import Placement
@@ -100,6 +101,9 @@ def identify(
     points = starts(fitted, hypothesis)
     tell("fitting")
     answer = fit_from(fitted, hypothesis, points)
+    fitted, answer = as_it_fits(fitted, answer)
+    if predicted is not None:
+        predicted = taken(predicted, straight=goes_straight(fitted))
     tell("predicting held-out trials")
     plain = without_effects(hypothesis)
     before = simulated(fitted, plain, np.empty(0))

@@ -37,7 +37,7 @@ class TrialDeclaration:
     damping: float | None
     tip_mass: float
     t_start: float | None
-    interpolated: bool
+    interpolated: bool | None
     section: Section
 
     @property
@@ -192,7 +192,7 @@ def _trials(top: Section, robot: Section, sections: dict[str, float]) -> tuple[T
             damping=section.number("damping", "Nm s/rad", zero=True) if "damping" in values else damping,
             tip_mass=section.number("tip_mass", "kg", zero=True) if "tip_mass" in values else 0.0,
             t_start=section.number("t_start", "s", sign=True) if "t_start" in values else None,
-            interpolated=_input(section if "input" in values else robot) == INPUTS[1],
+            interpolated=interpolated_in(section if "input" in values else robot),
             section=section,
         )
         parts = PurePosixPath(trial.file).parts
@@ -205,10 +205,13 @@ def _trials(top: Section, robot: Section, sections: dict[str, float]) -> tuple[T
     return tuple(trials)
 
 
-def _input(section: Section) -> str:
-    word = section.text("input", INPUTS[0])
+def interpolated_in(section: Section) -> bool | None:
+    """Whether an input goes straight from sample to sample instead of being held; None: nobody says."""
+    if "input" not in section.values:
+        return None
+    word = section.text("input")
     if word not in INPUTS:
         raise section.fault(
             "input", "input", expected=" or ".join(INPUTS), received=repr(word), hint=nearest(word, INPUTS, "words")
         )
-    return word
+    return word == INPUTS[1]

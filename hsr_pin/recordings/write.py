@@ -159,8 +159,9 @@ def _trial_declaration(trial: Trial) -> list[str]:
         lines.append(_entry("tip_mass", trial.tip_mass, "kg"))
     if trial.t_start is not None:
         lines.append(_entry("t_start", trial.t_start, "s"))
-    if trial.interpolated:
-        lines.append(f"input = {_quoted(INPUTS[1])}  # straight from sample to sample, not held")
+    if trial.interpolated is not None:
+        says = "straight from sample to sample" if trial.interpolated else "from sample to sample"
+        lines.append(f"input = {_quoted(INPUTS[trial.interpolated])}  # {says}")
     return lines
 
 

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.errors import InputError
-from hsr_pin.recordings.declaration import INPUTS
+from hsr_pin.recordings.declaration import interpolated_in
 from hsr_pin.recordings.document import Section
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.mapping import CLOCK, TableMapping
 from hsr_pin.recordings.importers.settings import ImportSettings
 from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
-from hsr_pin.recordings.text import nearest
 
 _NUMBERS = {"length": "m", "mass": "kg", "diameter": "m", "torsion": "Nm/rad"}
 _EACH = {"keq": "Nm/rad", "damping": "Nm s/rad"}
@@ -55,11 +54,7 @@ def _declared(mapping: TableMapping, top: Section, said: dict[str, Any]) -> dict
     facts |= {name: robot.text(name) for name in _WORDS if name in robot.values}
     known = {"x": mapping.x, "origin": mapping.origin, "up": None if mapping.points else mapping.up}
     facts |= {name: value for name, value in known.items() if value is not None}
-    if "input" in robot.values and (word := robot.text("input")) not in INPUTS:
-        raise robot.fault(
-            "input", "input", expected=" or ".join(INPUTS), received=repr(word), hint=nearest(word, INPUTS, "words")
-        )
-    facts["interpolated"] = robot.values.get("input") == INPUTS[1]
+    facts["interpolated"] = interpolated_in(robot)
     facts |= said
     in_space = facts.get("bending") == "space"
     for key in ("section", "measured", "input"):

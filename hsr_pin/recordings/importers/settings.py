@@ -54,7 +54,7 @@ class ImportSettings:
         channels: of the input and what was measured beside it, in space, in the order of the mapping's; none: torques.
         gain: [N m per unit] of each column of the inputs, which are chambers evenly around an arm in space; in place of channels.
         angle: [rad] of the first of them, from x towards y of the base.
-        interpolated: the input was measured, and goes straight from sample to sample.
+        interpolated: whether the input was measured, and goes straight from sample to sample; None: nobody says.
     """
 
     mass: float
@@ -81,7 +81,7 @@ class ImportSettings:
     channels: Sequence[Channel] = ()
     gain: float | None = None
     angle: float = 0.0
-    interpolated: bool = False
+    interpolated: bool | None = None
 
     @property
     def in_space(self) -> bool:

@@ -98,7 +98,7 @@ def facts_of_trials(settings: ImportSettings, trials: int) -> list[dict[str, flo
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-def trial_of(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path, interpolated: bool) -> Trial:
+def trial_of(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path, interpolated: bool | None) -> Trial:
     """A trial.
 
     Raises:
