@@ -31,6 +31,9 @@ APART = 1.5
 #: Sets carried on to the next rung, and quick fits for each.
 BEAM, BEAM_GLANCES = 3, 5
 
+#: Of the special cases of a law that is best, so many get a full fit.
+SPECIAL = 2
+
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
 #: An effect is named only if its amplitude is at least so many standard errors away from neutral. Fits are sure of a law that is
@@ -189,8 +192,24 @@ def search(
         other = _exchanged(best, parts, crew, tried, thresholds)
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
+    tried |= {key(candidate): candidate for candidate in _special_cases(best, parts, crew, tried)}
     best = _simplest(best, start, list(tried.values()), thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
+
+
+def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate]) -> list[Candidate]:
+    """The best with simpler laws in place of one that contains them, the few that come closest: a beam may pass by them."""
+    new: list[Candidate] = []
+    for part in best.fit.hypothesis.parts:
+        inside = [other for other in parts if part.contains(other) and other.name not in best.names]
+        fewer = _without(best.fit, part.name)
+        base = tried.get(_key(fewer.hypothesis))
+        if not inside or base is None:
+            continue
+        guessed = _promising(base, inside, crew)[:BEAM_GLANCES]
+        quick = _from_one_basin([(base.fit, guess) for guess in guessed if _key(guess.hypothesis) not in tried], crew)
+        new += crew.finish(laws_first(quick)[:SPECIAL])
+    return new
 
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:

@@ -34,6 +34,9 @@ HALF = 0.5
 POSSIBLE, LIKELY, LITTLE = 0.5, 0.65, 0.25
 #: No more sets than this are told where none is clearly the best.
 FEW = 3
+#: Of the laws of a kind that is certain, those are told that leave no more than this many times the square of what the best
+#: of them leaves.
+NEAR = 4.0
 #: Models that leave most of the gap are not worth a word: the least share of the squared gap that one must take away.
 WORTH_A_WORD = 0.2
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
@@ -46,6 +49,8 @@ TRACED = 0.83
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
+
+_COMES = ("comes", "come")
 
 #: Numbers of the arm in words.
 _PLAINLY = {
@@ -203,13 +208,16 @@ def _graded(
         return said("ambiguous", f"{known}these recordings cannot tell apart: {listed}.", sets, effects)
     if sure or of_kind:
         beside = [k for k in of_kind if k not in {part.kind for part in best.fit.hypothesis.parts if part.name in sure}]
+        others = _nameable(sets, found) if len(sets) > 1 else _nearest(beside, sure, found, thresholds) if beside else []
         kind = f"something of the kind {_listed(beside)} ({'; '.join(KINDS[k] for k in beside)})" if beside else ""
         what = ", and ".join(filter(None, (_listed(sure) if sure else "", kind)))
         verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
-        others = sets if len(sets) > 1 else ()
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
-        return said("partly_identified", f"{what} {verb} certain{but}{tail}.", others, effects)
+        near = ""
+        if others and len(sets) == 1:
+            near = f" Of the laws that have a name {_or(others)} {_COMES[len(others) > 1]} closest."
+        return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
     sets = _wider(sets, found, thresholds)
     likely = max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
@@ -219,6 +227,26 @@ def _graded(
     if 1 - remains.share >= WORTH_A_WORD:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
     return said("unexplained", f"Of the gap of {_mm(gap)} beyond noise, {_mm(remains.rms)} is left, and {hint}.")
+
+
+def _nameable(sets: Sequence[tuple[str, ...]], found: Search) -> list[tuple[str, ...]]:
+    """Those of the sets in which all are causes; all of them where none is."""
+    causes = {candidate.names for candidate in (*found.path, *found.tried) if candidate.nameable}
+    return [names for names in sets if names in causes] or list(sets)
+
+
+def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:
+    """Of sets of causes that have what is sure and something of these kinds those that come closest to the best, a few."""
+    base, best = found.path[0], found.best
+    near: list[Candidate] = []
+    for each in sorted(found.tried, key=mean_square):
+        fits = each.nameable and set(sure) <= set(each.names) and set(kinds) <= set(each.kinds)
+        enough = left(base) - left(each) >= FACTOR * (left(base) - left(best)) and len(each.names) <= len(best.names)
+        told = any(set(other.names) <= set(each.names) for other in near)
+        if fits and enough and not told and not _idle(each, base, found.tried, thresholds):
+            near.append(each)
+    closest = [each for each in near if left(each) <= NEAR * max(left(near[0]), thresholds.closed**2)]
+    return [each.names for each in closest[:FEW]]
 
 
 def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
@@ -267,7 +295,8 @@ def rivals(
             continue
         if (closes and not explains(rival, base, thresholds)) or _idle(rival, base, tried, thresholds):
             continue
-        if matches(rival, best, base, thresholds, seed):
+        simpler = closes and len(rival.fit.values) < len(best.fit.values) and left(rival) <= thresholds.closed**2
+        if simpler or matches(rival, best, base, thresholds, seed):
             answers.append(names)
     return answers
 
@@ -285,6 +314,10 @@ def _idle(candidate: Candidate, base: Candidate, tried: Sequence[Candidate], thr
 def _parameters(base: Candidate, before: float, after: float) -> str:
     values = ", ".join(f"{name} {value:.3g}" for name, value in base.fit.named.items())
     return f"Stiffness and damping explain it ({values}): the gap beyond noise falls from {_mm(before)} to {_mm(after)}."
+
+
+def _or(sets: Sequence[tuple[str, ...]]) -> str:
+    return ", or ".join(" with ".join(each) for each in sets)
 
 
 def _listed(names: Sequence[str]) -> str:

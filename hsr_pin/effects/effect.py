@@ -146,6 +146,8 @@ class Effect(ABC):
     flexible: ClassVar[bool] = False
     #: Names of simpler effects that are special cases of this one.
     contains: ClassVar[tuple[str, ...]] = ()
+    #: Numbers that must differ for this to be more than the simpler effects that it contains.
+    unlike: ClassVar[tuple[str, ...]] = ()
     #: Amplitudes that a search opens one at a time, each a reading of its own: together they could hardly be told apart.
     apart: ClassVar[tuple[str, ...]] = ()
 

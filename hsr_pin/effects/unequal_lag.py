@@ -30,6 +30,7 @@ class UnequalLag(Effect):
     kind = "actuation_time"
     memories = 1
     contains = ("actuator_lag", "dead_time")
+    unlike = ("rise", "fall")
 
     rise: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant, filling")
     fall: float = parameter(

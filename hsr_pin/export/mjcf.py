@@ -15,7 +15,7 @@ from hsr_pin.export.elements import Strand
 from hsr_pin.export.file import Exported
 from hsr_pin.export.law_text import helpers, law_text
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.export.parts import LINEAR, Parts, sort
+from hsr_pin.export.parts import Parts, is_linear, sort
 from hsr_pin.export.plain import bodies_are
 from hsr_pin.export.templating import render
 from hsr_pin.export.timestep import timestep
@@ -183,7 +183,7 @@ def _said(model: CorrectedModel, parts: Parts, laws: str) -> tuple[tuple[str, ..
             called.append(f"{effect.name}: its law, in {laws}.py")
         elif effect.name in parts.elements:
             held.append(f"{effect.name}: {parts.elements[effect.name].remark}")
-        elif effect.name in LINEAR and effect.name not in lost:
+        elif is_linear(effect) and effect.name not in lost:
             turned = effect.name == "turned_actuation"
             held.append(f"{effect.name}: {ways['actuation'] if turned else _ACTUATOR}")
         else:

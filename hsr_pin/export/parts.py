@@ -15,7 +15,12 @@ from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.plain import approximate, numbers, unseen
 
 #: Laws of the command that the actuator itself can express, behind one another.
-LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "dead_time"}
+_LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "dead_time"}
+
+
+def is_linear(effect: Effect) -> bool:
+    """Whether the actuator itself can express an effect; its filter is of first order."""
+    return effect.name in _LINEAR and ("order", "second") not in effect.options
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +66,7 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             missing.append(f"{effect.name}: put into the world of MuJoCo what the arm touches ({numbers(effect)})")
     muscles = [effect for effect in model.columns.muscles if any(_is_on(effect))]
     delay = float(sum(np.max(effect.late()) for effect in muscles))
-    simple = {effect.name for effect in muscles} <= LINEAR
+    simple = all(map(is_linear, muscles))
     lag = model.effect("actuator_lag")
     turn, bias = _turned(model) if simple else (1.0 + 0.0j, 0.0j)
     if delay and major < 4:

@@ -116,8 +116,8 @@ class Columns:
 
     @cached_property
     def remembering(self) -> bool:
-        """Whether one of those has a memory."""
-        return any(effect.memories for effect in self.muscles)
+        """Whether one of those has a memory, or is late."""
+        return any(effect.memories or effect.acts_through("late") for effect in self.muscles)
 
     @property
     def states(self) -> int:

@@ -58,11 +58,17 @@ def test_what_one_column_hears_late_the_others_do_not():
     late = [
         Scenario(ArmSpecification(), TIME, TORQUE, effects=(parse_effect(f"dead_time:delay={d}"),)) for d in (0.0, 0.02, 0.03)
     ]
-    impulse = deliver(Columns.of(late), TORQUE[:, None], np.zeros(1), 0.02).impulse
-    means = np.diff(impulse, axis=1)
+    given = deliver(Columns.of(late), TORQUE[:, None], np.zeros(1), 0.02)
+    means = np.diff(given.impulse, axis=1).reshape(len(late), len(TORQUE) - 1, given.per_sample).mean(axis=2)
     np.testing.assert_allclose(means[0], TORQUE[:-1], atol=1e-14)
     np.testing.assert_allclose(means[1], [0.0, *TORQUE[:-2]], atol=1e-14)
     np.testing.assert_allclose(means[2], np.add([0.0, *TORQUE[:-2]], [0.0, 0.0, *TORQUE[:-3]]) / 2, atol=1e-14)
+
+
+def test_a_delay_of_part_of_a_sample_leaves_jumps_as_steep_as_they_were():
+    late = Scenario(ArmSpecification(), TIME, TORQUE, effects=(parse_effect("dead_time:delay=0.015"),))
+    given = deliver(Columns.of([late]), TORQUE[:, None], np.zeros(1), 0.02)
+    np.testing.assert_allclose(np.diff(given.impulse)[0], [*[0.0] * 3, *np.repeat(TORQUE[:-1], 4)[:-3]], atol=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -88,6 +88,12 @@ class Suspect:
         theirs = [part for part in other.hypothesis.parts if part.name in other.names]
         return self.names != other.names and any(mine[a].contains(b) for a in mine for b in theirs)
 
+    @property
+    def unlike(self) -> list[list[str]]:
+        """Parameters of which, each list of them, some must differ for this to be more than what it contains."""
+        effects = [part.effect for part in self.hypothesis.parts if part.effect and part.name in self.names]
+        return [[f"{effect.name}.{name}" for name in effect.unlike] for effect in effects if effect.unlike]
+
     def together(self, other: Suspect) -> Suspect:
         """Both have changed."""
         model, before, added = self.hypothesis, self.before, self.parts

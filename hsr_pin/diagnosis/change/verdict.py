@@ -114,8 +114,14 @@ class Found:
 
     def suffices(self, fitted: Fitted, wider: Fitted) -> bool:
         """Whether a special case of a change explains as good as all that it does, and its further numbers may be none."""
-        special = wider.suspect.contains(fitted.suspect) and self.moved(wider) <= self.moved(fitted)
-        return special and self.gain(fitted) > (1 - REST) * self.gain(wider)
+        more = self.moved(wider) > self.moved(fitted) and not self._alike(wider)
+        return wider.suspect.contains(fitted.suspect) and not more and self.gain(fitted) > (1 - REST) * self.gain(wider)
+
+    def _alike(self, fitted: Fitted) -> bool:
+        """Whether the numbers that set a change apart from its special cases may all be the same."""
+        steps = {size.parameter: size.step for size in self.sizes[fitted.suspect.names] if size.step is not None}
+        apart = [[steps[name] for name in names if name in steps] for names in fitted.suspect.unlike]
+        return bool(apart) and all(max(low for low, _ in each) <= min(high for _, high in each) for each in apart if each)
 
     def told(self, fitted: Fitted) -> tuple[Size, ...]:
         """What is said of a change: no damping that a swing at another rate may make."""
