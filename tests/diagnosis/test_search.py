@@ -199,6 +199,14 @@ def test_a_flexible_law_stays_only_where_it_is_clearly_better_than_a_law_that_it
     assert searched(FakeCrew(gaps), [flexible, *EVERY]).best.names == (best,)
 
 
+def test_the_special_cases_of_the_best_are_tried_where_the_beam_passed_them_by():
+    quick = {"": GAP, "soft_spot": 2e-3, "unequal_lag": 3e-3, "soft_spot+unequal_lag": 0.0}
+    table = quick | {"dead_time+soft_spot": 0.2 * THRESHOLDS.closed, "dead_time": 3.9e-3, "actuator_lag+soft_spot": 1e-3}
+    crew = FakeCrew(table, quick=quick)
+    assert searched(crew).best.names == ("dead_time", "soft_spot")
+    assert crew.finished.index("dead_time+soft_spot") > crew.finished.index("soft_spot+unequal_lag")
+
+
 def test_no_effect_is_added_to_itself():
     found = searched(FakeCrew({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt+tip_mass": 1e-3}))
     assert all(len(set(each)) == len(each) for each in names(found.tried))

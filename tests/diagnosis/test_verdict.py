@@ -114,6 +114,34 @@ def test_the_flexible_law_of_a_kind_is_never_named():
     assert "something else is left" in verdict(candidate("elastic_curve", gap=2e-3)).sentence
 
 
+def test_of_a_kind_that_is_certain_the_laws_with_a_name_that_come_closest_are_told():
+    laws = (candidate("bending_stop", gap=5e-4), candidate("stiffening", gap=8e-4), candidate("backlash", gap=2.5e-3))
+    others = (candidate("torque_map", gap=4e-4), candidate("backlash", "stiffening", gap=4e-4), candidate("elastic_curve"))
+    found = verdict(*laws, *others)
+    assert (found.status, found.effects, found.kinds) == ("partly_identified", (), ("elastic",))
+    assert found.alternatives == (("bending_stop",), ("stiffening",))  # no other kind, none far from these, no more parts
+    assert found.sentence.endswith("Of the laws that have a name bending_stop, or stiffening come closest.")
+    assert verdict(*laws[2:], *others).alternatives == (("backlash",),)
+
+
+def test_the_flexible_law_of_a_kind_is_no_alternative():
+    found = verdict(
+        candidate("bending_stop", gap=2e-3), candidate("stiffening", gap=2.01e-3), candidate("elastic_curve", gap=1.9e-3)
+    )
+    assert (found.status, found.kinds) == ("partly_identified", ("elastic",)) and "with elastic_curve 77 %" in found.sentence
+    assert found.alternatives == (("bending_stop",), ("stiffening",))
+
+
+def test_a_simpler_law_that_leaves_next_to_nothing_is_a_rival():
+    last = candidate("soft_spot", gap=0.3 * THRESHOLDS.closed)
+    for gap, sets in ((0.95, (("soft_spot",), ("stiffness_gradient",))), (1.2, ())):
+        other = candidate("stiffness_gradient", gap=gap * THRESHOLDS.closed)
+        assert clearly_worse(other, last, THRESHOLDS, 0)
+        assert verdict(other, last).alternatives == sets
+    slope = candidate("stiffness_gradient", gap=0.3 * THRESHOLDS.closed)
+    assert verdict(candidate("soft_spot", gap=0.95 * THRESHOLDS.closed), slope).alternatives == ()
+
+
 def test_a_rest_of_which_nothing_is_certain_is_unexplained_and_the_best_is_not_offered_where_it_hardly_helps():
     found = verdict(candidate("tip_mass", gap=2e-3), weak=("tip_mass", "mass_gravity"))
     assert (found.status, found.effects, found.kinds, found.alternatives) == ("unexplained", (), (), ())

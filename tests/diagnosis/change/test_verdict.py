@@ -61,8 +61,15 @@ def test_a_law_whose_further_numbers_may_be_none_yields_to_its_special_case_that
     assert found.suffices(fitted("dead_time"), fitted("unequal_lag")) is suffices
 
 
+def test_a_rise_and_a_fall_that_may_be_the_same_are_no_unequal_lag():
+    alike = (size("unequal_lag.rise", (0.01, 0.04)), size("unequal_lag.fall", (0.02, 0.05)), LAGS[2])
+    found = Judged((("unequal_lag",), alike, 1001.0), (("dead_time",), DELAY, 990.0), (("soft_spot",), (), 990.0))
+    assert found.moved(fitted("unequal_lag")) == 3 and found.suffices(fitted("dead_time"), fitted("unequal_lag"))
+    assert not found.suffices(fitted("soft_spot"), fitted("unequal_lag"))
+
+
 def test_it_does_not_where_they_are_certain_nor_to_another_law():
-    certain = (size("unequal_lag.rise", (0.05, 0.11)), *LAGS[1:])
+    certain = (size("unequal_lag.rise", (0.05, 0.11)), size("unequal_lag.fall", (-0.03, 0.04)), LAGS[2])
     found = Judged((("unequal_lag",), certain, 1001.0), (("dead_time",), DELAY, 990.0), (("tip_mass",), DELAY, 990.0))
     assert not found.suffices(fitted("dead_time"), fitted("unequal_lag"))
     assert not found.suffices(fitted("tip_mass"), fitted("unequal_lag"))
