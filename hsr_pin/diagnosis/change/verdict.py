@@ -24,7 +24,9 @@ from hsr_pin.trajectory import Array
 SURE, TIMES = 60.0, 2.0
 #: ... (and if it moves the markers by what is worth a word: `Pair.worth`).
 #: A second change must take away this share of what the first does.
-SECOND = 0.02
+SECOND = 0.05
+#: A change is not named where another of no certain size, without it, explains more by this share of what it does.
+BETTER = 0.02
 #: Another change explains as much if it lacks no more than this: neither model is exact. A share of what the best explains,
 #: a share of what it leaves, and a number of log-likelihoods besides; each further parameter costs so many.
 TIED, OF_LEFT, NEARLY, PARAMETER = 0.002, 1.0, 15.0, 8.0
@@ -181,11 +183,13 @@ def judge(found: Found) -> ChangeVerdict:
     sure = [fitted for fitted, _ in found.fits if found.sure(fitted)]
     if not sure:
         return _nothing(found)
+    sure = [fitted for fitted in sure if not needless(found, fitted, sure)]
     first = min(sure, key=found.cost)
     first = min((each for each in sure if found.suffices(each, first)), key=found.cost, default=first)
     best, *others = ties = tied(found, first, [each for each in sure if found.gain(each) > HALF * found.gain(first)])
     left = found.left(best.residual)
     total = found.gain(best) + left
+    other = better(found, best)
     difference = _difference(found, best, next(frame for fitted, frame in found.fits if fitted is best))
     own = found.told(best)
     changes = tuple(dict.fromkeys((*own, *(size for each in others for size in found.told(each)))))
@@ -201,6 +205,9 @@ def judge(found: Found) -> ChangeVerdict:
         known = () if status == "unexplained" else kinds
         return ChangeVerdict(status, effects, tuple(sets), sentence, known, changes, difference)
 
+    if other is not None:
+        what = f"the best that the catalogue offers ({listed(other.suspect.names)}) is of no certain size"
+        return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
     if left > (1 - HALF) * total or difference.share < HALF:
         what = f"the best that the catalogue offers ({listed(names[0])}) explains {share}"
         return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
@@ -210,6 +217,21 @@ def judge(found: Found) -> ChangeVerdict:
         return said("ambiguous", f"These recordings cannot tell what has changed: {certain}{each} ({share}).", common, names)
     status = "identified" if left <= REST * total else "partly_identified"
     return said(status, f"{told(own)}; {rest} ({share}).", names[0])
+
+
+def needless(found: Found, fitted: Fitted, sure: Sequence[Fitted]) -> bool:
+    """Whether one change less explains as much but for what a second change is not told for."""
+    fewer = [found.gain(other) for other in sure if set(other.suspect.names) < set(fitted.suspect.names)]
+    return bool(fewer) and found.gain(fitted) - max(fewer) < SECOND * max(fewer)
+
+
+def better(found: Found, best: Fitted) -> Fitted | None:
+    """A change of no certain size that has nothing to do with the best that is certain, and explains clearly more."""
+    others = [each for each, _ in found.fits if not found.sure(each) and not set(best.suspect.names) <= set(each.suspect.names)]
+    other = min(others, key=found.cost, default=None)
+    if other is None or found.suffices(best, other):
+        return None
+    return other if found.cost(best) - found.cost(other) > BETTER * found.gain(best) else None
 
 
 def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:

@@ -6,7 +6,7 @@ import pytest
 
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.diagnosis.change.verdict import BETTER, SECOND, Found, better, needless
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Hypothesis, Part
@@ -23,12 +23,16 @@ class Judged(Found):
         self.given = {names: (sizes, gain) for names, sizes, gain in changes}
         self.__dict__["sizes"] = {names: sizes for names, (sizes, _) in self.given.items()}
         self.__dict__["frame"] = SimpleNamespace(pair=SimpleNamespace(worth=0.0))
+        self.__dict__["fits"] = [(fitted(*names), None) for names in self.given]
 
     def gain(self, fitted):
         return self.given[fitted.suspect.names][1]
 
     def needed(self, fitted):
         return 60.0
+
+    def cost(self, fitted):
+        return 2000.0 - self.gain(fitted)
 
 
 def fitted(*names):
@@ -73,3 +77,22 @@ def test_it_does_not_where_they_are_certain_nor_to_another_law():
     found = Judged((("unequal_lag",), certain, 1001.0), (("dead_time",), DELAY, 990.0), (("tip_mass",), DELAY, 990.0))
     assert not found.suffices(fitted("dead_time"), fitted("unequal_lag"))
     assert not found.suffices(fitted("tip_mass"), fitted("unequal_lag"))
+
+
+@pytest.mark.parametrize("more, told", [(1.5, True), (0.5, False)])
+def test_a_change_is_not_named_where_one_of_no_certain_size_explains_clearly_more(more, told):
+    mass, bend = size("tip_mass.mass", (0.01, 0.03)), size("preset_bend.angle", (-0.03, 0.01))
+    found = Judged((("tip_mass",), (mass,), 1000.0), (("preset_bend",), (bend,), 1000.0 * (1 + more * BETTER)))
+    other = better(found, fitted("tip_mass"))
+    assert (other.suspect.names if other else None) == (("preset_bend",) if told else None)
+    both = Judged((("tip_mass",), (mass,), 1000.0), (("preset_bend", "tip_mass"), (mass, bend), 1500.0))
+    assert better(both, fitted("tip_mass")) is None  # it has it, and something more
+
+
+@pytest.mark.parametrize("more, told", [(1.2, False), (0.8, True)])
+def test_a_second_change_is_told_only_where_it_explains_a_part(more, told):
+    mass, bend = size("tip_mass.mass", (0.01, 0.03)), size("preset_bend.angle", (0.01, 0.03))
+    both = ("preset_bend", "tip_mass")
+    found = Judged((("tip_mass",), (mass,), 1000.0), (both, (mass, bend), 1000.0 * (1 + more * SECOND)))
+    sure = [each for each, _ in found.fits]
+    assert [needless(found, each, sure) for each in sure] == [False, told]
