@@ -218,10 +218,10 @@ def _graded(
         if others and len(sets) == 1:
             near = f" Of the laws that have a name {_or(others)} {_COMES[len(others) > 1]} closest."
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
-    sets = _wider(sets, found, thresholds)
+    sets = _nameable(_wider(sets, found, thresholds), found)
     likely = max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
-        listed = ", or ".join(" with ".join(each) for each in sets)
+        listed = _or(sets)
         return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)
     hint = "no effect of the catalogue takes away a fifth of it"
     if 1 - remains.share >= WORTH_A_WORD:
