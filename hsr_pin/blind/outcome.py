@@ -208,8 +208,8 @@ def _sets(answer: Answer, said: dict[str, Any]) -> tuple[frozenset[str], ...]:
     if status == "ambiguous" and alternatives:
         return alternatives
     truth_in = any(certain <= names and _is_truth(answer, names) for names in alternatives)
-    if status == "partly_identified" and truth_in and not _is_truth(answer, certain):
-        return alternatives
+    if status == "partly_identified" and alternatives and (truth_in or not certain) and not _is_truth(answer, certain):
+        return alternatives  # names on offer, though a kind alone is certain
     named = status in ("identified", "partly_identified", "ambiguous") and certain
     return (certain,) if named else ()
 

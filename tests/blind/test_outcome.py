@@ -73,7 +73,7 @@ def test_a_messy_case_is_graded_by_its_main_effect(verdict, expected):
         ),  # beside it nothing is said
         ([], [["dry_friction"], ["hysteresis"]], ["friction"], "alternatives"),
         (["viscoelastic"], [["dry_friction", "viscoelastic"], ["tip_mass", "viscoelastic"]], None, "alternatives"),
-        ([], [["hysteresis"], ["tip_mass"]], ["friction"], "kind"),
+        ([], [["hysteresis"], ["tip_mass"]], ["friction"], "wrong"),  # names on offer count, though the kind is right
         ([], [["hysteresis"], ["tip_mass"]], ["elastic"], "wrong"),
         ([], [], ["friction"], "kind"),
         (["hysteresis"], [], None, "wrong"),
