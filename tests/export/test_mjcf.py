@@ -36,6 +36,7 @@ EXPRESSED = (
     "stiffening:cubic=2",
     "stiffening:cubic=-0.15",
     "bending_stop:ratio=3,angle=0.6",
+    "bending_stop:ratio=3,angle=0.4,side=positive",
     "backlash:gap=0.2",
     "dry_friction:level=0.1",
     "hysteresis:amplitude=0.2",
@@ -44,6 +45,7 @@ EXPRESSED = (
     "quadratic_damping:coefficient=0.01",
     "damping_gradient:slope=1",
     "actuator_lag:time_constant=0.06",
+    "actuator_lag:time_constant=0.06,order=second",
     "dead_time:delay=0.04",
     "torque_bias:bias=0.1",
     "torque_map:quadratic=0.15",
@@ -56,7 +58,11 @@ EXPRESSED = (
     "marker_offset:offset=0.01",
     *(
         text
-        for text in ("preset_bend:angle=0.3", "unequal_lag:rise=0.08,fall=0.03,delay=0.01")
+        for text in (
+            "preset_bend:angle=0.3",
+            "unequal_lag:rise=0.08,fall=0.03,delay=0.01",
+            "unequal_lag:rise=0.08,fall=0.03,fills=positive",
+        )
         if text.partition(":")[0] in EFFECTS
     ),
 )
@@ -66,6 +72,9 @@ LOST = {"length_change", "marker_slip", "camera_scale", "restraint"}
 #: Those that no element of MuJoCo stands for.
 BY_LAW = {
     "unequal_lag:rise=0.08,fall=0.03,delay=0.01",
+    "unequal_lag:rise=0.08,fall=0.03,fills=positive",
+    "actuator_lag:time_constant=0.06,order=second",
+    "bending_stop:ratio=3,angle=0.4,side=positive",
     "stiffening:cubic=2",
     "stiffening:cubic=-0.15",
     "hysteresis:amplitude=0.2",
