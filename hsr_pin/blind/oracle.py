@@ -59,7 +59,7 @@ def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> No
 def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
     from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
-    from hsr_pin.diagnosis.search import mean_square
+    from hsr_pin.diagnosis.thresholds import mean_square
     from hsr_pin.effects import effect_named
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.fit import fit

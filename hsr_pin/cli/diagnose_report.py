@@ -10,7 +10,7 @@ from rich.text import Text
 from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
-from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import HEADLINES, advice, number, where_sentence
 
 #: Lines of a screen, without the one for the next prompt.

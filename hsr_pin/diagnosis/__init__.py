@@ -24,6 +24,7 @@
 - ``smooth``: motion smoothed and differentiated; ranks
 - ``spread``: how what is missing is spread along the arm
 - ``support``: what speaks for each part and kind
+- ``thresholds``: when a model is better, as good, or good enough
 - ``verdict``: what may be said
 - ``where``: maps along the arm, time, operating range and trials
 - ``words``: names and numbers as a person would say them

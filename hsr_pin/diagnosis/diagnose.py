@@ -18,8 +18,9 @@ from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
-from hsr_pin.diagnosis.search import Search, Thresholds, mean_square, search, worth_having
+from hsr_pin.diagnosis.search import Search, search
 from hsr_pin.diagnosis.support import supports
+from hsr_pin.diagnosis.thresholds import Thresholds, mean_square, worth_having
 from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named

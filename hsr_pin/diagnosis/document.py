@@ -14,7 +14,7 @@ from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates
 from hsr_pin.diagnosis.ladder import Rung
-from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.identification.arm_document import arm_to_json

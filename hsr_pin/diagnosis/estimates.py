@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import number
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.uncertainty import uncertainty

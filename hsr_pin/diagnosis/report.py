@@ -17,7 +17,7 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import Estimate, estimates, ranked
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.page import environment
-from hsr_pin.diagnosis.search import mean_square
+from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import (
     EXPERIMENTS,
     HEADLINES,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
-from hsr_pin.diagnosis.search import Thresholds, doubtful, open_share, tolerated
+from hsr_pin.diagnosis.thresholds import Thresholds, doubtful, open_share, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN

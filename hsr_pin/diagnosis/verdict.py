@@ -9,9 +9,10 @@ from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
-from hsr_pin.diagnosis.search import (
+from hsr_pin.diagnosis.search import Search
+from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.thresholds import (
     FACTOR,
-    Search,
     Thresholds,
     clearly_worse,
     doubtful,
@@ -21,7 +22,6 @@ from hsr_pin.diagnosis.search import (
     mean_square,
     open_share,
 )
-from hsr_pin.diagnosis.support import Support
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN, SESSION
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
-from hsr_pin.diagnosis.search import doubtful
+from hsr_pin.diagnosis.thresholds import doubtful
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.spatial import SPATIAL

@@ -23,7 +23,7 @@ class ActuatorLag(Effect):
     """
 
     name = "actuator_lag"
-    lacks = "the torque follows the command as a first-order lag"
+    lacks = "the torque follows the command as a lag of first or second order"
     cause = "filling of the muscles, regulators"
     memories = 2
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"

@@ -13,6 +13,7 @@
 - ``heldout``: leave one trial out
 - ``hypothesis``: Hypothesis: a model with open parameters
 - ``identify``: identify: the whole fit of a dataset
+- ``input_form``: what a command does between its samples, where nobody says
 - ``links_study``: how many links are worth their cost
 - ``misfit``: weighted residuals and derivatives for the search
 - ``nuisance``: what belongs to a trial and not to the arm

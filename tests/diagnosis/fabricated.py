@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.search import Thresholds
 from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.thresholds import Thresholds
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
 from hsr_pin.identification.fit import Fit

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.search import BEAM, Thresholds, key, search, worth_having
+from hsr_pin.diagnosis.search import BEAM, key, search
+from hsr_pin.diagnosis.thresholds import Thresholds, worth_having
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.effects.flexible import FLEXIBLE

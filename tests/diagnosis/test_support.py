@@ -8,8 +8,8 @@ import pytest
 
 from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
-from hsr_pin.diagnosis.search import Thresholds
 from hsr_pin.diagnosis.support import Support, drift, environments, supports
+from hsr_pin.diagnosis.thresholds import Thresholds
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.experiment import prepare

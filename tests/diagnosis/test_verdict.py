@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.search import Search, clearly_worse
+from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.thresholds import clearly_worse
 from hsr_pin.diagnosis.verdict import STATUSES, Evidence, judge, rivals
 
 from .fabricated import THRESHOLDS, candidate

@@ -13,7 +13,8 @@ import numpy as np
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import APART, laws_first, mean_square
+from hsr_pin.diagnosis.search import APART, laws_first
+from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
