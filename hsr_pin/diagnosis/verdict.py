@@ -236,7 +236,7 @@ def _nameable(sets: Sequence[tuple[str, ...]], found: Search) -> list[tuple[str,
 
 
 def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:
-    """Of sets of causes that have what is sure and something of these kinds those that come closest to the best, a few."""
+    """What is sure, with a cause of each of these kinds: of the models that have one the few that come closest to the best."""
     base, best = found.path[0], found.best
     near: list[Candidate] = []
     for each in sorted(found.tried, key=mean_square):
@@ -246,7 +246,8 @@ def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, threshold
         if fits and enough and not told and not _idle(each, base, found.tried, thresholds):
             near.append(each)
     closest = [each for each in near if left(each) <= NEAR * max(left(near[0]), thresholds.closed**2)]
-    return [each.names for each in closest[:FEW]]
+    told_of = [[part.name for part in each.fit.hypothesis.parts if part.kind in kinds or part.name in sure] for each in closest]
+    return list(dict.fromkeys(tuple(sorted(names)) for names in told_of))[:FEW]
 
 
 def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:

@@ -123,6 +123,8 @@ def test_of_a_kind_that_is_certain_the_laws_with_a_name_that_come_closest_are_to
     assert found.alternatives == (("bending_stop",), ("stiffening",))  # no other kind, none far from these, no more parts
     assert found.sentence.endswith("Of the laws that have a name bending_stop, or stiffening come closest.")
     assert verdict(*laws[2:], *others).alternatives == (("backlash",),)
+    beside = verdict(candidate("stiffening", "tip_mass", gap=1e-3), weak=("tip_mass", "mass_gravity", "stiffening"))
+    assert (beside.kinds, beside.alternatives) == (("elastic",), (("stiffening",),))  # the mass is not sure, nor is its kind
 
 
 def test_the_flexible_law_of_a_kind_is_no_alternative():
