@@ -50,8 +50,6 @@ TRACED = 0.83
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
 
-_COMES = ("comes", "come")
-
 #: Numbers of the arm in words.
 _PLAINLY = {
     "torque_gain": "another gain of the torque (torque_gain)",
@@ -216,7 +214,7 @@ def _graded(
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
         near = ""
         if others and len(sets) == 1:
-            near = f" Of the laws that have a name {_or(others)} {_COMES[len(others) > 1]} closest."
+            near = f" Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest."
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
     likely = max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY

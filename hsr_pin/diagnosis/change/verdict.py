@@ -123,7 +123,7 @@ class Found:
         """Whether the numbers that set a change apart from its special cases may all be the same."""
         steps = {size.parameter: size.step for size in self.sizes[fitted.suspect.names] if size.step is not None}
         apart = [[steps[name] for name in names if name in steps] for names in fitted.suspect.unlike]
-        return bool(apart) and all(max(low for low, _ in each) <= min(high for _, high in each) for each in apart if each)
+        return bool(apart) and all(each and max(low for low, _ in each) <= min(high for _, high in each) for each in apart)
 
     def told(self, fitted: Fitted) -> tuple[Size, ...]:
         """What is said of a change: no damping that a swing at another rate may make."""
