@@ -21,7 +21,8 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, mean_square, worth_having
-from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, judge, with_traces
+from hsr_pin.diagnosis.turned_plane import TurnedPlane, turned_plane
+from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -115,6 +116,9 @@ def diagnose(
     if aside:
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
+    plane = turned_plane(experiment)
+    if plane is not None:
+        experiment, aside = plane.undone(experiment), plane.undone(aside) if aside else None
     if effects is not None:
         refuse_formless(kinds, space=space)
     parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
@@ -122,7 +126,7 @@ def diagnose(
     if executor is not None:
         beforehand(executor, ready, kinds, space)
     with workers(jobs, cluster, executor) as executor:
-        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, executor, seed, tell, advance)
+        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, plane, executor, seed, tell, advance)
         found = study.of(experiment)
         other = study.turned(found)
         if other is None:
@@ -140,6 +144,7 @@ class _Study:
         parts: the candidates.
         hypothesis: the arm alone.
         aside: the trials set aside.
+        plane: that was turned back.
     """
 
     parts: Sequence[Part]
@@ -147,6 +152,7 @@ class _Study:
     declared_links: int
     max_effects: int
     aside: Experiment | None
+    plane: TurnedPlane | None
     executor: Executor
     seed: int
     tell: Callable[[str], None]
@@ -161,6 +167,7 @@ class _Study:
             experiment, base_fit = (experiment, base_fit) if settled else as_it_fits(experiment, base_fit)
         aside = taken(self.aside, straight=goes_straight(experiment)) if self.aside else None
         prints, own = fingerprint(experiment), repeats(experiment)
+        prints = self.plane.within(prints) if self.plane else prints
         experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
         length, itself = experiment.dataset.length, own.floor if own else None
         thresholds = Thresholds.of(experiment.noise_rms, length, itself)
@@ -213,7 +220,7 @@ class _Study:
             lambda: where.spread,
             lambda: pulsation(experiment, base_fit, seed),
         )
-        verdict = with_traces(verdict, (look() for look in looks))
+        verdict = beside(with_traces(verdict, (look() for look in looks)), self.plane)
         return Diagnosis(
             experiment,
             verdict,

@@ -265,6 +265,20 @@ def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
     )
 
 
+def beside(verdict: Verdict, trace: Trace | None) -> Verdict:
+    """With what was seen, and mended, before any model was asked."""
+    if trace is None or not trace.kind:
+        return verdict
+    nothing = verdict.status in ("no_gap", "parameters", "unexplained")
+    return replace(
+        verdict,
+        status="partly_identified" if nothing else verdict.status,
+        kinds=tuple(sorted({*verdict.kinds, trace.kind})),
+        confidence={**verdict.confidence, trace.kind: max(TRACED, verdict.confidence.get(trace.kind, 0.0))},
+        sentence=f"{verdict.sentence} Of the kind {trace.kind} this is certain: {trace.sentence}.",
+    )
+
+
 def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:
     """The sets, and a few of those next to them: what is not clearly worse by much is not out."""
     base, best, wider = found.path[0], found.best, list(sets)

@@ -33,6 +33,7 @@ class OutOfPlane(Print):
         offset: [m] standard deviation of the trials' middles out of the plane.
         turn: [rad] about the straight arm that would take most of it away.
         explained: share of the mean square that this turn takes away.
+        beside: [m] how far beside the straight arm the turned plane passes.
         noise: [m] of a coordinate.
         points: (S, 2) [m] across and sideways, some of all.
     """
@@ -42,6 +43,7 @@ class OutOfPlane(Print):
     offset: float
     turn: Estimate
     explained: float
+    beside: float
     noise: float
     points: Array
     name: ClassVar[str] = "out_of_plane"
@@ -102,13 +104,14 @@ class OutOfPlane(Print):
 
 def out_of_plane(experiment: Experiment) -> OutOfPlane | None:
     """Motion out of the plane; None where it was not measured."""
-    across, sideways, trials, middles = [], [], [], []
+    across, sideways, trials, middles, centres = [], [], [], [], []
     axis = 2 if experiment.dataset.mount == "horizontal" else 0
     noise = 0.0
     for run in experiment.runs:
         marker = bending(run, experiment).marker
         shown = run.measured[np.isfinite(run.measured[:, marker, 0]), marker]
         middles.append(float(np.median(shown[:, 1])))
+        centres.append(float(np.median(shown[:, axis])))
         across.append(shown[:, axis] - np.median(shown[:, axis]))
         sideways.append(shown[:, 1] - np.median(shown[:, 1]))
         trials += [run.trial.name] * len(shown)
@@ -127,6 +130,7 @@ def out_of_plane(experiment: Experiment) -> OutOfPlane | None:
         offset=float(np.std(middles, ddof=1)) if len(middles) > 1 else 0.0,
         turn=turn,
         explained=1 - less / beyond if beyond > 0 else 0.0,
+        beside=float(np.median(np.array(middles) - slope.value * np.array(centres))),
         noise=noise,
         points=np.stack([x, y], axis=1)[::every],
     )
