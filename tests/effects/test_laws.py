@@ -173,6 +173,13 @@ def test_quadratic_damping_is_odd_and_quadratic_up_to_15_rad_per_second_and_then
     assert KEQ * moment(law, 0.3, -20.0).item() == pytest.approx(-0.02 * (225 + 30 * 5))
 
 
+@pytest.mark.parametrize(("way", "rates"), [("both", (-4.0, 4.0)), ("positive", (0.0, 4.0)), ("negative", (-4.0, 0.0))])
+def test_damping_over_rate_is_a_power_in_the_ways_that_it_resists(way, rates):
+    law = parse_effect(f"damping_curve:coefficient=0.2,power=2,way={way}")
+    resisted = [KEQ * moment(law, 0.3, rate).item() for rate in (-4.0, 4.0)]
+    assert resisted == pytest.approx([0.2 * rate * abs(rate) / 9 for rate in rates], abs=1e-15)
+
+
 def test_a_damping_gradient_keeps_the_mean():
     law = EFFECTS["damping_gradient"](-1.2)
     assert along((law,), "damping", 7).mean() == pytest.approx(1, abs=1e-12)

@@ -67,6 +67,8 @@ EXAMPLES = [
         "camera_scale:scale=0.03",
         "elastic_curve:first=0.3,second=0.2,fourth=0.1",
         "damping_curve:coefficient=0.2,power=0.6",
+        "damping_curve:coefficient=0.05,power=2,way=positive",
+        "damping_curve:coefficient=0.3,power=1.5,way=negative",
         "damping_profile:first=0.5,second=-0.3",
         "stiffness_profile:first=0.4,second=-0.3,third=0.2",
         "torque_profile:first=-0.4,second=0.3,third=0.2",
