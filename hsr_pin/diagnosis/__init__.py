@@ -25,7 +25,6 @@
 - ``spread``: how what is missing is spread along the arm
 - ``support``: what speaks for each part and kind
 - ``thresholds``: when a model is better, as good, or good enough
-- ``turned_plane``: an arm that bends in a plane, but not in the declared one
 - ``verdict``: what may be said
 - ``where``: maps along the arm, time, operating range and trials
 - ``words``: names and numbers as a person would say them

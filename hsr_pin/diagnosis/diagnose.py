@@ -14,6 +14,7 @@ from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import structure
 from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
+from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
@@ -21,7 +22,6 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, mean_square, worth_having
-from hsr_pin.diagnosis.turned_plane import TurnedPlane, turned_plane
 from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
@@ -33,6 +33,7 @@ from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import as_it_fits, goes_straight, otherwise, taken
+from hsr_pin.identification.plane import Plane, in_its_plane
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
@@ -112,13 +113,11 @@ def diagnose(
     if max_effects < 0:
         raise IdentificationError("max_effects", expected="zero or more", received=max_effects)
     tell("reading the recordings")
-    experiment, aside = split(prepare(dataset, delay=delay), train, test)
+    whole, plane = in_its_plane(prepare(dataset, delay=delay))
+    experiment, aside = split(whole, train, test)
     if aside:
         told = ", ".join(run.trial.name for run in aside.runs)
         experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
-    plane = turned_plane(experiment)
-    if plane is not None:
-        experiment, aside = plane.undone(experiment), plane.undone(aside) if aside else None
     if effects is not None:
         refuse_formless(kinds, space=space)
     parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
@@ -152,7 +151,7 @@ class _Study:
     declared_links: int
     max_effects: int
     aside: Experiment | None
-    plane: TurnedPlane | None
+    plane: Plane | None
     executor: Executor
     seed: int
     tell: Callable[[str], None]
@@ -167,7 +166,7 @@ class _Study:
             experiment, base_fit = (experiment, base_fit) if settled else as_it_fits(experiment, base_fit)
         aside = taken(self.aside, straight=goes_straight(experiment)) if self.aside else None
         prints, own = fingerprint(experiment), repeats(experiment)
-        prints = self.plane.within(prints) if self.plane else prints
+        prints = prints.with_print(OutOfPlane(self.plane)) if self.plane else prints
         experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
         length, itself = experiment.dataset.length, own.floor if own else None
         thresholds = Thresholds.of(experiment.noise_rms, length, itself)

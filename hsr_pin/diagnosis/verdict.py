@@ -275,7 +275,7 @@ def beside(verdict: Verdict, trace: Trace | None) -> Verdict:
         status="partly_identified" if nothing else verdict.status,
         kinds=tuple(sorted({*verdict.kinds, trace.kind})),
         confidence={**verdict.confidence, trace.kind: max(TRACED, verdict.confidence.get(trace.kind, 0.0))},
-        sentence=f"{verdict.sentence} Of the kind {trace.kind} this is certain: {trace.sentence}.",
+        sentence=f"{verdict.sentence} Certain too, of the kind {trace.kind}: {trace.sentence}.",
     )
 
 

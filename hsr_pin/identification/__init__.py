@@ -14,11 +14,13 @@
 - ``hypothesis``: Hypothesis: a model with open parameters
 - ``identify``: identify: the whole fit of a dataset
 - ``input_form``: what a command does between its samples, where nobody says
+- ``jackknife``: numbers with intervals, by leaving one trial out
 - ``links_study``: how many links are worth their cost
 - ``misfit``: weighted residuals and derivatives for the search
 - ``nuisance``: what belongs to a trial and not to the arm
 - ``paper_procedure``: the paper's own five steps and its grid over C
 - ``phases``: rest, command change, transient, settled
+- ``plane``: the plane in which an arm bends, and whether it is the declared one
 - ``pose``: how an arm is bent whose markers are seen
 - ``profile``: profile likelihood
 - ``reach``: how far from the base a marker may be

@@ -17,6 +17,7 @@ from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
 from hsr_pin.identification.input_form import as_it_fits, goes_straight, taken
+from hsr_pin.identification.plane import in_its_plane
 from hsr_pin.identification.starts import starts
 from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
 from hsr_pin.robot.specification import Placement
@@ -94,7 +95,7 @@ def identify(
         IdentificationError: an unknown parameter, or nothing in the dataset can be compared.
     """
     tell("reading the recordings")
-    whole = prepare(dataset, delay=delay)
+    whole = in_its_plane(prepare(dataset, delay=delay))[0]
     fitted, predicted = split(whole, train, test)
     hypothesis = choose(free, effects, fitted.runs, links=links, placement=placement, by_level=by_level)
     tell("looking where to start")

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import diagnose
-from hsr_pin.diagnosis.turned_plane import turned_plane
 from hsr_pin.diagnosis.verdict import Verdict, beside
 from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.identify import identify
+from hsr_pin.identification.plane import in_its_plane, plane_of
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import Scenario, Settled
@@ -47,36 +48,41 @@ def recorded(mount, degrees=0.0, beside=0.0, released=False, noise=1e-4):
 @pytest.mark.parametrize("released", [False, True], ids=["driven", "released"])
 def test_a_turned_plane_is_told_and_turned_back(mount, released):
     truth, seen = (prepare(recorded(mount, *turn, released=released)) for turn in ((), (-14.0, 0.02)))
-    found = turned_plane(seen)
-    turn = np.degrees(found.shown.turn.value)
+    back, found = in_its_plane(seen)
+    turn = np.degrees(found.turn.value)
     assert turn == pytest.approx(-14.0, abs=0.3)
-    assert f"turned by {turn:.1f} degrees" in found.sentence
-    back = found.undone(seen)
+    assert f"turned by {turn:.1f} degrees" in found.sentence and back.notes[-1] == found.sentence
     for run, own in zip(back.runs, truth.runs, strict=True):
         np.testing.assert_allclose(run.measured[..., run.axes], own.measured[..., run.axes], atol=1e-3)
         assert np.nanmax(np.abs(run.trial.trajectory.positions[..., 1] - 0.02)) < 1e-3
         if released:
             np.testing.assert_allclose(run.start_pose[:, run.axes], own.start_pose[:, run.axes], atol=1e-3)
-    assert turned_plane(back) is None
+    assert in_its_plane(back) == (back, None)
 
 
 def test_the_declared_plane_and_a_small_turn_are_left_alone():
-    assert turned_plane(prepare(recorded("hanging"))) is None
-    assert turned_plane(prepare(recorded("hanging", 1.0))) is None
+    for degrees in (0.0, 1.0):
+        seen = prepare(recorded("hanging", degrees))
+        assert in_its_plane(seen) == (seen, None)
 
 
 def test_a_diagnosis_tells_it_and_its_stiffness_does_not_suffer():
     found = diagnose(recorded("hanging", 20.0), effects=(), jobs=1)
     assert (found.verdict.status, found.verdict.kinds, found.verdict.effects) == ("partly_identified", ("measurement",), ())
-    assert turned_plane(prepare(recorded("hanging", 20.0))).sentence in found.verdict.sentence
+    assert found.fingerprint.named("out_of_plane").plane.sentence in found.verdict.sentence
     fit = found.search.best.fit if found.search else None
     assert fit is not None and fit.named["keq_scale"] == pytest.approx(1.0, abs=0.01)  # 6 % of a chord, seen at an angle
-    shown = found.fingerprint.named("out_of_plane")
-    assert shown.turned and found.fingerprint.kinds.count("measurement") == 1
+    assert found.fingerprint.kinds.count("measurement") == 1
+
+
+def test_a_fit_turns_it_back_and_says_so():
+    found = identify(recorded("upright", -20.0))
+    assert found.fit.named["keq_scale"] == pytest.approx(1.0, abs=0.01)
+    assert any("is turned by -20" in note or "is turned by -19.9" in note for note in found.experiment.notes)
 
 
 def test_a_verdict_that_names_keeps_its_names():
-    trace = turned_plane(prepare(recorded("upright", 9.0)))
+    trace = plane_of(prepare(recorded("upright", 9.0)))
     named = Verdict("identified", ("stiffening",), (), "So it is.", ("elastic",), {"measurement": 0.9})
     told = beside(named, trace)
     assert (told.status, told.effects, told.kinds) == ("identified", ("stiffening",), ("elastic", "measurement"))

@@ -11,6 +11,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.commands import Plateau
 from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.plane import farthest_seen
 from hsr_pin.trajectory import Array
 
 #: Share of a plateau, at its end, over which the arm is taken to be settled.
@@ -78,10 +79,8 @@ class Bending:
 
 def bending(run: Run, experiment: Experiment) -> Bending:
     """The bending that the farthest marker shows that was seen for a good part of a run."""
-    seen = np.isfinite(run.measured[..., 0])
-    often = seen.sum(axis=0) >= 0.5 * seen.sum(axis=0).max()
-    marker = max(np.flatnonzero(often), key=lambda index: experiment.markers[index].arc_length)
-    shown = seen[:, marker]
+    marker = farthest_seen(run, experiment)
+    shown = np.isfinite(run.measured[:, marker, 0])
     along, across = (run.compared[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
     angle = 2 * np.arctan2(across, along)
     start = float(angle[0])
@@ -94,7 +93,7 @@ def bending(run: Run, experiment: Experiment) -> Bending:
         time=(run.time - run.time[0])[shown],
         angle=angle,
         noise=2 * float(experiment.noise[marker]) / distance,
-        marker=int(marker),
+        marker=marker,
         arc_length=experiment.markers[marker].arc_length,
         mount=experiment.dataset.mount,
         start=start,

@@ -6,7 +6,7 @@ swings differ by the side.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from hsr_pin.diagnosis.fingerprint.creep import creep
@@ -51,6 +51,10 @@ class Fingerprint:
     def named(self, name: str) -> Print | None:
         """The print of that name; None where the recordings cannot show it."""
         return next((each for each in self.prints if each.name == name), None)
+
+    def with_print(self, other: Print) -> Fingerprint:
+        """With another print in place of the one of its name."""
+        return replace(self, prints=tuple(other if each.name == other.name else each for each in self.prints))
 
     def to_json(self) -> dict[str, Any]:
         """Plain numbers and texts, as ``json.dumps(..., allow_nan=False)`` takes them."""

@@ -18,12 +18,12 @@ def test_noise_alone_is_next_to_nothing():
 def test_a_turned_plane_is_turned_back():
     across = [LENGTH * np.sinc(angle / 2 / np.pi) * np.sin(angle / 2) for angle in SWINGS]
     found = out_of_plane(arcs(*SWINGS, sideways=[0.1 * each for each in across], noise=5e-5))
-    assert found.turn.value == pytest.approx(np.arctan(0.1), rel=0.02)
+    assert found.plane.turn.value == pytest.approx(np.arctan(0.1), rel=0.02)
     assert found.kinds == ("measurement",)
 
 
 def test_a_motion_of_its_own_is_set_apart():
     sideways = [0.004 * np.sin(0.09 * np.arange(400) + phase) for phase in (0.0, 1.0, 2.0)]
     found = out_of_plane(arcs(*SWINGS, sideways=sideways, noise=5e-5))
-    assert found.sideways == pytest.approx(0.004 / np.sqrt(2), rel=0.1)
-    assert found.leaves and not found.turned and found.kinds == ()
+    assert found.plane.sideways == pytest.approx(0.004 / np.sqrt(2), rel=0.1)
+    assert found.plane.left and not found.plane.turned and found.kinds == ()

@@ -1,0 +1,89 @@
+"""Numbers with their 95 % intervals, from what leaving out one trial at a time makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import stdtrit
+
+from hsr_pin.trajectory import Array
+
+#: Probability that an interval covers.
+LEVEL = 0.95
+
+
+class Estimate(NamedTuple):
+    """A number with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def certain(self) -> bool:
+        """Whether the interval leaves out zero."""
+        return self.low > 0 or self.high < 0
+
+
+def mean_of(values: Sequence[float] | Array) -> Estimate:
+    """Mean of independent values, by Student's t; of fewer than two nothing is certain."""
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known)]
+    if not len(known):
+        return Estimate(np.nan, -np.inf, np.inf)
+    value = float(known.mean())
+    if len(known) < 2:
+        return Estimate(value, -np.inf, np.inf)
+    reach = float(stdtrit(len(known) - 1, (1 + LEVEL) / 2) * known.std(ddof=1) / np.sqrt(len(known)))
+    return Estimate(value, value - reach, value + reach)
+
+
+def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) -> tuple[Estimate, ...]:
+    """Least squares of ``values`` (n,) on ``design`` (n, k); intervals by leaving out one cluster (trial) at a time.
+
+    With hardly more clusters than coefficients, ten stretches of the values are left out instead.
+    """
+    groups = _groups(clusters, design.shape[1] + 2)
+    count = int(groups.max()) + 1
+    best = np.linalg.lstsq(design, values, rcond=None)[0]
+    if count <= design.shape[1]:
+        return tuple(Estimate(float(b), -np.inf, np.inf) for b in best)
+    left = np.array([np.linalg.lstsq(design[groups != g], values[groups != g], rcond=None)[0] for g in range(count)])
+    reach = _jackknife(left, design.shape[1])
+    return tuple(Estimate(float(b), float(b - r), float(b + r)) for b, r in zip(best, reach, strict=True))
+
+
+def slope_of(x: Array, values: Array, clusters: Sequence[object]) -> Estimate:
+    """Slope of ``values`` (n,) over ``x`` (n,) that single odd values do not move (Theil and Sen); intervals as above."""
+
+    def slope(kept: NDArray[np.bool_]) -> float:
+        first, second = np.triu_indices(int(kept.sum()), 1)
+        rise, run = (part[kept][second] - part[kept][first] for part in (values, x))
+        order = np.argsort(rise / np.where(run == 0, 1e-12, run))  # each pair by its distance: near ones say little
+        weight = np.cumsum(np.abs(run)[order])
+        at = order[np.searchsorted(weight, weight[-1] / 2)]
+        return float(rise[at] / run[at])
+
+    groups = _groups(clusters, 6)
+    best = slope(np.ones(len(values), dtype=bool))
+    left = np.array([[slope(groups != g)] for g in range(int(groups.max()) + 1)])
+    reach = float(_jackknife(left, 1)[0])
+    return Estimate(best, best - reach, best + reach)
+
+
+def _groups(clusters: Sequence[object], fewest: int) -> NDArray[np.intp]:
+    """Number of the cluster of each value; of the stretch of values that it is in, ten at most, if there are too few clusters."""
+    place = {name: number for number, name in enumerate(dict.fromkeys(clusters))}
+    if len(place) >= fewest:
+        return np.array([place[name] for name in clusters])
+    return np.arange(len(clusters)) * min(10, len(clusters)) // len(clusters)
+
+
+def _jackknife(left: Array, parameters: int) -> Array:
+    """Half the interval of each of (k,) estimates, from what (g, k) leaving out one group each gives (Tukey 1958)."""
+    count = len(left)
+    error = np.sqrt((count - 1) / count * ((left - left.mean(axis=0)) ** 2).sum(axis=0))
+    return np.asarray(stdtrit(count - parameters, (1 + LEVEL) / 2) * error)
