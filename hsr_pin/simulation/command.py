@@ -45,16 +45,21 @@ class Delivered:
         cells = np.arange(self.impulse.shape[1]).reshape(-1, *[1] * (torque.ndim - 1))
         return replace(self, impulse=self.impulse + torque[:, None] * cells, initial=self.initial + torque)
 
-    def until(self) -> Array:
-        """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all."""
+    def until(self, *, together: bool = False) -> Array:
+        """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all.
+
+        Of columns that step ``together`` (1, C + 1): at which any of them does.
+        """
         with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears is a motion that diverges
             torque = np.diff(self.impulse, axis=1)
             largest = np.maximum(np.abs(torque).max(axis=1, keepdims=True), 1e-12)
             jumps = np.abs(np.diff(torque, axis=1)) > _JUMP * largest
         if jumps.ndim == 3:
             jumps = jumps.any(axis=2)
+        if together:
+            jumps = jumps.any(axis=0, keepdims=True)
         cells = torque.shape[1]
-        ends = np.full(self.impulse.shape[:2], float(cells))
+        ends = np.full((len(jumps), cells + 1), float(cells))
         ends[:, : cells - 1] = np.where(jumps, np.arange(1.0, cells), cells)
         return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1]
 

@@ -172,10 +172,10 @@ class Engine:
         lost, beyond = np.where(found, inf, 0.0), np.array(state.q, order="C")
         taken = np.zeros(max(64, 4 * command.impulse.shape[1]))
         q, v, z = (np.array(part, order="C") for part in (state.q, state.v, state.z))
-        tolerance, first, longest, until = self._steps(command, method)
+        tolerance, first, longest, until = self._steps(command, method, together=True)
         with np.errstate(all="ignore"):  # a column that diverges is reported as such
             steps = self._loops.march(
-                self._system, q, v, z, command.impulse, command.cell, command.per_sample, until.min(axis=0), self.weights(method),
+                self._system, q, v, z, command.impulse, command.cell, command.per_sample, until[0], self.weights(method),
                 float(tolerance[0]), first, longest, self._limit, angles, rates, lost, taken, beyond,
             )  # fmt: skip
         return Motion(angles, rates, lost * command.cell, beyond, State(q, v, z), taken[:steps] * command.cell)
@@ -212,14 +212,17 @@ class Engine:
         """(2, p) of the method that suits the first of the arms."""
         return method.suited(bool(self.columns.ringing[0])).weights
 
-    def _steps(self, command: Delivered, method: Integrator) -> tuple[Array, float, float, Array]:
-        """(B,) tolerance in radians; the first and the longest step, in cells; (B, C + 1) what no step may pass."""
+    def _steps(self, command: Delivered, method: Integrator, *, together: bool = False) -> tuple[Array, float, float, Array]:
+        """(B,) tolerance in radians; the first and the longest step, in cells; (B, C + 1) what no step may pass.
+
+        Of columns that step ``together`` (1, C + 1).
+        """
         if method.step is not None:
             shape = command.impulse.shape[:2]
             until = np.broadcast_to(np.arange(1.0, shape[1] + 1), shape)
             return np.full(len(self.columns), inf), 1.0, 1.0, np.array(until, order="C")
         first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
-        until = np.ascontiguousarray(command.until())
+        until = np.ascontiguousarray(command.until(together=together))
         return method.tolerance / self.columns.arms.length, max(first, 1 / 16), max(longest, 1.0), until
 
 
