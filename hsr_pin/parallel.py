@@ -18,8 +18,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from functools import lru_cache
-from importlib import import_module
 from multiprocessing.connection import Connection
+from multiprocessing.context import BaseContext
 from typing import Any, Generic, TypeVar
 
 from hsr_pin.collector import spare
@@ -33,6 +33,8 @@ _TRIES = 3
 _EARLY = 16
 #: A scheduler answers within this time [s].
 _PATIENCE = 10
+#: What processes of our own are begun with: all that a fit will call.
+_PRELOADED = ("hsr_pin.diagnosis.crew",)
 _LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
 
 
@@ -151,12 +153,6 @@ def beforehand(executor: Executor, function: Callable[..., None], *arguments: An
         executor.everywhere(function, *arguments)
 
 
-def load(*modules: str) -> None:
-    """Import modules: a task for :func:`beforehand`."""
-    for module in modules:
-        import_module(module)
-
-
 def for_each(
     work: Callable[[T], None],
     items: Sequence[T],
@@ -180,8 +176,7 @@ class _Pool(Executor):
         self._pool = self._begun()
 
     def _begun(self) -> ProcessPoolExecutor:
-        context = multiprocessing.get_context("spawn")  # forking a process that runs threads is not safe
-        return ProcessPoolExecutor(self._count, context, initializer=_follow, initargs=(self._held,))
+        return ProcessPoolExecutor(self._count, _context(), initializer=_follow, initargs=(self._held,))
 
     def everywhere(self, function: Callable[..., None], *arguments: Any) -> None:
         """A task for each of the processes, which are begun for it."""
@@ -206,6 +201,18 @@ class _Pool(Executor):
     def kill(self) -> None:
         """End the processes at once."""
         self._leash.close()
+
+
+def _context() -> BaseContext:
+    """How processes begin: forked from one that has loaded what they will want, and runs no threads; else each from nothing."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    from multiprocessing import forkserver
+
+    forkserver.set_forkserver_preload(list(_PRELOADED))
+    with _uninterrupted():
+        forkserver.ensure_running()  # it loads while this process does the same
+    return multiprocessing.get_context("forkserver")
 
 
 def _follow(held: Connection) -> None:

@@ -24,7 +24,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
-from hsr_pin.parallel import Serial, Shared, beforehand, for_each, load, run, workers
+from hsr_pin.parallel import Serial, Shared, beforehand, for_each, run, workers
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.simulate import simulate
@@ -170,7 +170,7 @@ def test_a_diagnosis_takes_any_executor_and_leaves_it_open(heavy_tip):
 
 def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
     with workers(2) as executor:
-        beforehand(executor, load, "this", "hsr_pin.no_such_module")  # what fails there fails when it is needed
+        beforehand(executor, os.mkdir, tmp_path / "no" / "folder")  # what fails there fails when it is needed
         beforehand(executor, os.mkdir, tmp_path / "made")
         until = time.monotonic() + 30
         while not (tmp_path / "made").exists() and time.monotonic() < until:
@@ -179,6 +179,11 @@ def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
         assert run(executor, operator.mul, [(6, 7)]) == [42]
     beforehand(Serial(), os.mkdir, tmp_path / "elsewhere")
     assert not (tmp_path / "elsewhere").exists()
+
+
+def test_processes_begin_with_what_a_fit_calls():
+    with workers(2) as executor:
+        assert run(executor, eval, [("'hsr_pin.diagnosis.crew' in __import__('sys').modules",)]) == [True]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -13,7 +13,7 @@ import click
 from hsr_pin.cli.command import run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
-from hsr_pin.parallel import beforehand, load, workers
+from hsr_pin.parallel import workers
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import Diagnosis
@@ -98,10 +98,9 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         effects = [name.strip() for name in options["effects"].split(",")]
         for name in effects:  # before the recordings, which take longer
             effect_named(name)
-    recordings = read_dataset(dataset)
     given = {name: options[name] for name in ("max_effects", "links", "seed")} | trials_from(options)
     with workers(options["jobs"], options["cluster"]) as executor:
-        beforehand(executor, load, "hsr_pin.diagnosis.crew")  # while this process does the same
+        recordings = read_dataset(dataset)
         from hsr_pin.diagnosis.diagnose import diagnose
 
         with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
