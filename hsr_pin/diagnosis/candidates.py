@@ -119,14 +119,14 @@ def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, witho
     points = np.array([np.append(base.values, values) for values in (neutral, *alone)])
     seen = _side_by_side(experiment, whole, points)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
+    every = np.concatenate(
+        [
+            free(np.moveaxis(each[:, 1:] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
+            for each, w, free in zip(seen, base.weights, without, strict=True)
+        ]
+    )
     for n, probe in enumerate(probes):
-        own = range(1 + n * len(amplitudes), 1 + (n + 1) * len(amplitudes))
-        changes = np.concatenate(
-            [
-                free(np.moveaxis(each[:, own] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
-                for each, w, free in zip(seen, base.weights, without, strict=True)
-            ]
-        )
+        changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
         if not np.isfinite(changes).all():
             continue
         answer = _linear_guess(base, whole, np.append(base.values, probe), known, changes)

@@ -30,12 +30,18 @@ class Crew:
 
     def guess(self, base: Candidate, parts: Sequence[Part]) -> list[Guess]:
         """First guesses for adding each part; kept, for a search comes back to models that it left."""
-        asked = base, tuple(parts)
-        if asked not in self._guessed:
-            groups = [parts[k : k + _TOGETHER] for k in range(0, len(parts), _TOGETHER)]
-            answers = run(self._executor, _guess, [(self._shared, base.fit, group) for group in groups])
-            self._guessed[asked] = [guess for answer in answers for guess in answer]
-        return self._guessed[asked]
+        return self.guess_each([(base, parts)])[0]
+
+    def guess_each(self, asked: Sequence[tuple[Candidate, Sequence[Part]]]) -> list[list[Guess]]:
+        """The same for several models, side by side."""
+        keys = [(base, tuple(parts)) for base, parts in asked]
+        new = [key for key in dict.fromkeys(keys) if key not in self._guessed]
+        cut = [[parts[k : k + _TOGETHER] for k in range(0, len(parts), _TOGETHER)] for _, parts in new]
+        tasks = [(self._shared, key[0].fit, group) for key, groups in zip(new, cut, strict=True) for group in groups]
+        answers = iter(run(self._executor, _guess, tasks))
+        for key, groups in zip(new, cut, strict=True):
+            self._guessed[key] = [guess for _ in groups for guess in next(answers)]
+        return [self._guessed[key] for key in keys]
 
     def glance(self, tasks: Sequence[tuple[Fit, Guess]]) -> list[Fit]:
         """A quick fit for each guess about a base fit."""

@@ -113,7 +113,7 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
         base = tried.get(_key(fewer.hypothesis))
         if not inside or base is None:
             continue
-        guessed = _promising(base, inside, crew)[:BEAM_GLANCES]
+        guessed = _promising([base], inside, crew)[0][:BEAM_GLANCES]
         quick = _from_one_basin([(base.fit, guess) for guess in guessed if _key(guess.hypothesis) not in tried], crew)
         new += crew.finish(laws_first(quick)[:SPECIAL])
     return new
@@ -162,8 +162,8 @@ def _extend(
 ) -> list[Candidate]:
     enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
     chosen: dict[Key, tuple[Fit, Guess]] = {}
-    for base in beam:
-        for guess in _promising(base, parts, crew)[:enough]:
+    for base, guesses in zip(beam, _promising(beam, parts, crew), strict=True):
+        for guess in guesses[:enough]:
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
     quick = laws_first(_from_one_basin(list(chosen.values()), crew))
@@ -173,10 +173,11 @@ def _extend(
     return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
 
 
-def _promising(base: Candidate, parts: Sequence[Part], crew: Crew) -> list[Guess]:
-    """What to add to a model, that which a probe predicts to help most first; nothing that would help next to none."""
-    ranked = _told_apart(sorted(crew.guess(base, [p for p in parts if p.name not in base.names]), key=lambda g: -g.gain))
-    return [guess for guess in ranked if guess.gain >= PROMISING * ranked[0].gain]
+def _promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) -> list[list[Guess]]:
+    """What to add to each of some models, what should help most by a probe first; nothing that would help next to none."""
+    answers = crew.guess_each([(base, [part for part in parts if part.name not in base.names]) for base in bases])
+    ranked = [_told_apart(sorted(guesses, key=lambda guess: -guess.gain)) for guesses in answers]
+    return [[guess for guess in guesses if guess.gain >= PROMISING * guesses[0].gain] for guesses in ranked]
 
 
 def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:
