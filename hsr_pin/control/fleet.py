@@ -100,12 +100,12 @@ class ArmFleet:
         Returns:
             The state then, and how many arms left their bending limits; see :meth:`lost`.
         """
-        impulse, cell, muscles = self._muscles.hold(torque.ravel(), dt, state.muscles)
+        impulse, cell, muscles = self._muscles.hold(torque if torque.ndim == 1 else torque.ravel(), dt, state.muscles)
         if self._sections > 1:
             impulse = impulse.reshape(*torque.shape, -1).swapaxes(1, 2)
         chain = state.chain.copy()
         lost = self._engine.advance(chain, impulse, cell, self._weights)
-        chain.flags.writeable = False
+        chain.setflags(write=False)
         return FleetState(chain, muscles, state.first), lost
 
     def lost(self, state: FleetState) -> NDArray[np.bool_]:

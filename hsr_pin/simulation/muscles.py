@@ -64,7 +64,7 @@ class Muscles:
         """
         cells, cell, ramp = _divided(duration, self._step, self._remembering)
         if not self._effects:
-            return torque[:, None] * ramp, cell, ()
+            return torque[:, None].dot(ramp), cell, ()  # a product of two numbers each, at once
         flow = np.empty((cells + 1, len(torque)), dtype=torque.dtype)
         flow[0], flow[1:] = 0.0, torque
         for place, (effect, p, delay) in enumerate(self._effects):
@@ -92,9 +92,9 @@ class Muscles:
 
 @lru_cache(maxsize=64)
 def _divided(duration: float, step: float, remembering: bool) -> tuple[int, float, Array]:
-    """The cells of a step [s], their length [s], and the numbers from 0 to their number."""
+    """The cells of a step [s], their length [s], and the numbers from 0 to their number as a row."""
     cells = cells_in(duration, substeps(duration, step), remembering)
-    return cells, duration / cells, np.arange(cells + 1.0)
+    return cells, duration / cells, np.arange(cells + 1.0)[None]
 
 
 def _late(torque: Array, past: Past, delay: Array, step: float) -> tuple[Array, Past]:
