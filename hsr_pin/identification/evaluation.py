@@ -107,7 +107,8 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     flow = torque[:, None] * hypothesis.factor("torque_gain", run, values)[:, None]
     if run.by_section is None:
         flow = flow[..., 0]  # the same for all
-    command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated)
+    smooth = columns.states == 0  # what remembers the path must not miss where it turns
+    command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated, smooth=smooth)
     if case.pushed is not None:
         command = command.beside(case.pushed)
     found = np.ones(len(values), dtype=bool)

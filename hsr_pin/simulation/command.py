@@ -18,8 +18,13 @@ from hsr_pin.trajectory import Array
 
 #: Where the muscles have a memory, or the command is interpolated, the torque is even over cells no longer than this [s].
 CELL = 0.005
-#: No step passes a change of the torque by more than this share of its largest, either way.
-_JUMP = 0.02
+#: No step passes a change of the torque by more than this share of its largest, either way; of one that may be smooth, by more
+#: than this.
+_JUMP, _SMOOTH_JUMP = 0.02, 0.05
+#: A command is a curve if at least this share of its samples differ from the one before, but by no more than so much of the
+#: largest. Where it may be smooth, such changes are spread over this long [s] about their instant, in cells of no more than half
+#: of that before and after.
+_CURVE, _SMALL, _SPREAD, _FINE = 0.1, 0.12, 0.01, 0.0025
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +36,14 @@ class Delivered:
         cell: [s].
         per_sample: cells from sample to sample.
         initial: (B,) [N m] before the first; in space complex, or (B, U).
+        jump: share of its largest by which it changes where a step has to end.
     """
 
     impulse: Array
     cell: float
     per_sample: int
     initial: Array
+    jump: float = _JUMP
 
     def beside(self, torque: Array) -> Delivered:
         """With a torque (B,) [N m] that no muscle passes on, always there; in space complex, the same for all sections."""
@@ -53,7 +60,7 @@ class Delivered:
         with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears is a motion that diverges
             torque = np.diff(self.impulse, axis=1)
             largest = np.maximum(np.abs(torque).max(axis=1, keepdims=True), 1e-12)
-            jumps = np.abs(np.diff(torque, axis=1)) > _JUMP * largest
+            jumps = np.abs(np.diff(torque, axis=1)) > self.jump * largest
         if jumps.ndim == 3:
             jumps = jumps.any(axis=2)
         if together:
@@ -72,6 +79,7 @@ def deliver(
     *,
     interpolated: bool = False,
     substeps: int = 1,
+    smooth: bool = False,
     respond: Callable[[Columns, Effect, Array, float], Array] | None = None,
 ) -> Delivered:
     """Pass a command through the muscles of all columns.
@@ -83,13 +91,18 @@ def deliver(
         step: from sample to sample [s].
         interpolated: the command goes straight from sample to sample instead of being held.
         substeps: cells in a sample, at least.
+        smooth: a command that is a curve may be taken as one, so that steps need not end at its samples. A held one is changed
+            by a saw of its small steps that is faster than an arm follows; the torque's integral over them stays.
         respond: how an effect's law is applied to (C, B) torques; default: :func:`by_law`.
     """
-    per_sample = cells_in(step, substeps, columns.remembering or interpolated)
+    steps = _small_steps(torque) if smooth else torque[:0]
+    per_sample = cells_in(step, substeps, columns.remembering or interpolated or len(steps) > 0, _FINE if len(steps) else CELL)
     held = np.repeat(torque[:-1], per_sample, axis=0)
     if interpolated:
         share = (np.arange(per_sample) + 0.5) / per_sample
         held = held + np.repeat(np.diff(torque, axis=0), per_sample, axis=0) * np.tile(share, len(torque) - 1)[:, None]
+    elif len(steps):
+        _spread(held.reshape(-1, per_sample, held.shape[1]), steps, min(per_sample // 2, round(_SPREAD / 2 / step * per_sample)))
     flow = np.empty((len(held) + 1, len(columns)), dtype=held.dtype)  # the first row is what was before, for ever
     flow[0], flow[1:] = initial, held
     cell = step / per_sample
@@ -99,12 +112,32 @@ def deliver(
             flow = (respond or by_law)(columns, effect, flow, cell)
     with np.errstate(over="ignore"):  # a torque that no arm bears is a motion that diverges
         impulse = np.vstack([np.zeros(len(columns)), flow[1:].cumsum(axis=0)]).T
-    return Delivered(np.ascontiguousarray(impulse), cell, per_sample, flow[0])
+    return Delivered(np.ascontiguousarray(impulse), cell, per_sample, flow[0], _SMOOTH_JUMP if len(steps) else _JUMP)
 
 
-def cells_in(step: float, substeps: int, fine: bool) -> int:
+def cells_in(step: float, substeps: int, fine: bool, longest: float = CELL) -> int:
     """Cells in which a command held for ``step`` [s] is passed on: ``substeps`` at least, and where ``fine`` none is long."""
-    return max(substeps, ceil(step / CELL - 1e-6)) if fine else substeps
+    return max(substeps, ceil(step / longest - 1e-6)) if fine else substeps
+
+
+def _small_steps(torque: Array) -> Array:
+    """(S - 2, B) by how much a command (S, B) that is a curve changes from one sample to the next where that is little, else 0.
+
+    None (0, B) if it is no curve.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        change = np.diff(torque[:-1], axis=0)
+        share = (np.abs(change) / np.maximum(np.abs(torque).max(axis=0), 1e-12)).max(axis=1, initial=0.0)
+    small = (share > 0) & (share <= _SMALL)
+    return change * small[:, None] if small.mean() >= _CURVE else change[:0]
+
+
+def _spread(held: Array, steps: Array, reach: int) -> None:
+    """In a command (S - 1, cells, B), ramps over ``reach`` cells before and after in place of its steps (S - 2, B)."""
+    for k in range(reach):
+        share = (k + 0.5) / (2 * reach)
+        held[:-1, held.shape[1] - reach + k] += share * steps
+        held[1:, reach - 1 - k] -= share * steps
 
 
 def _late(flow: Array, delay: Array, cell: float) -> Array:

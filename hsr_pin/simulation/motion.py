@@ -97,10 +97,14 @@ class Engine:
             self._loops = Loops(march.march, march.march_apart, march.advance, rest.rest)
             self._system, self._arrays = columns.pinocchio(dynamics), columns.arrays
 
-    def deliver(self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1) -> Delivered:
+    def deliver(
+        self, torque: Array, initial: Array, step: float, *, interpolated: bool = False, substeps: int = 1, smooth: bool = False
+    ) -> Delivered:
         """As :func:`hsr_pin.simulation.command.deliver`; complex in space: (T, B, S), or (T, B) for all sections alike."""
         respond = by_machine if self._compiled else by_law
-        given = partial(deliver, self.columns, step=step, interpolated=interpolated, substeps=substeps, respond=respond)
+        given = partial(
+            deliver, self.columns, step=step, interpolated=interpolated, substeps=substeps, smooth=smooth, respond=respond
+        )
         if not self.columns.space:
             return given(torque, initial)
         from hsr_pin.simulation.space.drive import in_components

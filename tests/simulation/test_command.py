@@ -38,6 +38,28 @@ def test_an_interpolated_command_is_the_integral_of_the_straight_lines():
     np.testing.assert_allclose(command.impulse[0] * command.cell, np.interp(ends, fine, integral), rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("step", [0.005, 0.01, 0.0125, 0.02])
+def test_small_changes_of_a_smooth_command_are_spread_about_their_instant_and_jumps_stay(step):
+    time = np.arange(201) * step
+    wave = 0.4 * np.sin(4 * np.pi * time)
+    torque = wave + np.where(time < time[100], 0.0, 0.6)
+    small, smooth = np.abs(np.diff(wave)).max(), deliver(columns(), torque[:, None], np.zeros(1), step, smooth=True)
+    flow, held = np.diff(smooth.impulse[0]), np.repeat(torque[:-1], smooth.per_sample)
+    jump = 100 * smooth.per_sample  # the cell with which it begins
+    assert smooth.cell <= 0.0025 + 1e-12
+    assert np.abs(flow - held).max() < small / 2
+    changes = np.abs(np.diff(flow))
+    assert changes[jump - 1] > 0.6 - small and np.delete(changes, jump - 1).max() < small / 2 + 1e-9
+    assert np.abs(np.cumsum(flow - held)).max() * smooth.cell < small * 0.01 / 8 + 1e-12  # the integral comes back every time
+    assert set(smooth.until()[0]) == {float(jump), float(len(flow))}
+
+
+def test_steps_and_what_hardly_changes_are_no_curve():
+    steps = delivered(smooth=True)
+    assert (steps.per_sample, steps.jump) == (1, delivered().jump)
+    np.testing.assert_array_equal(steps.impulse, delivered().impulse)
+
+
 def test_the_mean_over_any_part_of_cells_is_that_of_the_integral():
     impulse, mean = delivered().impulse, np.zeros(1)
     for start, end in ((0.0, 1.0), (0.25, 0.75), (0.5, 3.25), (7.5, 8.0), (0.0, 8.0)):
