@@ -21,9 +21,8 @@ CELL = 0.005
 #: No step passes a change of the torque by more than this share of its largest, either way; of one that may be smooth, by more
 #: than this.
 _JUMP, _SMOOTH_JUMP = 0.02, 0.05
-#: A command is a curve if at least this share of its samples differ from the one before, but by no more than so much of the
-#: largest. Where it may be smooth, such changes are spread over this long [s] about their instant, in cells of no more than half
-#: of that before and after.
+#: A command is a curve if at least this share of its samples change by more than steps may pass, but by no more than so much of
+#: the largest. Where it may be smooth, small changes are spread over this long [s] about their instant, in cells of so much.
 _CURVE, _SMALL, _SPREAD, _FINE = 0.1, 0.12, 0.01, 0.0025
 
 
@@ -121,15 +120,15 @@ def cells_in(step: float, substeps: int, fine: bool, longest: float = CELL) -> i
 
 
 def _small_steps(torque: Array) -> Array:
-    """(S - 2, B) by how much a command (S, B) that is a curve changes from one sample to the next where that is little, else 0.
+    """(S - 2, B) by how much a command (S, B) changes from one sample to the next where that is little, else 0.
 
-    None (0, B) if it is no curve.
+    None (0, B) if the command is no curve.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         change = np.diff(torque[:-1], axis=0)
         share = (np.abs(change) / np.maximum(np.abs(torque).max(axis=0), 1e-12)).max(axis=1, initial=0.0)
-    small = (share > 0) & (share <= _SMALL)
-    return change * small[:, None] if small.mean() >= _CURVE else change[:0]
+    small = share <= _SMALL
+    return change * small[:, None] if (small & (share > _JUMP)).mean() >= _CURVE else change[:0]
 
 
 def _spread(held: Array, steps: Array, reach: int) -> None:
