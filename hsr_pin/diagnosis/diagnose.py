@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -19,9 +18,9 @@ from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
-from hsr_pin.diagnosis.search import Search, search
+from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.thresholds import Thresholds, mean_square, worth_having
+from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
 from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
@@ -132,7 +131,8 @@ def diagnose(
             return found
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-    return min((found, again), key=lambda each: mean_square(each.search.best) if each.search else math.inf)
+    one, two = (each.search.best if each.search else None for each in (found, again))
+    return found if one and two and clearly_worse(two, one, found.thresholds, seed) else again
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,8 +199,8 @@ class _Study:
             return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
-            parts, kinds = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
-            evidence = Evidence(structure(mended), parts, kinds, length, itself, by_level, seed)
+            told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
+            evidence = Evidence(structure(mended), *told, length, itself, by_level, seed)
             return judge(found, thresholds, evidence)
 
         found = searched(base)
@@ -234,17 +234,32 @@ class _Study:
         )
 
     def turned(self, found: Diagnosis) -> Experiment | None:
-        """The recordings with open commands taken the other way, where the best model, or the best that is late, fits better.
+        """The recordings with open commands taken the other way, where that fits better, or as well with less.
 
-        Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held.
+        Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held. And
+        where a held one is taken to go straight, half a sample earlier, the arm seems to be late.
         """
         other = otherwise(found.experiment)
         if other is None or found.search is None:
             return None
         best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
         likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
-        turned = Crew(other, self.executor, self.advance).finish(list(likely.values()))
-        return other if worth_having(best, min(turned, key=mean_square), found.thresholds, self.seed) else None
+        crew = Crew(other, self.executor, self.advance)
+        if worth_having(best, min(crew.finish(list(likely.values())), key=mean_square), found.thresholds, self.seed):
+            return other
+        simpler = self._sooner(best, crew)
+        return other if any(not clearly_worse(each, best, found.thresholds, self.seed) for each in simpler) else None
+
+    def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
+        """A model without what makes it late, or with a simpler law of that in its place."""
+        models: list[Candidate] = []
+        for part in best.fit.hypothesis.parts:
+            if part.kind != "actuation_time":
+                continue
+            base = crew.finish([without(best.fit, part.name)])[0]
+            guesses = crew.guess(base, [other for other in self.parts if part.contains(other)])
+            models += [base, *crew.finish(crew.glance([(base.fit, guess) for guess in guesses]))]
+        return models
 
 
 def _rungs(base: Candidate, found: Search, aside: Experiment | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:

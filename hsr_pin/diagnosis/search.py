@@ -10,7 +10,16 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess, glanced
 from hsr_pin.diagnosis.crew import Crew
-from hsr_pin.diagnosis.thresholds import FACTOR, Thresholds, doubtful, left, matches, mean_square, worth_having
+from hsr_pin.diagnosis.thresholds import (
+    FACTOR,
+    Thresholds,
+    clearly_worse,
+    doubtful,
+    left,
+    matches,
+    mean_square,
+    worth_having,
+)
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
@@ -98,6 +107,7 @@ def search(
         tell("exchange: each effect found against the others")
         other = _exchanged(best, parts, crew, tried, thresholds)
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
+    best = _leading(best, list(tried.values()), thresholds, seed)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
     tried |= {key(candidate): candidate for candidate in _special_cases(best, parts, crew, tried)}
     best = _simplest(best, start, list(tried.values()), thresholds, seed)
@@ -109,7 +119,7 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
     new: list[Candidate] = []
     for part in best.fit.hypothesis.parts:
         inside = [other for other in parts if part.contains(other) and other.name not in best.names]
-        fewer = _without(best.fit, part.name)
+        fewer = without(best.fit, part.name)
         base = tried.get(_key(fewer.hypothesis))
         if not inside or base is None:
             continue
@@ -121,11 +131,19 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
     """In place of the best the best of its special cases with as many parts that does as well, or leaves next to nothing."""
-    inside = [other for other in tried if len(other.names) == len(best.names) and best.contains(other)]
+    alike = [other for other in tried if len(other.names) == len(best.names)]
+    inside = [other for other in alike if best.contains(other) and not other.contains(best)]  # each may hold a case of the other
     for other in sorted(inside, key=mean_square):
         if left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed):
             return _simplest(other, start, tried, thresholds, seed)
     return best
+
+
+def _leading(best: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
+    """In place of the best, where one of as few parts is clearly better, that: it may have lost what made it the best."""
+    few = [each for each in tried if len(each.names) == len(best.names) and each.nameable and not doubtful(each)]
+    other = min((each for each in few if each.names), key=mean_square, default=best)
+    return other if clearly_worse(best, other, thresholds, seed) else best
 
 
 def _surest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
@@ -227,7 +245,7 @@ def _exchanged(
 
     One that was good alone may be a stand-in beside the other, whose partner was never tried with it.
     """
-    fewer = [tried[_key(_without(best.fit, name).hypothesis)] for name in best.names]
+    fewer = [tried[_key(without(best.fit, name).hypothesis)] for name in best.names]
     new = _extend(fewer, parts, crew, tried, thresholds)
     tried |= {key(candidate): candidate for candidate in new}
     return min((best, *new), key=mean_square)
@@ -252,7 +270,7 @@ def _pruned(
     what is wrong with another's law; unless the others are the best explanation with it only.
     """
     while len(best.names) > 1:
-        smaller = [_without(best.fit, name) for name in best.names]
+        smaller = [without(best.fit, name) for name in best.names]
         new = crew.finish([fewer for fewer in smaller if _key(fewer.hypothesis) not in tried])
         tried |= {key(candidate): candidate for candidate in new}
         unsure = doubtful(best)
@@ -285,7 +303,7 @@ def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Th
     return little and left(best) > max(thresholds.closed**2, thresholds.substantial * left(fewer))
 
 
-def _without(fit: Fit, name: str) -> Fit:
+def without(fit: Fit, name: str) -> Fit:
     """A place to start from for the model without one of its parts."""
     fewer, kept = fit.hypothesis.without_part(name)
     return replace(fit, hypothesis=fewer, values=fit.values[kept])

@@ -53,10 +53,14 @@ class Support:
     rest: float
 
 
+#: Support for a choice of sets of names: that one of them is right.
+Together = Callable[[Sequence[tuple[str, ...]]], Support]
+
+
 def supports(
     experiment: Experiment, best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
-) -> tuple[tuple[Support, ...], tuple[Support, ...]]:
-    """For each part of the best model, and for each of its kinds.
+) -> tuple[tuple[Support, ...], tuple[Support, ...], Together]:
+    """For each part of the best model, for each of its kinds, and for any sets of names together.
 
     Args:
         experiment: the recordings.
@@ -70,12 +74,12 @@ def supports(
     gap, left, limit = structure(base.heldout), structure(best.heldout), tolerated(best, thresholds)
     rest = open_share(best, base, thresholds)
 
-    def of(name: str, kind: str, lacks: Callable[[Candidate], bool]) -> Support:
+    def of(name: str, kind: str, lacks: Callable[[Candidate], bool], parts: Sequence[str] = ()) -> Support:
         without = [base, *(other for other in tried if lacks(other) and len(other.names) <= len(best.names))]
         ranked = sorted(without, key=lambda other: squares(other.heldout).mean)
         rival = next(other for other in ranked if other is base or not doubtful(other))  # what is in doubt itself is no rival
         gain = squares(rival.heldout).mean - squares(best.heldout).mean
-        own = [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
+        own = parts or [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
         known = [drifts[each] for each in own if np.isfinite(drifts[each])]
         return Support(
             name=name,
@@ -94,7 +98,12 @@ def supports(
         for part in best.fit.hypothesis.parts
     )
     kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
-    return parts, kinds
+
+    def together(sets: Sequence[tuple[str, ...]]) -> Support:
+        told = [set(names) for names in sets]
+        return of("", "", lambda other: not any(names <= set(other.names) for names in told), best.names)
+
+    return parts, kinds, together
 
 
 def drift(experiment: Experiment, fit: Fit) -> dict[str, float]:

@@ -10,7 +10,7 @@ from typing import Protocol
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
 from hsr_pin.diagnosis.search import Search
-from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.support import Support, Together
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
     Thresholds,
@@ -119,6 +119,7 @@ class Evidence:
     Attributes:
         nominal: [m^2] mean square beyond noise of the declared model, finely discretised.
         parts, kinds: support for each part of the best model, and for each kind in it.
+        together: the same for sets of names of which one may be right.
         length: [m] of the arm.
         not_repeatable: [m] as in :class:`Left`.
         by_level: without effects, but a stiffness and a damping for each declared Keq; None if one is declared.
@@ -128,6 +129,7 @@ class Evidence:
     nominal: float
     parts: tuple[Support, ...]
     kinds: tuple[Support, ...]
+    together: Together
     length: float
     not_repeatable: float | None
     by_level: Candidate | None
@@ -217,7 +219,8 @@ def _graded(
             near = f" Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest."
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
-    likely = max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
+    one_of_them = probability(evidence.together(sets), NAME) >= CERTAIN  # though none of them is sure
+    likely = one_of_them or max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
         listed = _or(sets)
         return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)

@@ -78,7 +78,8 @@ def supported(best, weak=(), clear=1e3):
         return Support(name, kind, **(whole | strength))
 
     parts = best.fit.hypothesis.parts
-    return tuple(one(part.name, part.kind) for part in parts), tuple(one(kind, kind) for kind in best.kinds)
+    told = tuple(one(part.name, part.kind) for part in parts)
+    return told, tuple(one(kind, kind) for kind in best.kinds), lambda sets: one("", "")
 
 
 @dataclass

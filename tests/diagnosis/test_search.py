@@ -236,6 +236,22 @@ def test_a_pair_that_leads_with_its_patch_only_is_kept():
     assert searched(FakeCrew(gaps | {"bending_stop": 0.21 * GAP})).best.names == ("gravity_tilt",)
 
 
+def test_laws_that_are_each_a_special_case_of_the_others_companion_do_not_take_turns():
+    flexible = Part("elastic_curve", neutral(FLEXIBLE["elastic_curve"]))
+    gaps = {
+        "": GAP,
+        "elastic_curve": 0.6 * GAP,
+        "elastic_curve+stiffening": 0.1 * GAP,
+        "bending_stop+elastic_curve": 0.1 * GAP,
+    }
+    assert "elastic_curve" in searched(FakeCrew(gaps), [flexible, *EVERY]).best.names
+
+
+def test_a_model_that_lost_what_made_it_the_best_gives_way_to_a_better_one_as_small():
+    gaps = {"": GAP, "bending_stop": 0.2 * GAP, "gravity_tilt": 0.3 * GAP, "gravity_tilt+viscoelastic": 0.15 * GAP}
+    assert searched(FakeCrew(gaps, errors={"viscoelastic": 4})).best.names == ("bending_stop",)
+
+
 def test_of_two_sets_that_do_as_well_the_one_of_clear_sizes_is_the_best():
     gaps = {
         "": GAP,

@@ -38,12 +38,12 @@ def models():
 def told(best, *tried):
     experiment, found = models()
     thresholds = Thresholds.of(experiment.noise_rms, experiment.dataset.length)
-    (part,), (kind,) = supports(experiment, found[best], found["base"], [found[name] for name in tried], thresholds, 0)
-    return part, kind
+    (part,), (kind,), together = supports(experiment, found[best], found["base"], [found[name] for name in tried], thresholds, 0)
+    return part, kind, together
 
 
 def test_the_true_law_leads_by_far_is_always_better_and_has_one_size_everywhere():
-    part, kind = told("actuator_lag", "dry_friction", "tip_mass", "actuator_lag")
+    part, kind, _ = told("actuator_lag", "dry_friction", "tip_mass", "actuator_lag")
     assert part.frequency == kind.frequency == 1.0
     assert part.margin > 100 and part.clear > 20
     assert part.drift < 0.05
@@ -58,9 +58,16 @@ def test_a_stand_in_has_another_size_in_every_environment():
 
 
 def test_a_law_that_a_better_one_was_tried_beside_has_no_support():
-    part, _ = told("dry_friction", "actuator_lag", "dry_friction")
+    part, _, _ = told("dry_friction", "actuator_lag", "dry_friction")
     assert part.share < 0 and part.frequency < 0.5
     assert probability(part, NAME) < 0.5
+
+
+def test_a_choice_of_sets_has_the_support_that_none_of_them_has_beside_the_other():
+    part, _, together = told("dead_time", "dead_time", "actuator_lag", "dry_friction")
+    alone, either = together([("dead_time",)]), together([("dead_time",), ("actuator_lag",)])
+    assert (alone.share, alone.frequency) == (part.share, part.frequency)
+    assert part.share < 0.1 < 0.5 < either.share and either.frequency == 1.0
 
 
 def test_environments_cut_every_sample_into_one_part_each():

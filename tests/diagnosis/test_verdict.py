@@ -26,12 +26,18 @@ def support(name, kind, weak=(), fair=()):
     return Support(name, kind, 0.1, 0.1, 0.2, 0.7, 0.3, 5.0, 0.2)
 
 
-def verdict(*tried, base=BASE, nominal=6e-3, by_level=None, not_repeatable=None, thresholds=THRESHOLDS, **how):
+def verdict(
+    *tried, base=BASE, nominal=6e-3, by_level=None, not_repeatable=None, thresholds=THRESHOLDS, together_sure=False, **how
+):
     """With the last of the fitted models as the best."""
     path = (base, tried[-1]) if tried else (base,)
     parts = tuple(support(part.name, part.kind, **how) for part in path[-1].fit.hypothesis.parts)
     kinds = tuple(support(kind, kind, **how) for kind in path[-1].kinds)
-    evidence = Evidence(nominal**2, parts, kinds, LENGTH, not_repeatable, by_level, 0)
+
+    def together(sets):
+        return support("", "", () if together_sure else ("",))
+
+    evidence = Evidence(nominal**2, parts, kinds, together, LENGTH, not_repeatable, by_level, 0)
     return judge(Search(path, (base, *tried)), thresholds, evidence)
 
 
@@ -92,6 +98,10 @@ def test_the_few_models_next_to_the_best_are_told_beside_it_where_it_is_likely_a
     far = (candidate("torque_decay", gap=2.4e-3), candidate("stiffness_gradient", gap=2.1e-3))  # 28 % of the squared gap
     assert verdict(*far, fair=names).status == "unexplained"
     assert verdict(*near, weak=names).status == "unexplained"
+    # none is likely by itself, as the others are near; that it is one of them is sure
+    found = verdict(*near, weak=names, together_sure=True)
+    assert (found.status, found.effects, len(found.alternatives)) == ("ambiguous", (), 2)
+    assert verdict(*far, weak=names, together_sure=True).status == "unexplained"
 
 
 def test_a_kind_is_named_where_no_cause_is_certain():
