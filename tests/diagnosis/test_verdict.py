@@ -20,7 +20,7 @@ LENGTH = 0.24
 def support(name, kind, weak=(), fair=()):
     """What a true law has, or, where the name is weak, a stand-in, or a fair one whose rivals are near."""
     if {name, kind} & set(fair):
-        return Support(name, kind, 0.3, 0.3, 1.0, 1.0, 0.05, 20.0, 0.2)
+        return Support(name, kind, 0.3, 0.3, 1.0, 1.0, 0.05, 40.0, 0.2)
     if not {name, kind} & set(weak):
         return Support(name, kind, 0.9, 0.9, 100.0, 1.0, 0.01, 100.0, 0.02)
     return Support(name, kind, 0.1, 0.1, 0.2, 0.7, 0.3, 5.0, 0.2)
