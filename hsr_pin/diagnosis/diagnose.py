@@ -21,7 +21,7 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
-from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, with_traces
+from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, with_traces
 from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -216,7 +216,7 @@ class _Study:
         where = locate(experiment, base, found.best, seed)
         looks: tuple[Callable[[], Trace | None], ...] = (
             lambda: where.base,
-            lambda: where.spread,
+            lambda: where.spread if not mostly_explained(found, thresholds) else None,
             lambda: pulsation(experiment, base_fit, seed),
         )
         verdict = beside(with_traces(verdict, (look() for look in looks)), self.plane)

@@ -269,6 +269,11 @@ def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
     )
 
 
+def mostly_explained(found: Search, thresholds: Thresholds) -> bool:
+    """Whether some model takes away most of the gap, certain or not: the gap's shape is then no sign of something else."""
+    return any(open_share(each, found.path[0], thresholds) < HALF for each in found.tried)
+
+
 def beside(verdict: Verdict, trace: Trace | None) -> Verdict:
     """With what was seen, and mended, before any model was asked."""
     if trace is None or not trace.kind:

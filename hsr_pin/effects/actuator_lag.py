@@ -29,7 +29,9 @@ class ActuatorLag(Effect):
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
     kind = "actuation_time"
 
-    time_constant: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of the lag")
+    time_constant: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, resizes=1, description="of the lag"
+    )
     order: str = option("first", "second", description="of the lag")
 
     @staticmethod

@@ -8,7 +8,7 @@ import pytest
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse
-from hsr_pin.diagnosis.verdict import STATUSES, Evidence, judge, rivals
+from hsr_pin.diagnosis.verdict import STATUSES, Evidence, judge, mostly_explained, rivals
 
 from .fabricated import THRESHOLDS, candidate
 
@@ -297,3 +297,14 @@ def test_every_status_but_that_of_too_few_data_is_reached_here():
         verdict(candidate("added_mass"), candidate("tip_mass")).status,
     }
     assert reached == set(STATUSES) - {"insufficient", "unchanged"}
+
+
+def test_a_gap_is_mostly_explained_if_any_model_takes_half_of_its_square_or_all_that_repeats():
+    open_, half = candidate("tip_mass", gap=0.75 * GAP), candidate("backlash", gap=0.65 * GAP)
+
+    def explained(*tried, thresholds=THRESHOLDS):
+        return mostly_explained(Search((BASE,), (BASE, *tried)), thresholds)
+
+    assert not explained() and not explained(open_)
+    assert explained(open_, half)
+    assert explained(open_, thresholds=replace(THRESHOLDS, unrepeatable=0.4 * GAP))
