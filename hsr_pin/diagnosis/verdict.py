@@ -26,7 +26,7 @@ from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN, SESSION
 
 #: A name or a kind is certain from this probability on: 69 to 99 % of what was said with more was right in the sixth sealed run,
-#: to which the probabilities were then fitted anew.
+#: after which the probabilities were fitted anew.
 CERTAIN = 0.75
 #: Where more of the squared gap than this is left, beyond what does not repeat, an effect may stand in for that: none is certain.
 HALF = 0.5
