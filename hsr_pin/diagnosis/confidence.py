@@ -1,9 +1,9 @@
 """How likely a name is right: a logistic function of what speaks for it, fitted to cases whose answers are known.
 
-``scripts/calibrate.py`` fitted coefficients to the 326 cases of the sixth sealed run (seed 527973) after it had been scored, those
-of 32 cases made anew after the mends that it led to. These are the means of them and of those before (names: of
-the fifth run, 561364; kinds: of the third, 762929), as if fitted to both. Later sealed runs tell how often names of each
-confidence were right (reliability diagram).
+``scripts/calibrate.py`` fitted coefficients to the 326 cases of the sixth sealed run (seed 527973) after it had been scored,
+those of 32 cases made anew after the mends that it led to. These are the means of them and of those before (names: of the fifth
+run, 561364; kinds: of the third, 762929), as if fitted to both. Later sealed runs tell how often names of each confidence were
+right (reliability diagram).
 """
 
 from __future__ import annotations
