@@ -128,7 +128,8 @@ def _small_steps(torque: Array) -> Array:
         change = np.diff(torque[:-1], axis=0)
         share = (np.abs(change) / np.maximum(np.abs(torque).max(axis=0), 1e-12)).max(axis=1, initial=0.0)
     small = share <= _SMALL
-    return change * small[:, None] if (small & (share > _JUMP)).mean() >= _CURVE else change[:0]
+    curve = np.count_nonzero(small & (share > _JUMP)) >= _CURVE * max(len(share), 1)
+    return change * small[:, None] if curve else change[:0]
 
 
 def _spread(held: Array, steps: Array, reach: int) -> None:

@@ -58,6 +58,8 @@ def test_steps_and_what_hardly_changes_are_no_curve():
     steps = delivered(smooth=True)
     assert (steps.per_sample, steps.jump) == (1, delivered().jump)
     np.testing.assert_array_equal(steps.impulse, delivered().impulse)
+    short = deliver(columns(), np.array([[0.0], [0.5]]), np.zeros(1), 0.02, smooth=True)
+    assert short.impulse.shape == (1, 2)
 
 
 def test_the_mean_over_any_part_of_cells_is_that_of_the_integral():
