@@ -50,14 +50,14 @@ class Plane:
     points: Array
 
     @property
-    def left(self) -> bool:
+    def leaves(self) -> bool:
         """Whether the arm leaves the declared plane by enough to matter."""
         return self.sideways > max(_SHARE * self.across, _NOISES * self.noise)
 
     @property
     def turned(self) -> bool:
         """Whether the arm moves in a plane, but another one."""
-        return self.left and self.explained > _TURNED and self.turn.certain and abs(self.turn.value) > np.radians(_DEGREES)
+        return self.leaves and self.explained > _TURNED and self.turn.certain and abs(self.turn.value) > np.radians(_DEGREES)
 
     @property
     def kind(self) -> str:

@@ -46,7 +46,7 @@ class OutOfPlane(Print):
                 f"{text}; a turn of the plane by {said(float(np.degrees(plane.turn.value)))} degrees takes away "
                 f"{said(100 * plane.explained)} % of the square: this points to cameras or a mount that are turned."
             )
-        if plane.left:
+        if plane.leaves:
             return f"{text}, and no turn of the plane takes that away: no law of a planar arm can explain it, it is set apart."
         return f"{text}: next to nothing."
 

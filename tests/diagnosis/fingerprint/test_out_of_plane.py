@@ -26,4 +26,4 @@ def test_a_motion_of_its_own_is_set_apart():
     sideways = [0.004 * np.sin(0.09 * np.arange(400) + phase) for phase in (0.0, 1.0, 2.0)]
     found = out_of_plane(arcs(*SWINGS, sideways=sideways, noise=5e-5))
     assert found.plane.sideways == pytest.approx(0.004 / np.sqrt(2), rel=0.1)
-    assert found.plane.left and not found.plane.turned and found.kinds == ()
+    assert found.plane.leaves and not found.plane.turned and found.kinds == ()
