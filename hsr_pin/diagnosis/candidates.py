@@ -220,16 +220,20 @@ def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
         missed=some(base.missed),
         slopes=some(base.slopes),
         weights=some(base.weights),
-        nuisance=some(base.nuisance),
+        nuisance=tuple(each[..., : thin.own(run)] for run, each in zip(thin.runs, some(base.nuisance), strict=True)),
     )
     return thin, fewer
 
 
 @lru_cache(maxsize=2)
 def _some_of(experiment: Experiment) -> Experiment:
-    """Some of the samples of some of the runs; the same at every call, which keep what they find out."""
+    """Some of the samples of some of the runs; the same at every call, which keep what they find out.
+
+    What a hand may have done is left to full fits: far from the truth it explains a swing as well as what is lacking would.
+    """
     runs = (experiment.runs[k] for k in glanced(len(experiment.runs)))
-    return replace(experiment, runs=tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs))
+    few = tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs)
+    return replace(experiment, runs=few, hand=False)
 
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:

@@ -9,7 +9,7 @@ every level, amplitude, direction and half of the record (invariance: J. Peters,
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
@@ -100,8 +100,13 @@ def supports(
     kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
 
     def together(sets: Sequence[tuple[str, ...]]) -> Support:
-        told = [set(names) for names in sets]
-        return of("", "", lambda other: not any(names <= set(other.names) for names in told), best.names)
+        told = [other for other in tried if other.names in sets]
+
+        def lacks(other: Candidate) -> bool:  # a law that has one of them for a special case does not lack it
+            return not any(set(each.names) <= set(other.names) or other.contains(each) for each in told)
+
+        surest = max((value for each in told for value in clearness(each.fit).values()), default=0.0)
+        return replace(of("", "", lacks, best.names), clear=surest)
 
     return parts, kinds, together
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from math import sqrt
 from typing import Protocol
 
@@ -220,6 +221,7 @@ def _graded(
             near = f" Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest."
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
+    sets += _of_other_kinds(sets, found, thresholds, evidence.seed)
     one_of_them = probability(evidence.together(sets), NAME) >= CERTAIN  # though none of them is sure
     likely = one_of_them or max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
@@ -235,6 +237,20 @@ def _nameable(sets: Sequence[tuple[str, ...]], found: Search) -> list[tuple[str,
     """Those of the sets in which all are causes; all of them where none is."""
     causes = {candidate.names for candidate in (*found.path, *found.tried) if candidate.nameable}
     return [names for names in sets if names in causes] or list(sets)
+
+
+def _of_other_kinds(sets: Sequence[tuple[str, ...]], found: Search, thresholds: Thresholds, seed: int) -> list[tuple[str, ...]]:
+    """The best flexible law that does what the best model does and is of a kind that none of the sets has, if there is room."""
+    base, best = found.path[0], found.best
+    known = {kind for each in found.tried if each.names in sets for kind in each.kinds}
+
+    def fits(each: Candidate) -> bool:
+        as_small = len(each.names) <= len(best.names) and not each.contains(best)
+        return as_small and matches(each, best, base, thresholds, seed) and not _idle(each, base, found.tried, thresholds)
+
+    new = (each for each in sorted(found.tried, key=mean_square) if not each.nameable and not known.issuperset(each.kinds))
+    others = (each.names for each in new if fits(each))
+    return list(islice(others, max(0, min(1, FEW - len(sets)))))
 
 
 def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:

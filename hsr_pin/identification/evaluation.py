@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import HELD, INSTANT
+from hsr_pin.identification.nuisance import GRIP, HELD, INSTANT, LETS_GO
 from hsr_pin.identification.pose import pose_from_markers
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
@@ -34,12 +35,14 @@ class Case(NamedTuple):
         values: (C, P) of the open parameters.
         bent: (C,) [rad] how much further than the markers show the arm was held before its release; in space complex.
         pushed: (C,) [N m] torque beside what arrives of the command, always there; in space complex.
+        gripped: (C, H) [N m] likewise in each stretch after a release in which a hand may still hold the arm.
     """
 
     run: Run
     values: Array
     bent: Array | None = None
     pushed: Array | None = None
+    gripped: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +114,9 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated, smooth=smooth)
     if case.pushed is not None:
         command = command.beside(case.pushed)
+    if case.gripped is not None:
+        for grip, (begin, end) in zip(case.gripped.T, pairwise((0.0, *LETS_GO)), strict=True):
+            command = command.beside_at_first(grip, begin, end)
     found = np.ones(len(values), dtype=bool)
     q, v = _start(experiment, run, hypothesis, columns, cameras)
     if run.start_pose is None:
@@ -181,8 +187,13 @@ def predict_with_slopes(
         points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
         released = run.start_pose is not None
         ways = _WIDTH * np.array(experiment.directions if released or experiment.lasting else ())
-        rows, aside = np.array([*points, *[values] * len(ways)]), np.append(np.zeros(len(points)), ways)
-        return Case(run, rows, bent=aside) if released else Case(run, rows, pushed=run.trial.keq * aside)
+        grips = np.kron(np.eye(len(LETS_GO)), ways[:, None]) if released and experiment.hand else np.zeros((0, len(LETS_GO)))
+        rows = np.array([*points, *[values] * (len(ways) + len(grips))])
+        aside = np.concatenate([np.zeros(len(points)), ways, np.zeros(len(grips))])
+        if not released:
+            return Case(run, rows, pushed=run.trial.keq * aside)
+        gripped = run.trial.keq * np.concatenate([np.zeros((len(rows) - len(grips), len(LETS_GO))), grips])
+        return Case(run, rows, bent=aside, gripped=gripped if len(grips) else None)
 
     predictions = []
     for run, answer in zip(experiment.runs, respond_each(experiment, hypothesis, map(case, experiment.runs)), strict=True):
@@ -202,15 +213,27 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
     """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held or are pushed aside."""
     length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
     columns, directions = [], experiment.directions
+    hands = len(LETS_GO) * len(directions) if run.start_pose is not None and experiment.hand else 0
+    asides = range(-len(directions) - hands, -hands)
     if experiment.lasting:
-        for k, direction in enumerate(directions, -len(directions)):
+        for k, direction in zip(asides, directions, strict=True):
             columns.append(_rested(experiment, run, answer, k, direction))
     if run.start_pose is not None:
         held = np.hypot(HELD * length, float(experiment.noise.max()))
-        for k in range(-len(directions), 0):
+        for k in asides:
             columns.append((seen[:, k] - seen[:, 0]) / _WIDTH * 2 * held / length)
         columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT / run.every)
+    if hands:
+        aside = _aside(answer)
+        for k in range(hands):
+            columns.append((seen[:, k - hands] - seen[:, 0]) / _WIDTH * aside * GRIP[k // len(directions)])
     return np.nan_to_num(np.stack(columns, axis=-1)) if columns else np.zeros((*seen[:, 0].shape, 0))
+
+
+def _aside(answer: Response) -> float:
+    """[rad] how much further the first of the columns is bent at the start than it is in the mean."""
+    further = answer.angles[0, 0] - answer.angles[:, 0].mean(axis=0)
+    return float(np.abs(answer.columns.bends(further).sum()))
 
 
 def _rested(experiment: Experiment, run: Run, answer: Response, k: int, direction: complex) -> Array:

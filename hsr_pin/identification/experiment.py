@@ -10,7 +10,7 @@ import numpy as np
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
-from hsr_pin.identification.nuisance import rest_scatter
+from hsr_pin.identification.nuisance import LETS_GO, rest_scatter
 from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import median, start_of
 from hsr_pin.recordings.clean import clean
@@ -121,6 +121,7 @@ class Experiment:
         noise: (M,) [m] noise floor: standard deviation of each marker's coordinates along the axes.
         notes: what was left out and why.
         rest_scatter: [m] standard deviation, over the trials, of where the farthest marker rests.
+        hand: whether what let the arm go may have held it a little longer.
     """
 
     dataset: Dataset
@@ -129,6 +130,7 @@ class Experiment:
     noise: Array
     notes: tuple[str, ...] = ()
     rest_scatter: float = 0.0
+    hand: bool = True
 
     @cached_property
     def reach(self) -> Array:
@@ -149,6 +151,11 @@ class Experiment:
     def lasting(self) -> int:
         """How many numbers say where the arm rests in a trial: one for each direction, none where it always rests alike."""
         return len(self.directions) if self.rest_scatter > 0 else 0
+
+    def own(self, run: Run) -> int:
+        """How many numbers belong to a run and not to the arm."""
+        released = 1 + len(self.directions) * (1 + self.hand * len(LETS_GO))
+        return self.lasting + (0 if run.start_pose is None else released)
 
     def cameras(self, columns: Columns) -> Cameras:
         """What is seen of arms with these markers."""

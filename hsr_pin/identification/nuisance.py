@@ -1,4 +1,4 @@
-"""What belongs to the trial and not to the arm: where it rests, how far it was held aside, when it was let go.
+"""What belongs to the trial and not to the arm: where it rests, how far it was held aside, when it was let go, and how firmly.
 
 Each is a small number of its own in every trial, about as large as the recordings themselves show (Gaussian prior), and enters
 linearly: it is eliminated from the least squares of a fit instead of being fitted (W. J. Browne, D. Draper, A comparison of
@@ -21,6 +21,9 @@ from hsr_pin.trajectory import Array
 
 #: How well a release is known beyond noise: the pose [share of the length, at the tip], and the instant [samples].
 HELD, INSTANT = 0.002, 0.25
+#: A hand that lets go slowly does so within the last of these times [s]; what is left of its hold until each of them is known to
+#: that share of what holds the bent arm.
+LETS_GO, GRIP = (0.02, 0.04, 0.06), (0.5, 0.3, 0.12)
 #: Standard errors by which the mean of a number over the trials may differ from none by chance.
 _CHANCE = 1.5
 #: Residuals are never taken for more alike than this from sample to sample.
@@ -62,13 +65,14 @@ class Eliminated:
 
 
 def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -> Array:
-    """(2 A - 1,) By how much dearer than beside white noise each of a trial's own numbers is.
+    """(K,) By how much dearer than beside white noise each of a trial's own numbers is.
 
-    They are where it rests and how it was held, each in A - 1 directions, and when it was let go.
+    They are where it rests and how it was held, each in A - 1 directions, when it was let go, and what a hand still held then.
 
-    The first ``lasting`` of them, where a trial rests, stand beside the mean of what a model leaves of it, residuals (T, M, A)
-    [m] with weights (T, M, A) [1/m]: its standard error over that of white noise of one noise floor (first-order
-    autoregression). What a hand did at a release fades by itself, and keeps its price.
+    Those that could stand in for what a model lacks, where a trial rests (the first ``lasting``) and the hold of a hand, stand
+    beside the mean of what the model leaves of it, residuals (T, M, A) [m] with weights (T, M, A) [1/m]: its standard error over
+    that of white noise of one noise floor (first-order autoregression). From where and when the arm was let go is seen, and
+    keeps its price.
     """
     rows = [np.nan_to_num(residual) * weight for residual, weight in zip(residuals, weights, strict=True)]
     count = sum(float((weight > 0).sum()) for weight in weights)
@@ -76,12 +80,12 @@ def prices(residuals: Sequence[Array], weights: Sequence[Array], lasting: int) -
     alike = sum(float((row[1:] * row[:-1]).sum()) for row in rows) / max(power, 1e-300)
     rho = float(np.clip(alike, 0.0, _LASTING))
     doubt = np.sqrt(max(1.0, power / max(count, 1.0)) * (1 + rho) / (1 - rho))
-    return np.where(np.arange(2 * residuals[0].shape[-1] - 1) < lasting, doubt, 1.0)
+    axes = residuals[0].shape[-1]
+    own = np.arange(lasting + axes + len(LETS_GO) * (axes - 1))
+    return np.where((own < lasting) | (own >= lasting + axes), doubt, 1.0)
 
 
-def taken_out(
-    residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], common: int | None = None
-) -> list[Array]:
+def taken_out(residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], lasting: int) -> list[Array]:
     """For each trial its residual (T, M, A) [m] without what its own numbers explain.
 
     Where all trials rest elsewhere than they should by the same, the arm is another: where the mean of such a number over the
@@ -91,20 +95,23 @@ def taken_out(
         residuals: one (T, M, A) [m] per trial; NaN in gaps.
         weights: (T, M, A) [1/m], zero in gaps.
         bases: (T, M, A, K) [m] what one standard deviation of each number makes.
-        common: how many of the numbers, from the first, say something of the arm where all trials share them; default: all.
+        lasting: how many of the numbers, from the first, say something of the arm where all trials share them.
     """
+    seen = lasting + residuals[0].shape[-1]  # those that do not depend on a hand's hold
+    if any(basis.shape[-1] > seen for basis in bases):
+        price = prices(taken_out(residuals, weights, [basis[..., :seen] for basis in bases], lasting), weights, lasting)
+        price[:seen] = 1.0
+        bases = [basis / price[: basis.shape[-1]] for basis in bases]
     found = []
     for residual, weight, basis in zip(residuals, weights, bases, strict=True):
-        seen = weight > 0
-        rows, rest = (basis * weight[..., None])[seen], (np.nan_to_num(residual) * weight)[seen]
+        known = weight > 0
+        rows, rest = (basis * weight[..., None])[known], (np.nan_to_num(residual) * weight)[known]
         found.append(np.linalg.solve(rows.T @ rows + np.eye(rows.shape[1]), rows.T @ rest))
     shared: dict[int, Array] = {}
     for count in {len(numbers) for numbers in found}:
         own = np.array([numbers for numbers in found if len(numbers) == count])
         mean, chance = np.median(own, axis=0), _CHANCE / np.sqrt(len(own))
-        shared[count] = (
-            np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0) * (np.arange(count) < (count if common is None else common))
-        )
+        shared[count] = np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0) * (np.arange(count) < lasting)
     return [
         residual - basis @ (numbers - shared[len(numbers)])
         for residual, basis, numbers in zip(residuals, bases, found, strict=True)

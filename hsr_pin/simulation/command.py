@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.simulation.columns import Columns
@@ -46,10 +47,22 @@ class Delivered:
 
     def beside(self, torque: Array) -> Delivered:
         """With a torque (B,) [N m] that no muscle passes on, always there; in space complex, the same for all sections."""
-        if self.impulse.ndim == 3:
-            torque = np.tile(np.stack([torque.real, torque.imag], axis=1), self.impulse.shape[2] // 2)
-        cells = np.arange(self.impulse.shape[1]).reshape(-1, *[1] * (torque.ndim - 1))
-        return replace(self, impulse=self.impulse + torque[:, None] * cells, initial=self.initial + torque)
+        added = self._with(torque, np.arange(self.impulse.shape[1]))
+        return replace(added, initial=self.initial + self._loads(torque))
+
+    def beside_at_first(self, torque: Array, begin: float, end: float) -> Delivered:
+        """Likewise from ``begin`` to ``end`` [s] after the start alone, of a cell at least; what was before stays."""
+        first = round(begin / self.cell)
+        return self._with(torque, np.clip(np.arange(self.impulse.shape[1]) - first, 0, max(1, round(end / self.cell) - first)))
+
+    def _with(self, torque: Array, cells: NDArray[np.int_]) -> Delivered:
+        loads = self._loads(torque)
+        return replace(self, impulse=self.impulse + loads[:, None] * cells.reshape(-1, *[1] * (loads.ndim - 1)))
+
+    def _loads(self, torque: Array) -> Array:
+        if self.impulse.ndim < 3:
+            return torque
+        return np.tile(np.stack([torque.real, torque.imag], axis=1), self.impulse.shape[2] // 2)
 
     def until(self, *, together: bool = False) -> Array:
         """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all.

@@ -16,6 +16,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.uncertainty import clearness
 
 from .made import TRIALS, made
 
@@ -29,7 +30,7 @@ def models():
     experiment = prepare(made("actuator_lag:time_constant=0.08", **SMALL))
     base = fit(experiment, Hypothesis(links=8))
     found = {"base": Candidate(base, tuple(leave_one_out(experiment, base)))}
-    for name in ("actuator_lag", "dry_friction", "tip_mass", "dead_time"):
+    for name in ("actuator_lag", "dry_friction", "tip_mass", "dead_time", "lag_cascade"):
         (guess,) = guesses(experiment, base, [Part(name, neutral(effect_named(name)))])
         found[name] = finish(experiment, glance(experiment, base, guess))
     return experiment, found
@@ -86,3 +87,14 @@ def test_whatever_speaks_less_for_a_law_makes_it_less_probable(field, worse):
             continue
         assert probability(replace(STRONG, **{field: worse}), coefficients) < probability(STRONG, coefficients)
         assert 0 <= probability(replace(STRONG, **{field: worse}), coefficients) <= 1
+
+
+def test_a_law_that_has_one_of_the_choice_for_a_special_case_is_no_rival_of_it_and_the_clearest_of_them_counts():
+    part, _, together = told("dead_time", "dead_time", "actuator_lag", "lag_cascade", "dry_friction")
+    _, found = models()
+    assert found["lag_cascade"].contains(found["actuator_lag"])
+    either = together([("dead_time",), ("actuator_lag",)])
+    assert part.share < 0.1 < 0.5 < either.share
+    assert (
+        either.clear == max(clearness(found[name].fit)[name] for name in ("dead_time", "actuator_lag")) > part.clear
+    )  # of what is on offer

@@ -104,6 +104,16 @@ def test_the_few_models_next_to_the_best_are_told_beside_it_where_it_is_likely_a
     assert verdict(*far, weak=names, together_sure=True).status == "unexplained"
 
 
+def test_the_flexible_law_of_another_kind_that_does_as_well_is_an_alternative_where_nothing_is_sure():
+    soft, other = candidate("soft_spot", gap=1.2e-3), candidate("torque_profile", gap=1.25e-3)
+    unsure = {"weak": ("soft_spot", "elastic"), "together_sure": True}
+    assert verdict(other, soft, **unsure).alternatives == (("soft_spot",), ("torque_profile",))
+    assert verdict(candidate("stiffness_profile", gap=1.25e-3), soft, **unsure).status == "unexplained"  # the same kind
+    assert verdict(candidate("torque_profile", gap=2.2e-3), soft, **unsure).status == "unexplained"  # clearly worse
+    named = verdict(candidate("torque_decay", gap=1.25e-3), other, soft, **unsure)
+    assert named.alternatives == (("soft_spot",), ("torque_decay",))  # that kind is told by its name
+
+
 def test_a_kind_is_named_where_no_cause_is_certain():
     found = verdict(candidate("stiffening", gap=1e-3), weak=("stiffening",))
     assert (found.status, found.effects, found.kinds) == ("partly_identified", (), ("elastic",))

@@ -96,5 +96,5 @@ def test_where_one_in_three_samples_is_looked_at_these_are_as_among_all(record, 
         predict_with_slopes(replace(experiment, runs=(each,), rest_scatter=1e-3), Hypothesis(), TRUE)[0] for each in (run, few)
     )
     np.testing.assert_array_equal(some.slopes, slopes.slopes[::3])
-    assert some.nuisance.shape[-1] == (1 if command else 3)
+    assert some.nuisance.shape[-1] == (1 if command else 6)
     np.testing.assert_allclose(some.nuisance, slopes.nuisance[::3], atol=0.15 * np.abs(slopes.nuisance).max())

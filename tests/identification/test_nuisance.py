@@ -53,7 +53,7 @@ def test_what_is_taken_out_is_what_the_fitted_numbers_make(linear):
     weights = np.where(np.arange(40) % 7 == 0, 0.0, 2.0).reshape(10, 2, 2)
     y = B @ [0.6, -0.9] + 0.1 * y
     residual = np.where(weights > 0, y.reshape(10, 2, 2), np.nan)
-    (left,) = taken_out([residual], [weights], [B.reshape(10, 2, 2, 2)])
+    (left,) = taken_out([residual], [weights], [B.reshape(10, 2, 2, 2)], 2)
     seen = (weights > 0).ravel()
     numbers = np.linalg.lstsq(np.vstack([2 * B[seen], np.eye(2)]), np.append(2 * y[seen], [0, 0]), rcond=None)[0]
     assert left.ravel()[seen] == pytest.approx((y - B @ numbers)[seen])
@@ -65,19 +65,32 @@ def test_what_all_trials_share_is_none_of_their_own(linear):
     basis, weights = B.reshape(10, 2, 2, 2), np.ones((10, 2, 2))
     for mean in (0.0, 4.0):
         numbers = np.random.default_rng(1).normal(size=(16, 2)) * 0.5 + mean
-        left = taken_out([basis @ own for own in numbers], [weights] * 16, [basis] * 16)
+        left = taken_out([basis @ own for own in numbers], [weights] * 16, [basis] * 16, 2)
         share = np.mean([np.sum(part**2) for part in left]) / np.sum((basis @ np.full(2, 4.0)) ** 2)
         assert share < 0.01 if mean == 0 else 0.7 < share < 1.1
 
 
-def test_where_a_trial_rests_is_as_dear_as_what_lasts_in_it_and_what_a_hand_did_keeps_its_price():
+def test_a_place_of_rest_and_the_hold_of_a_hand_are_as_dear_as_what_lasts_but_not_from_where_an_arm_was_let_go():
     noise = np.random.default_rng(2).normal(size=(8, 400, 1, 2))
     weights = [np.ones((400, 1, 2))] * 8
-    assert prices(noise, weights, 1) == pytest.approx([1, 1, 1], abs=0.1)
+    assert prices(noise, weights, 1) == pytest.approx([1] * 6, abs=0.1)
     lasting = prices(noise + 3 * np.sin(np.arange(400) / 60)[:, None, None], weights, 1)
     assert lasting[0] > 5
-    assert list(lasting[1:]) == [1, 1]
-    assert list(prices(5 * noise, weights, 0)) == [1, 1, 1]
+    assert list(lasting[1:3]) == [1, 1]
+    assert list(lasting[3:]) == [lasting[0]] * 3
+    assert list(prices(5 * noise, weights, 0)) == pytest.approx([1, 1, 5, 5, 5], rel=0.1)
+
+
+def test_a_hand_does_not_stand_in_for_what_a_model_lacks():
+    """What a trial shows of a hold is believed beside noise, and not beside a rest of the model that is as large."""
+    n = np.arange(300)
+    hold = np.zeros((300, 1, 2, 5))
+    hold[..., 4] = np.exp(-n / 40)[:, None, None]
+    for lacks, believed in ((0.0, True), (8.0, False)):
+        rest = lacks * np.sin(n / 60)[:, None, None] + np.random.default_rng(4).normal(size=(300, 1, 2))
+        seen = rest + 2.0 * hold[..., 4]
+        (left,) = taken_out([seen], [np.ones(seen.shape)], [hold], 0)
+        assert bool(np.sum((left - rest) ** 2) < 0.1 * np.sum((seen - rest) ** 2)) is believed
 
 
 def test_without_numbers_of_their_own_trials_stay_as_they_are():
@@ -178,7 +191,27 @@ def test_an_arm_that_was_held_further_aside_than_seen_does_not_bend_the_fit(reco
     assert off(1e-3) == pytest.approx(off(0.0), rel=1e-3)
     monkeypatch.setattr(evaluation, "HELD", 1e-9)
     monkeypatch.setattr(evaluation, "INSTANT", 1e-9)
+    monkeypatch.setattr(evaluation, "GRIP", (1e-9,) * 3)
     assert np.abs(off(1e-3) / off(0.0) - 1).max() > 4e-3
+
+
+def let_go(record, fade):
+    """Two steps, and releases to both sides from 0.8 rad of what held them, which fades within ``fade`` [s] from 2 s on."""
+    time = np.arange(401) * 0.01
+    shape = np.clip((time - 0.2) / 1.0, 0, 1) * np.clip(1 - (time - 2.0) / fade, 0, 1)
+    held = [(keq, side * 0.8 * keq * shape) for keq in (1.11, 2.33) for side in (1, -1)]
+    dataset = record([(1.11, 0.5), (2.33, 1.2), *held], seconds=4.0, keq=TRUE[0], damping=TRUE[1], noise=1e-4)
+    trials = [replace(trial, trajectory=replace(trial.trajectory, torque=None), t_start=2.0) for trial in dataset.trials[2:]]
+    return prepare(replace(dataset, trials=(*dataset.trials[:2], *trials)))
+
+
+def test_a_hand_that_lets_go_within_40_ms_does_not_spoil_the_fit(record):
+    """Against a fit that takes the arm to be free at once; of one that nearly is, both say the same."""
+    for fade, spoilt in ((0.04, 0.05), (0.01, 0.0)):
+        experiment = let_go(record, fade)
+        found, blind = fit(experiment, Hypothesis()).values, fit(replace(experiment, hand=False), Hypothesis()).values
+        assert found == pytest.approx(TRUE, rel=0.01)
+        assert spoilt <= blind[1] / TRUE[1] - 1 < spoilt + 0.05
 
 
 def test_the_scatter_of_rests_is_told_from_noise_from_memory_and_from_levels(record):

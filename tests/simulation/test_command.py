@@ -124,6 +124,11 @@ def test_a_torque_beside_what_arrives_is_passed_on_by_no_muscle():
     per_cell = np.diff(more.impulse - plain.impulse, axis=1)
     np.testing.assert_allclose(per_cell, np.broadcast_to([[0.1], [-0.3]], per_cell.shape), atol=1e-13)
     np.testing.assert_allclose(more.initial - plain.initial, [0.1, -0.3])
+    first = plain.beside_at_first(np.array([0.1, -0.3]), 0.02, 0.03)
+    early = np.zeros(per_cell.shape[1])
+    early[round(0.02 / plain.cell) : round(0.03 / plain.cell)] = 1
+    np.testing.assert_allclose(np.diff(first.impulse - plain.impulse, axis=1), [0.1 * early, -0.3 * early], atol=1e-13)
+    np.testing.assert_array_equal(first.initial, plain.initial)
     of_two_sections = Delivered(np.zeros((1, 4, 4)), 0.01, 1, np.zeros((1, 4))).beside(np.array([0.1 - 0.3j]))
     np.testing.assert_allclose(of_two_sections.initial, [[0.1, -0.3, 0.1, -0.3]])
     np.testing.assert_allclose(of_two_sections.impulse[0, 3], [0.3, -0.9, 0.3, -0.9])
