@@ -31,7 +31,7 @@ from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
-from hsr_pin.identification.input_form import as_it_fits, goes_straight, otherwise, taken
+from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
 from hsr_pin.identification.plane import Plane, in_its_plane
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
@@ -164,7 +164,7 @@ class _Study:
             tell("stiffness and damping")
             base_fit = fit(experiment, hypothesis)
             experiment, base_fit = (experiment, base_fit) if settled else as_it_fits(experiment, base_fit)
-        aside = taken(self.aside, straight=goes_straight(experiment)) if self.aside else None
+        aside = taken(self.aside, form_of(experiment)) if self.aside else None
         prints, own = fingerprint(experiment), repeats(experiment)
         prints = prints.with_print(OutOfPlane(self.plane)) if self.plane else prints
         experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
@@ -239,16 +239,17 @@ class _Study:
         Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held. And
         where a held one is taken to go straight, half a sample earlier, the arm seems to be late.
         """
-        other = otherwise(found.experiment)
-        if other is None or found.search is None:
+        if found.search is None:
             return None
         best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
         likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
-        crew = Crew(other, self.executor, self.advance)
-        if worth_having(best, min(crew.finish(list(likely.values())), key=mean_square), found.thresholds, self.seed):
-            return other
-        simpler = self._sooner(best, crew)
-        return other if any(not clearly_worse(each, best, found.thresholds, self.seed) for each in simpler) else None
+        crews = [(other, Crew(other, self.executor, self.advance)) for other in otherwise(found.experiment)]
+        again = [(other, each) for other, crew in crews for each in crew.finish(list(likely.values()))]
+        for other, better in sorted(again, key=lambda each: mean_square(each[1]))[:1]:
+            if worth_having(best, better, found.thresholds, self.seed):
+                return other
+        simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
+        return next((other for other, each in simpler if not clearly_worse(each, best, found.thresholds, self.seed)), None)
 
     def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
         """A model without what makes it late, or with a simpler law of that in its place."""

@@ -16,7 +16,7 @@ from hsr_pin.identification.experiment import Experiment, prepare, restricted
 from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
-from hsr_pin.identification.input_form import as_it_fits, goes_straight, taken
+from hsr_pin.identification.input_form import as_it_fits, form_of, taken
 from hsr_pin.identification.plane import in_its_plane
 from hsr_pin.identification.starts import starts
 from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
@@ -104,7 +104,7 @@ def identify(
     answer = fit_from(fitted, hypothesis, points)
     fitted, answer = as_it_fits(fitted, answer)
     if predicted is not None:
-        predicted = taken(predicted, straight=goes_straight(fitted))
+        predicted = taken(predicted, form_of(fitted))
     tell("predicting held-out trials")
     plain = without_effects(hypothesis)
     before = simulated(fitted, plain, np.empty(0))
