@@ -11,7 +11,7 @@ from hsr_pin.effects.effect import Effect, option
 from hsr_pin.parameters import parameter
 
 #: In the order of the option.
-FIRST = 0
+FIRST, SECOND = 0, 1
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,12 @@ class ActuatorLag(Effect):
     """T dy/dt = u - y. Over a step h with u held: y' = u + (y - u) exp(-h/T), and the mean of y is u - (T/h) (y' - y).
 
     Of second order, as of a chamber behind a tube: two of them with half of T, the second of which takes the mean of the first's
-    step.
+    step. Through an orifice the flow goes with the root of the difference (ISO 6358): T dy/dt = sqrt(Keq |u - y|) towards u,
+    which is reached after 2 T sqrt(|u - y| / Keq).
     """
 
     name = "actuator_lag"
-    lacks = "the torque follows the command as a lag of first or second order"
+    lacks = "the torque follows the command as a lag of first or second order, or as through an orifice"
     cause = "filling of the muscles, regulators"
     memories = 2
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
@@ -32,10 +33,16 @@ class ActuatorLag(Effect):
     time_constant: float = parameter(
         0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, resizes=1, description="of the lag"
     )
-    order: str = option("first", "second", description="of the lag")
+    order: str = option("first", "second", "orifice", description="of the lag; how the muscles fill")
 
     @staticmethod
     def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+        if p.order > SECOND:
+            gap, time = memory[0] - torque, 2 * p.time_constant / np.sqrt(keq)
+            root, way = np.sqrt(np.abs(gap)), gap / np.maximum(np.abs(gap), 1e-300)
+            after = np.maximum(root - step / np.maximum(time, 1e-3 * step), 0.0)
+            y = torque + way * after**2
+            return torque + way * (root**3 - after**3) * time / (3 * step), (y, y)
         lag = p.time_constant if p.order == FIRST else p.time_constant / 2
         kept = np.exp(-step / np.maximum(lag, 1e-3 * step))  # 0 where there is no lag
         y = torque + (memory[0] - torque) * kept

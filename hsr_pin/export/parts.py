@@ -20,7 +20,7 @@ _LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "
 
 def is_linear(effect: Effect) -> bool:
     """Whether the actuator itself can express an effect; its filter is of first order."""
-    return effect.name in _LINEAR and ("order", "second") not in effect.options
+    return effect.name in _LINEAR and dict(effect.options).get("order", "first") == "first"
 
 
 @dataclass(frozen=True, eq=False)

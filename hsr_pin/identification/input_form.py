@@ -1,9 +1,9 @@
 """What a command does between its samples, where recordings do not say: held, or straight from one to the next.
 
-A command that is held comes half a sample later than one that is not. Of a chirp, a ramp or a measured pressure it is as much as a
-small lag, and no law of an arm mends it. So where it is not declared, and a command of the recordings is a curve, they decide: all
-are held, or the curves alone go straight, or the steps do too (of a controller that runs faster than it is recorded, a step comes
-anywhere between two samples: half a sample earlier in the mean). Of steps alone it is not asked.
+A command that is held comes half a sample later than one that is not. Of a chirp, a ramp or a measured pressure it is as much as
+a small lag, and no law of an arm mends it. So where it is not declared, and a command of the recordings is a curve, they decide:
+all are held, or the curves alone go straight, or the steps do too (of a controller that runs faster than it is recorded, a step
+comes anywhere between two samples: half a sample earlier in the mean). Of steps alone it is not asked.
 """
 
 from __future__ import annotations

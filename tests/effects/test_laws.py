@@ -194,6 +194,22 @@ def test_a_lag_gives_the_mean_of_the_exponential_over_each_step():
     np.testing.assert_allclose(mean, np.diff(integral) / h, atol=1e-14)
 
 
+def test_through_an_orifice_a_muscle_is_full_after_a_finite_time():
+    """Against the equation, integrated in small steps; the mean over a step in which it becomes full too."""
+    T, h, keq = 0.1, 0.02, KEQ
+    law = EFFECTS["actuator_lag"](T, "orifice")
+    fine = np.empty(30000)
+    y = 0.3
+    for k in range(len(fine)):
+        fine[k] = y
+        y += np.sign(1.0 - y) * np.sqrt(keq * abs(1.0 - y)) / T * 1e-5
+    means = answers(law, [1.0] * 15, h, initial=0.3)
+    np.testing.assert_allclose(means, fine.reshape(15, 2000).mean(axis=1), atol=2e-4)
+    full = 2 * T * np.sqrt(0.7 / keq)
+    assert np.all(means[int(full / h) + 1 :] == 1.0) and means[int(full / h)] < 1.0
+    assert np.all(answers(law, [0.7] * 9, h, initial=0.7) == 0.7)
+
+
 def test_a_lag_starts_settled_and_takes_each_column_its_own_time():
     laws = stack([EFFECTS["actuator_lag"](t) for t in (0.0, 1e-9, 0.1)])
     torque, memory = np.empty((100, 3)), (np.full(3, 0.5),)

@@ -43,6 +43,7 @@ EXAMPLES = [
         "damping_gradient:slope=1.2",
         "actuator_lag:time_constant=0.08",
         "actuator_lag:time_constant=0.08,order=second",
+        "actuator_lag:time_constant=0.08,order=orifice",
         "unequal_lag:rise=0.05,fall=0.12,delay=0.02",
         "unequal_lag:rise=0.12,fall=0.05,fills=positive",
         "dead_time:delay=0.043",
