@@ -35,6 +35,8 @@ _ENOUGH, _SAMPLES = 8, 400
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
 #: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
+#: Factors on the damping, and sizes over their scale, of laws that make the torque late.
+_LATE = ((0.5, 0.2), (0.6, 1.5))
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
 #: Links and error of a step [m at the tip] of the chain that is screened.
@@ -158,8 +160,9 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
 
 def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
     """Of each of the guessed values, and those in the next valleys, the one that simulates best; then the best of the others."""
-    points = np.array([_moved(guess.hypothesis, start, *factors) for start in guess.starts for factors in _VALLEYS])
-    squares = []
+    moved = [(k, _moved(guess.hypothesis, start, *factors)) for k, start in enumerate(guess.starts) for factors in _VALLEYS]
+    groups, tried = zip(*moved, *((-1, point) for point in _late(guess)), strict=True)
+    points, squares = np.array(tried), []
     for run, seen in zip(experiment.runs, _side_by_side(experiment, guess.hypothesis, points), strict=True):
         missed = np.nan_to_num(seen - run.compared[:, None], nan=experiment.dataset.length)
         squares.append(np.where(np.isfinite(run.compared[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
@@ -167,9 +170,26 @@ def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
     order = [int(k) for k in np.argsort(sizes, kind="stable")]
     first: dict[int, int] = {}  # a local defect is looked for in two places, not twice in the one that looks best
     for k in order:
-        first.setdefault(k // len(_VALLEYS), k)
+        first.setdefault(groups[k], k)
     ranked = [*first.values(), *(k for k in order if k not in first.values())]
     return tuple(points[k] for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
+
+
+def _late(guess: Guess) -> list[Array]:
+    """Of a law that makes the torque late, values (P,) with much less damping: a strongly damped arm looks late by itself.
+
+    Seen from there lateness is worth next to nothing, so that its size is none of the guess's.
+    """
+    facts, part = guess.hypothesis.parameters, guess.hypothesis.parts[-1]
+    if part.kind != "actuation_time":
+        return []
+    own = [k for k, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{part.name}.")]
+    points = []
+    for damping, size in itertools.product(*_LATE):
+        point = _moved(guess.hypothesis, guess.starts[0], damping, 1.0)
+        point[own] = [np.clip(facts[k].neutral + size * facts[k].scale / len(own), facts[k].lower, facts[k].upper) for k in own]
+        points.append(point)
+    return points
 
 
 def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: float) -> Array:

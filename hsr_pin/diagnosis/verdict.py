@@ -29,6 +29,9 @@ from hsr_pin.identification.hypothesis import PLAIN, SESSION
 #: A name or a kind is certain from this probability on: 69 to 99 % of what was said with more was right in the sixth sealed run,
 #: after which the probabilities were fitted anew.
 CERTAIN = 0.75
+#: ... if every model without it is worse by this many times what is tolerated in a model that is not exact: no law is led by less
+#: than that, however clear its size is, where another does the same.
+LED = 1.0
 #: Where more of the squared gap than this is left, beyond what does not repeat, an effect may stand in for that: none is certain.
 HALF = 0.5
 #: Where something else is left, alternatives are told if a name of the best has this probability, or a kind this, and no more
@@ -184,8 +187,9 @@ def _graded(
     common = set.intersection(*map(set, sets))
     flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
     rest = open_share(best, found.path[0], thresholds)
-    sure = tuple(sorted(name for name in common - flexible if rest <= HALF and names[name] >= CERTAIN))
-    of_kind = tuple(sorted(kind for kind, value in kinds.items() if value >= CERTAIN and _in_all(kind, sets, found.tried)))
+    led = {each.name for each in (*evidence.parts, *evidence.kinds) if each.margin >= LED}
+    sure = tuple(sorted(name for name in common & led - flexible if rest <= HALF and names[name] >= CERTAIN))
+    of_kind = tuple(sorted(kind for kind in led if kinds.get(kind, 0.0) >= CERTAIN and _in_all(kind, sets, found.tried)))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
     def said(status: str, sentence: str, alternatives: Sequence[tuple[str, ...]] = (), named: tuple[str, ...] = ()) -> Verdict:
@@ -331,7 +335,7 @@ def rivals(
             continue
         if rival.contains(best):
             continue
-        if (closes and not explains(rival, base, thresholds)) or _idle(rival, base, tried, thresholds):
+        if _idle(rival, base, tried, thresholds):
             continue
         simpler = closes and len(rival.fit.values) < len(best.fit.values) and left(rival) <= thresholds.closed**2
         if simpler or matches(rival, best, base, thresholds, seed):

@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import predict, residuals
+from hsr_pin.identification.evaluation import predict, residuals, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.fit import fit as fit_to
 from hsr_pin.identification.nuisance import taken_out
 from hsr_pin.identification.step import damped_step
 from hsr_pin.trajectory import Array
 
 #: Share of the diagonal of the normal matrix that is added to it.
 _DAMPING = 0.02
+#: A run that is foretold so many times worse than it is fitted is looked at again, if no more than so many are.
+_FAR, _AGAIN = 3.0, 4
 
 
 def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
     """For each run (T, M, A) [m] predicted minus measured, with parameters fitted to the other runs.
 
     The parameters without a run are one Gauss-Newton step away from those with all of them, whose derivatives are known: no fit
-    is repeated, every run is simulated once more.
+    is repeated, every run is simulated once more. Where that is far worse than the fit, the step may have gone too far: the
+    fit is repeated there.
     """
     rows = fit.whitened()
     values = [without(fit, rows[:run] + rows[run + 1 :]) for run in range(len(rows))]
     missed = residuals(experiment, predict(experiment, fit.hypothesis, list(zip(experiment.runs, values, strict=True))))
+    far = [k for k, (there, here) in enumerate(zip(missed, fit.missed, strict=True)) if rms([there]) > _FAR * rms([here])]
+    for k in far if len(rows) > 1 and len(far) <= _AGAIN else ():
+        others = replace(experiment, runs=experiment.runs[:k] + experiment.runs[k + 1 :])
+        again = fit_to(others, fit.hypothesis, start=fit.values, quick=True).values
+        (instead,) = residuals(
+            replace(experiment, runs=(experiment.runs[k],)), predict(experiment, fit.hypothesis, [(experiment.runs[k], again)])
+        )
+        missed[k] = min(missed[k], instead, key=lambda each: rms([each]))
     return taken_out(missed, fit.weights, fit.nuisance, experiment.lasting)
 
 

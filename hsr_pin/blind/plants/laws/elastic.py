@@ -80,11 +80,11 @@ class Stiffening(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Stiffening:
-        # Softening is kept mild: beyond 1/(3 b^2) the spring has a peak and the arm would fold.
+        # Softening is kept mild: beyond 1/(3 b^2) the spring has a peak and the arm folds: at 0.09, 1.9 rad, a staircase made it.
         return cls(0.05 * (1 if rng.random() < 0.75 else -1))
 
     def scaled(self, factor: float) -> Stiffening:
-        return replace(self, cubic=float(np.clip(self.cubic * factor, -0.09, self.limit)))
+        return replace(self, cubic=float(np.clip(self.cubic * factor, -0.06, self.limit)))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return joints.stiffness * self.cubic * state.bend**3, memory
