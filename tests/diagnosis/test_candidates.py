@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.candidates import finish, glance, guesses
+from hsr_pin.diagnosis.candidates import Guess, _starts, finish, glance, guesses
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
@@ -126,6 +126,20 @@ def test_a_lag_that_damping_stood_in_for_is_found_behind_it():
     found = glance(experiment, base, guess).named
     assert found["damping_scale"] == pytest.approx(0.8, abs=0.1)
     assert found["actuator_lag.time_constant"] == pytest.approx(0.08, rel=0.05)
+
+
+def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(monkeypatch):
+    """There lateness is worth nothing, and six times next to nothing is next to nothing still."""
+    experiment = prepare(made("actuator_lag:time_constant=0.08"))
+    whole = Hypothesis().with_part(part(EFFECTS["actuator_lag"]))
+    guess = Guess(whole, (np.array([1.0, 6.0, 0.001]),), 0.0)
+
+    def latest():
+        return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, guess))
+
+    assert latest() >= 0.03
+    monkeypatch.setattr("hsr_pin.diagnosis.candidates._LATE", ((), ()))
+    assert latest() < 0.01
 
 
 def test_a_soft_spot_is_looked_for_in_two_places():

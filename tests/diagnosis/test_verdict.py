@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hsr_pin.diagnosis.confidence import NAME, probability
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
-from hsr_pin.diagnosis.thresholds import clearly_worse
-from hsr_pin.diagnosis.verdict import STATUSES, Evidence, judge, mostly_explained, rivals
+from hsr_pin.diagnosis.thresholds import clearly_worse, explains
+from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge, mostly_explained, rivals
 
 from .fabricated import THRESHOLDS, candidate
 
@@ -212,6 +213,23 @@ def test_alternatives_are_listed_from_the_best_to_the_worst():
     tried = [candidate(name, gap=gap) for name, gap in (("backlash", 2.4e-5), ("stiffening", 0.8e-5), ("hysteresis", 1.6e-5))]
     found = verdict(*tried, candidate("dry_friction"))
     assert found.alternatives == (("dry_friction",), ("stiffening",), ("hysteresis",), ("backlash",))
+
+
+def test_a_rival_that_leaves_a_little_more_than_explains_the_gap_is_told_if_it_is_not_clearly_worse():
+    best, near = candidate("dry_friction", gap=0.65e-3), candidate("hysteresis", gap=0.75e-3)  # 2.6 and 3.5 % of the squared gap
+    assert explains(best, BASE, THRESHOLDS) and not explains(near, BASE, THRESHOLDS)
+    assert verdict(near, best).alternatives == (("dry_friction",), ("hysteresis",))
+
+
+def test_no_law_is_certain_that_is_led_by_nothing_however_clear_its_size():
+    clear = Support("tip_mass", "mass_gravity", 0.9, 0.9, 0.9, 1.0, 0.0, 1e4, 0.0)
+    assert probability(clear, NAME) > CERTAIN
+    for margin, named in ((0.9, ()), (1.1, ("tip_mass",))):
+        one = candidate("tip_mass")
+        evidence = Evidence(
+            36e-6, (replace(clear, margin=margin),), (replace(clear, margin=margin),), lambda sets: clear, LENGTH, None, None, 0
+        )
+        assert judge(Search((BASE, one), (BASE, one)), THRESHOLDS, evidence).effects == named
 
 
 def test_what_all_alternatives_share_is_certain():
