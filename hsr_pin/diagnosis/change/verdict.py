@@ -34,7 +34,8 @@ TIED, OF_LEFT, NEARLY, PARAMETER = 0.002, 1.0, 15.0, 8.0
 REST = 0.1
 #: ... and a change that explains less than this is not named.
 HALF = 0.5
-#: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's.
+#: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's; nor is what OLD
+#: does not foretell of NEW where it is so many times as far as that.
 FARTHER = 2.0
 
 
@@ -110,9 +111,9 @@ class Found:
         return sum(size.moved for size in self.sizes[fitted.suspect.names])
 
     def sure(self, fitted: Fitted) -> bool:
-        """Whether a change is there: it explains enough, moves the markers, and nothing of it may be none."""
+        """Whether a change is there: it explains enough, moves the markers, and how large each of it is is known."""
         explains = self.gain(fitted) > self.needed(fitted) and fitted.rms >= self.frame.pair.worth
-        return explains and {each.name for each in self.sizes[fitted.suspect.names] if each.moved} == set(fitted.suspect.names)
+        return explains and {each.name for each in self.sizes[fitted.suspect.names] if each.clear} == set(fitted.suspect.names)
 
     def suffices(self, fitted: Fitted, wider: Fitted) -> bool:
         """Whether a special case of a change explains as good as all that it does, and its further numbers may be none."""
@@ -254,8 +255,10 @@ def _nothing(found: Found) -> ChangeVerdict:
     before, scatter = found.frame.off(), found.frame.scatter
     beyond = sqrt(max(0.0, before**2 - scatter**2))
     difference = Difference(before, before, scatter, 0.0)
-    if found.left(found.frame.seen) and beyond >= found.frame.pair.worth:
-        said = f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate explains it."
+    if (found.left(found.frame.seen) or before > FARTHER * scatter) and beyond >= found.frame.pair.worth:
+        said = (
+            f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate surely explains it."
+        )
         return ChangeVerdict("unexplained", (), (), said, difference=difference)
     limits = {fitted.suspect.names[0]: _limit(found, fitted, seen) for fitted, seen in found.fits if len(fitted.after) == 1}
     words = {"keq_scale": "stiffness", "damping_scale": "damping"}

@@ -1,5 +1,6 @@
 """What is named: only what is certainly another than it was, and no law with more numbers than are."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -47,9 +48,17 @@ DELAY = (size("dead_time.delay", (0.07, 0.11)),)
 
 
 def test_a_change_whose_size_may_be_none_is_not_named():
-    for step, there in (((0.01, 0.03), True), ((-0.01, 0.03), False)):
+    for step, there in (((0.01, 0.03), True), ((0.005, 0.035), False), ((-0.01, 0.03), False)):
         found = Judged((("tip_mass",), (size("tip_mass.mass", step),), 1000.0))
         assert found.sure(fitted("tip_mass")) is there
+
+
+def test_a_step_is_clear_where_its_near_end_is_two_fifths_of_it():
+    near, far, down, none = (0.03, 0.05), (0.01, 0.05), (-0.05, -0.03), (-1, 2)
+    for step, moved, clear in ((near, True, True), (far, True, False), (down, True, True), (none, False, False)):
+        assert (size("tip_mass.mass", step).moved, size("tip_mass.mass", step).clear) == (moved, clear)
+    softer = Size("keq_scale", "keq_scale", "1", 1.0, 0.9, (1.0, 1.0), (0.8, 0.98), (0.8, 0.98))
+    assert softer.moved and not softer.clear and replace(softer, step=(0.85, 0.95)).clear
 
 
 def test_two_changes_are_named_only_where_neither_may_be_none():
