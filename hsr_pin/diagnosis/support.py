@@ -93,11 +93,20 @@ def supports(
             rest=rest,
         )
 
+    near = [each for each in (best, *tried) if squares(each.heldout).mean - squares(best.heldout).mean <= limit]
+
+    def clearest(kind: str) -> float:  # of the laws of a kind in models that do about as well
+        own = (each for each in near if len(each.names) <= len(best.names))
+        return max(clearness(each.fit)[part.name] for each in own for part in each.fit.hypothesis.parts if part.kind == kind)
+
     parts = tuple(
         of(part.name, part.kind, lambda other, name=part.name: name not in other.names and not other.contains(best))  # type: ignore[misc]
         for part in best.fit.hypothesis.parts
     )
-    kinds = tuple(of(kind, kind, lambda other, kind=kind: kind not in other.kinds) for kind in best.kinds)  # type: ignore[misc]
+    kinds = tuple(
+        replace(of(kind, kind, lambda other, kind=kind: kind not in other.kinds), clear=clearest(kind))  # type: ignore[misc]
+        for kind in best.kinds
+    )
 
     def together(sets: Sequence[tuple[str, ...]]) -> Support:
         told = [other for other in tried if other.names in sets]

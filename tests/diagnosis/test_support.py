@@ -98,3 +98,10 @@ def test_a_law_that_has_one_of_the_choice_for_a_special_case_is_no_rival_of_it_a
     assert (
         either.clear == max(clearness(found[name].fit)[name] for name in ("dead_time", "actuator_lag")) > part.clear
     )  # of what is on offer
+
+
+def test_a_kind_is_as_clear_as_the_clearest_of_its_laws_that_do_about_as_well():
+    part, kind, _ = told("lag_cascade", "actuator_lag", "lag_cascade", "dead_time", "dry_friction")
+    _, found = models()
+    lag, late = (clearness(found[name].fit)[name] for name in ("actuator_lag", "dead_time"))
+    assert kind.clear == lag > part.clear and late != lag
