@@ -112,8 +112,11 @@ class Engine:
         if torque.ndim == 2:
             torque, initial = torque[..., None], initial[:, None]
         torque, initial = self._by_section(torque), self._by_section(initial)
-        each = zip(np.moveaxis(torque, 2, 0), np.moveaxis(initial, 1, 0), strict=True)
-        return in_components([given(part, before) for part, before in each])
+        each = list(zip(np.moveaxis(torque, 2, 0), np.moveaxis(initial, 1, 0), strict=True))
+        parts = [given(part, before) for part, before in each]
+        if len({part.per_sample for part in parts}) > 1:  # the command of one section is a curve, of another it is not
+            parts = [given(part, before, smooth=False) for part, before in each]
+        return in_components(parts)
 
     def settled(self, torque: Array, wanted: NDArray[np.bool_], near: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Where the arms rest under constant torques.

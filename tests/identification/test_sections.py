@@ -95,3 +95,17 @@ def test_inputs_of_other_sections_are_refused():
         engine.deliver(np.zeros((5, 1, 3), dtype=complex), np.zeros((1, 3), dtype=complex), 0.01)
     alike_driven = engine.deliver(np.full((5, 1), 0.3j), np.zeros(1, dtype=complex), 0.01)
     np.testing.assert_allclose(alike_driven.impulse[0, -1], [0.0, 1.2, 0.0, 1.2])
+
+
+def test_a_curve_in_one_section_beside_steps_in_another_is_held_as_they_are():
+    """A curve may be taken as one, in finer cells: then the sections' would not fit together."""
+    columns = Hypothesis(links=12).columns(
+        prepare(recorded(COMMANDS[:1])), prepare(recorded(COMMANDS[:1])).runs[0], np.ones((1, 2))
+    )
+    curve, step = 0.4 * np.sin(np.linspace(0, 2 * np.pi, 41)), np.where(np.arange(41) < 20, 0.0, 0.3)
+    engine, none = Engine(columns, "compiled"), np.zeros((1, 2), dtype=complex)
+    for second, cells in ((step, 1), (curve, 4)):
+        torque = np.stack([curve, second], axis=1)[:, None] + 0j
+        found = engine.deliver(torque, none, 0.01, smooth=True)
+        assert found.per_sample == cells
+        np.testing.assert_allclose(found.impulse[0, -1, ::2] / cells, [curve[:-1].sum(), second[:-1].sum()], atol=1e-3)
