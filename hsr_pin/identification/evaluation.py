@@ -165,11 +165,17 @@ def predict_all(experiment: Experiment, hypothesis: Hypothesis, values: Array) -
 
 
 def predict_with_slopes(
-    experiment: Experiment, hypothesis: Hypothesis, values: Array, *, central: bool = False
+    experiment: Experiment,
+    hypothesis: Hypothesis,
+    values: Array,
+    *,
+    central: bool = False,
+    gripped: Sequence[bool] | None = None,
 ) -> list[Prediction]:
     """Simulate every run at ``values`` (P,), with the derivatives to the open parameters.
 
-    One-sided differences, or ``central`` ones at twice the price.
+    One-sided differences, or ``central`` ones at twice the price. ``gripped``: for each run whether a hand's hold is among the
+    numbers that belong to it; default: of every release, where the experiment has hands.
     """
     lower, upper = hypothesis.bounds
     width = FRACTION * hypothesis.scale
@@ -183,11 +189,14 @@ def predict_with_slopes(
     def acting(run: Run) -> list[int]:
         return [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
 
-    def case(run: Run) -> Case:
+    hands = [experiment.hand and run.start_pose is not None for run in experiment.runs]
+    hands = hands if gripped is None else [hand and grip for hand, grip in zip(hands, gripped, strict=True)]
+
+    def case(run: Run, hand: bool) -> Case:
         points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
         released = run.start_pose is not None
         ways = _WIDTH * np.array(experiment.directions if released or experiment.lasting else ())
-        grips = np.kron(np.eye(len(LETS_GO)), ways[:, None]) if released and experiment.hand else np.zeros((0, len(LETS_GO)))
+        grips = np.kron(np.eye(len(LETS_GO)), ways[:, None]) if hand else np.zeros((0, len(LETS_GO)))
         rows = np.array([*points, *[values] * (len(ways) + len(grips))])
         aside = np.concatenate([np.zeros(len(points)), ways, np.zeros(len(grips))])
         if not released:
@@ -195,8 +204,8 @@ def predict_with_slopes(
         gripped = run.trial.keq * np.concatenate([np.zeros((len(rows) - len(grips), len(LETS_GO))), grips])
         return Case(run, rows, bent=aside, gripped=gripped if len(grips) else None)
 
-    predictions = []
-    for run, answer in zip(experiment.runs, respond_each(experiment, hypothesis, map(case, experiment.runs)), strict=True):
+    predictions, cases = [], map(case, experiment.runs, hands)
+    for run, hand, answer in zip(experiment.runs, hands, respond_each(experiment, hypothesis, cases), strict=True):
         seen = answer.positions[..., experiment.axes]
         slopes, moved = np.zeros((*seen[:, 0].shape, len(values))), acting(run)
         for place, p in enumerate(moved):
@@ -205,15 +214,15 @@ def predict_with_slopes(
                 other = (seen[:, 1 + len(moved) + place] - seen[:, 0]) / behind[p]
                 chord = (ahead[p] * other - behind[p] * chord) / (ahead[p] - behind[p])
             slopes[..., p] = chord
-        predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), _nuisance(experiment, run, answer)))
+        predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), _nuisance(experiment, run, answer, hand)))
     return predictions
 
 
-def _nuisance(experiment: Experiment, run: Run, answer: Response) -> Array:
+def _nuisance(experiment: Experiment, run: Run, answer: Response, hand: bool) -> Array:
     """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held or are pushed aside."""
     length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
     columns, directions = [], experiment.directions
-    hands = len(LETS_GO) * len(directions) if run.start_pose is not None and experiment.hand else 0
+    hands = len(LETS_GO) * len(directions) if hand else 0
     asides = range(-len(directions) - hands, -hands)
     if experiment.lasting:
         for k, direction in zip(asides, directions, strict=True):

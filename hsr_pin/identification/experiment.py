@@ -153,7 +153,7 @@ class Experiment:
         return len(self.directions) if self.rest_scatter > 0 else 0
 
     def own(self, run: Run) -> int:
-        """How many numbers belong to a run and not to the arm."""
+        """How many numbers may belong to a run and not to the arm."""
         released = 1 + len(self.directions) * (1 + self.hand * len(LETS_GO))
         return self.lasting + (0 if run.start_pose is None else released)
 

@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import Eliminated, prices, taken_out
+from hsr_pin.identification.nuisance import Eliminated, believed, prices, taken_out
 from hsr_pin.trajectory import Array
 
 #: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
@@ -36,14 +36,20 @@ class Misfit:
         self.evaluations = 0
         self._lasting = experiment.lasting
         self._seen = [weight > 0 for weight in self.weights]
-        self._at: Array | None = None
+        self._at: tuple[bytes, tuple[bool, ...]] | None = None
         self._eliminated: list[Eliminated] = []
+        self._gripped = (False,) * len(experiment.runs)
+
+    @property
+    def gripped(self) -> tuple[bool, ...]:
+        """For each run whether a hand's hold is among the numbers that belong to it, as :meth:`hold` found it last."""
+        return self._gripped
 
     def predictions(self, x: Array) -> list[Prediction]:
         """With one-sided differences."""
-        if self._at is None or not np.array_equal(self._at, x):
-            self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale)
-            self._at = np.array(x)
+        if self._at != (x.tobytes(), self._gripped):
+            self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale, gripped=self._gripped)
+            self._at = x.tobytes(), self._gripped
             self.evaluations += 1
         return self._predictions
 
@@ -67,11 +73,29 @@ class Misfit:
 
         Were it to change from point to point, the derivatives would lack that.
         """
+        if self.experiment.hand and any(run.start_pose is not None for run in self.experiment.runs):
+            self._gripped = self._held_on(x)
         price = prices(self.left(x), self.weights, self._lasting)
         parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
         bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]
         self._eliminated = [Eliminated.of(basis) for basis in bases]
         return any(basis.shape[1] for basis in bases)
+
+    def _held_on(self, x: Array) -> tuple[bool, ...]:
+        """For each run whether it shows that a hand still held the arm after its release."""
+        self._gripped = (False,) * len(self.experiment.runs)
+        left, plain = self.left(x), self.nuisance(x)
+        self._gripped = (True,) * len(self.experiment.runs)
+        price = prices(left, self.weights, self._lasting)
+        seen = self._lasting + left[0].shape[-1]
+        answers = []
+        for residual, weight, known, own, nuisance in zip(left, self.weights, self._seen, plain, self.nuisance(x), strict=True):
+            hold = nuisance[..., own.shape[-1] :]
+            answers.append(
+                hold.shape[-1] > 0
+                and believed((residual * weight)[known], (hold * weight[..., None])[known] / price[seen], float(price[seen]))
+            )
+        return tuple(answers)
 
     def _eliminated_at(self, x: Array) -> list[Eliminated]:
         """For each run how its own numbers are taken out, as :meth:`hold` found it last; found here if it never was."""

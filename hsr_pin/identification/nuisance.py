@@ -107,15 +107,29 @@ def taken_out(residuals: Sequence[Array], weights: Sequence[Array], bases: Seque
         known = weight > 0
         rows, rest = (basis * weight[..., None])[known], (np.nan_to_num(residual) * weight)[known]
         found.append(np.linalg.solve(rows.T @ rows + np.eye(rows.shape[1]), rows.T @ rest))
-    shared: dict[int, Array] = {}
-    for count in {len(numbers) for numbers in found}:
-        own = np.array([numbers for numbers in found if len(numbers) == count])
-        mean, chance = np.median(own, axis=0), _CHANCE / np.sqrt(len(own))
-        shared[count] = np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0) * (np.arange(count) < lasting)
+    shared: dict[bool, Array] = {}
+    for released in (False, True):
+        own = np.array([numbers[:lasting] for numbers in found if (len(numbers) > lasting) is released])
+        if len(own):
+            mean, chance = np.median(own, axis=0), _CHANCE / np.sqrt(len(own))
+            shared[released] = np.sign(mean) * np.maximum(np.abs(mean) - chance, 0.0)
     return [
-        residual - basis @ (numbers - shared[len(numbers)])
+        residual - basis @ numbers + basis[..., :lasting] @ shared[len(numbers) > lasting]
         for residual, basis, numbers in zip(residuals, bases, found, strict=True)
     ]
+
+
+def believed(rows: Array, hold: Array, doubt: float) -> bool:
+    """Whether a trial shows that a hand still held its arm: the evidence for it, Occam's factor and all.
+
+    Args:
+        rows: (n,) weighted residuals of the trial, its other numbers taken out.
+        hold: (n, H) what one standard deviation of each number of the hold makes of them, priced.
+        doubt: by how much less the residuals say than white noise of unit variance would.
+    """
+    without = Eliminated.of(hold)
+    gain = float(rows @ rows - without(rows) @ without(rows)) / doubt**2
+    return gain > float(-2 * np.log1p(-without.shrink).sum())
 
 
 def rest_scatter(rests: Sequence[tuple[object, ArrayLike, ArrayLike]], noise: float) -> float:

@@ -39,7 +39,8 @@ def test_every_joint_has_its_spring_damper_and_friction(told):
 def test_what_an_sdf_cannot_say_is_listed_in_it(told):
     exported = to_sdf(told)
     assert [line for line in exported.missing if line.startswith("actuator_lag")] == [
-        "actuator_lag: the torque follows the command as a lag of first or second order (time_constant 0.05 s, first)"
+        "actuator_lag: the torque follows the command as a lag of first or second order, or as through an orifice "
+        "(time_constant 0.05 s, first)"
     ]
     assert not any(line.startswith("springs") for line in exported.missing)
     for line in exported.missing:

@@ -12,7 +12,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
-from hsr_pin.identification.nuisance import Eliminated, prices, rest_scatter, taken_out
+from hsr_pin.identification.nuisance import Eliminated, believed, prices, rest_scatter, taken_out
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
@@ -82,15 +82,15 @@ def test_a_place_of_rest_and_the_hold_of_a_hand_are_as_dear_as_what_lasts_but_no
 
 
 def test_a_hand_does_not_stand_in_for_what_a_model_lacks():
-    """What a trial shows of a hold is believed beside noise, and not beside a rest of the model that is as large."""
+    """What a trial shows of a hold is taken beside noise, and not beside a rest of the model that is as large."""
     n = np.arange(300)
     hold = np.zeros((300, 1, 2, 5))
     hold[..., 4] = np.exp(-n / 40)[:, None, None]
-    for lacks, believed in ((0.0, True), (8.0, False)):
+    for lacks, taken in ((0.0, True), (8.0, False)):
         rest = lacks * np.sin(n / 60)[:, None, None] + np.random.default_rng(4).normal(size=(300, 1, 2))
         seen = rest + 2.0 * hold[..., 4]
         (left,) = taken_out([seen], [np.ones(seen.shape)], [hold], 0)
-        assert bool(np.sum((left - rest) ** 2) < 0.1 * np.sum((seen - rest) ** 2)) is believed
+        assert bool(np.sum((left - rest) ** 2) < 0.1 * np.sum((seen - rest) ** 2)) is taken
 
 
 def test_without_numbers_of_their_own_trials_stay_as_they_are():
@@ -195,6 +195,15 @@ def test_an_arm_that_was_held_further_aside_than_seen_does_not_bend_the_fit(reco
     assert np.abs(off(1e-3) / off(0.0) - 1).max() > 4e-3
 
 
+def test_a_hold_is_believed_for_its_evidence_alone():
+    """Chance explains a little of any residual; a real hold much of it, but not of what a model lacks for longer."""
+    noise = np.random.default_rng(5).normal(size=600)
+    hold = 40 * np.exp(-np.arange(600) / 20)[:, None] * np.array([1.0, 0.5, 0.2])
+    assert not any(believed(np.random.default_rng(k).normal(size=600), hold, 1.0) for k in range(20))
+    assert believed(noise + 0.3 * hold[:, 0], hold, 1.0)
+    assert not believed(10 * noise + 0.3 * hold[:, 0], hold / 30, 30.0)
+
+
 def let_go(record, fade):
     """Two steps, and releases to both sides from 0.8 rad of what held them, which fades within ``fade`` [s] from 2 s on."""
     time = np.arange(401) * 0.01
@@ -209,7 +218,9 @@ def test_a_hand_that_lets_go_within_40_ms_does_not_spoil_the_fit(record):
     """Against a fit that takes the arm to be free at once; of one that nearly is, both say the same."""
     for fade, spoilt in ((0.04, 0.05), (0.01, 0.0)):
         experiment = let_go(record, fade)
-        found, blind = fit(experiment, Hypothesis()).values, fit(replace(experiment, hand=False), Hypothesis()).values
+        whole = fit(experiment, Hypothesis())
+        found, blind = whole.values, fit(replace(experiment, hand=False), Hypothesis()).values
+        assert {nuisance.shape[-1] for nuisance in whole.nuisance[2:]} == ({5} if spoilt else {2, 5})
         assert found == pytest.approx(TRUE, rel=0.01)
         assert spoilt <= blind[1] / TRUE[1] - 1 < spoilt + 0.05
 
