@@ -33,7 +33,7 @@ class Fit:
         slopes: for each run (T, M, A, P) derivatives of the prediction there.
         weights: for each run (T, M, A) [1/m] with which the residuals counted; zero in gaps.
         nuisance: for each run (T, M, A, K) [m] what one standard deviation of each number of the trial's own makes.
-        price: (2 A - 1,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
+        price: (K,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
         converged: whether the search came to its end.
         evaluations: how many times the experiment was simulated.
         failed: names of the trials whose simulation ends early there.

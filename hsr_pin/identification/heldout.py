@@ -35,10 +35,8 @@ def leave_one_out(experiment: Experiment, fit: Fit) -> list[Array]:
     for k in far if len(rows) > 1 and len(far) <= _AGAIN else ():
         others = replace(experiment, runs=experiment.runs[:k] + experiment.runs[k + 1 :])
         again = fit_to(others, fit.hypothesis, start=fit.values, quick=True).values
-        (instead,) = residuals(
-            replace(experiment, runs=(experiment.runs[k],)), predict(experiment, fit.hypothesis, [(experiment.runs[k], again)])
-        )
-        missed[k] = min(missed[k], instead, key=lambda each: rms([each]))
+        alone = replace(experiment, runs=(experiment.runs[k],))
+        (missed[k],) = residuals(alone, predict(alone, fit.hypothesis, [(experiment.runs[k], again)]))
     return taken_out(missed, fit.weights, fit.nuisance, experiment.lasting)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -82,19 +83,20 @@ class Misfit:
         return any(basis.shape[1] for basis in bases)
 
     def _held_on(self, x: Array) -> tuple[bool, ...]:
-        """For each run whether it shows that a hand still held the arm after its release."""
-        self._gripped = (False,) * len(self.experiment.runs)
-        left, plain = self.left(x), self.nuisance(x)
+        """For each run whether it shows that a hand still held the arm after its release; what was simulated for it serves on."""
         self._gripped = (True,) * len(self.experiment.runs)
-        price = prices(left, self.weights, self._lasting)
-        seen = self._lasting + left[0].shape[-1]
+        whole, seen = self.nuisance(x), self._lasting + len(self.experiment.axes)
+        left = taken_out(self.missed(x), self.weights, [each[..., :seen] for each in whole], self._lasting)
+        price = float(prices(left, self.weights, self._lasting)[seen])
         answers = []
-        for residual, weight, known, own, nuisance in zip(left, self.weights, self._seen, plain, self.nuisance(x), strict=True):
-            hold = nuisance[..., own.shape[-1] :]
-            answers.append(
-                hold.shape[-1] > 0
-                and believed((residual * weight)[known], (hold * weight[..., None])[known] / price[seen], float(price[seen]))
-            )
+        for residual, weight, known, nuisance in zip(left, self.weights, self._seen, whole, strict=True):
+            hold = (nuisance[..., seen:] * weight[..., None])[known] / price
+            answers.append(hold.shape[1] > 0 and believed((residual * weight)[known], hold, price))
+        self._predictions = [
+            prediction if held else replace(prediction, nuisance=nuisance[..., :seen])
+            for prediction, nuisance, held in zip(self._predictions, whole, answers, strict=True)
+        ]
+        self._at = x.tobytes(), tuple(answers)
         return tuple(answers)
 
     def _eliminated_at(self, x: Array) -> list[Eliminated]:

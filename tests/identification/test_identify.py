@@ -117,3 +117,14 @@ def test_a_recording_of_gaps_only_is_refused(steps):
     blind = [replace(t, trajectory=replace(t.trajectory, positions=np.full((101, 3, 3), np.nan))) for t in steps.trials]
     with pytest.raises(IdentificationError, match="gaps everywhere"):
         identify(replace(steps, trials=tuple(blind)))
+
+
+def test_a_trial_that_one_step_foretells_far_too_badly_is_foretold_by_a_fit_to_the_others(steps, monkeypatch):
+    experiment = prepare(steps)
+    whole = fit(experiment, Hypothesis())
+    usual = leave_one_out(experiment, whole)
+    monkeypatch.setattr(heldout, "without", lambda fitted, others: np.array([0.3, 3.0]))
+    again = leave_one_out(experiment, whole)
+    assert rms(again) < 1.05 * rms(usual)
+    monkeypatch.setattr(heldout, "_AGAIN", 0)
+    assert rms(leave_one_out(experiment, whole)) > 10 * rms(usual)
