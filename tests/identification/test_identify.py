@@ -7,6 +7,7 @@ import pytest
 
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.errors import IdentificationError
+from hsr_pin.identification import heldout
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
