@@ -123,7 +123,8 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
         q, found = engine.settled(command.initial, found, q)
     elif case.bent is not None:
         q = q + columns.evenly(case.bent)
-    motion = engine.run(engine.loaded(q, v), command, len(torque), Integrator(tolerance=hypothesis.tolerance), found)
+    method = Integrator(tolerance=min(hypothesis.tolerance, run.tolerance))
+    motion = engine.run(engine.loaded(q, v), command, len(torque), method, found)
     angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
     positions = cameras.positions(angles)
     if np.isfinite(motion.lost).any():

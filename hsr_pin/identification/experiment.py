@@ -32,6 +32,8 @@ _REST = 20
 _MEDIAN = 1.25
 #: No recording is less noisy than this [m].
 _QUIETEST = 1e-6
+#: Share of what a run moves that a step of integration may be in error by.
+_FINE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,13 @@ class Run:
     def compared(self) -> Array:
         """(T, M, A) [m] what was measured along the axes, of the samples that are looked at."""
         return np.asarray(self.measured[:: self.every, :, self.axes])
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Error of a step [m at the tip] that is small beside what moves: beside the RMS way of the farthest marker seen."""
+        seen = self.compared[:, np.isfinite(self.compared).any(axis=(0, 2))]
+        rms = float(np.sqrt(np.nanvar(seen, axis=0).sum(axis=1).max()))
+        return max(_FINE * rms, _QUIETEST)
 
     @property
     def command(self) -> Array:

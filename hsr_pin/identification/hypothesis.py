@@ -110,7 +110,7 @@ class Hypothesis:
         free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale", "torque_gain" (with "@1.11" behind it: for
             the trials declared with that Keq only), those of :data:`SESSION`, "effect.parameter".
         links, placement: the chain.
-        tolerance: error of a step [m at the tip].
+        tolerance: error of a step [m at the tip]; where little moves, it is smaller still.
         resized: names of effects whose amplitude is that of the softest level, and changes with the level against their law.
     """
 

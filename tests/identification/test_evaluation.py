@@ -98,3 +98,12 @@ def test_where_one_in_three_samples_is_looked_at_these_are_as_among_all(record, 
     np.testing.assert_array_equal(some.slopes, slopes.slopes[::3])
     assert some.nuisance.shape[-1] == (1 if command else 6)
     np.testing.assert_allclose(some.nuisance, slopes.nuisance[::3], atol=0.15 * np.abs(slopes.nuisance).max())
+
+
+def test_what_hardly_moves_is_integrated_as_finely_for_its_size(record):
+    """Of a swing of a millimetre that lasts, what a step may be in error by in one of centimetres is a good part."""
+    experiment = prepare(record([(1.11, 0.005)], damping=0.1, seconds=3.0, noise=1e-6))
+    (run,) = experiment.runs
+    found, converged = (predict_all(experiment, Hypothesis(tolerance=each), TRUE * [1.0, 0.1])[0] for each in (2e-4, 1e-8))
+    moved = run.compared - run.compared.mean(axis=0)
+    assert rms([found.positions - converged.positions]) < 0.05 * rms([moved])
