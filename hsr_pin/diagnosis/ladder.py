@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,17 +43,19 @@ def ladder(
         models: name, effects and held-out residuals [m] (one (T, M, 2) per run), from the declared model down.
         noise: [m] RMS distance that noise alone leaves.
         seed: of the resampling.
-        not_repeatable: [m] how far the arm is from itself, beyond noise; None where no trials repeat one another.
+        not_repeatable: [m] how far the arm is from itself, beyond noise; None where no trials repeat one another. No floor, and
+            left out, where a model to which trials may differ in where they rest is nearer than that.
     """
     means = [squares(heldout).mean for _, _, heldout in models]
-    floors = [noise**2] if not_repeatable is None else [noise**2 + not_repeatable**2, noise**2]
+    again = math.inf if not_repeatable is None else noise**2 + not_repeatable**2
+    floors = [again, noise**2] if again < means[-1] else [noise**2]
     drops = [max(0.0, before - after) for before, after in itertools.pairwise([*means, *floors])]
     whole = sum(drops) or 1.0
     rungs = [
         Rung(name, effects, mean**0.5, drop / whole, interval(squares(heldout), seed))
         for (name, effects, heldout), mean, drop in zip(models, means, [0.0, *drops], strict=False)
     ]
-    if not_repeatable is not None:
-        rms = floors[0] ** 0.5
+    if len(floors) > 1:
+        rms = again**0.5
         rungs.append(Rung("not repeatable; asked of no model", (), rms, drops[-2] / whole, (rms, rms), floor=True))
     return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise), floor=True))
