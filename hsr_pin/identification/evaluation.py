@@ -15,6 +15,7 @@ from hsr_pin.identification.nuisance import GRIP, HELD, INSTANT, LETS_GO
 from hsr_pin.identification.pose import pose_from_markers
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.command import Delivered
 from hsr_pin.simulation.integrator import Integrator
 from hsr_pin.simulation.motion import Dynamics, Engine
 from hsr_pin.trajectory import Array
@@ -106,12 +107,7 @@ def respond_each(
 
 def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
     run, values, columns = case.run, case.values, engine.columns
-    torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
-    flow = torque[:, None] * hypothesis.factor("torque_gain", run, values)[:, None]
-    if run.by_section is None:
-        flow = flow[..., 0]  # the same for all
-    smooth = columns.states == 0  # what remembers the path must not miss where it turns
-    command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated, smooth=smooth)
+    command = _delivered(run, engine, hypothesis.factor("torque_gain", run, values))
     if case.pushed is not None:
         command = command.beside(case.pushed)
     if case.gripped is not None:
@@ -124,13 +120,30 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     elif case.bent is not None:
         q = q + columns.evenly(case.bent)
     method = Integrator(tolerance=min(hypothesis.tolerance, run.tolerance))
-    motion = engine.run(engine.loaded(q, v), command, len(torque), method, found)
+    samples = len(run.time) + (run.lead > 0)
+    motion = engine.run(engine.loaded(q, v), command, samples, method, found)
     angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
     positions = cameras.positions(angles)
     if np.isfinite(motion.lost).any():
         ends = (np.arange(len(run.time))[:: run.every] + run.lead + 1) * run.step
         positions[ends[:, None] > motion.lost] = np.nan
     return Response(columns, cameras, positions, angles, rates)
+
+
+def _delivered(run: Run, engine: Engine, gain: Array) -> Delivered:
+    """What arrives of a run's command, with a gain (C,) of each; where all get it as it is, it is known from before."""
+    smooth = engine.columns.states == 0  # what remembers the path must not miss where it turns
+    plain = not engine.columns.muscles and bool((gain == 1).all())
+    if plain and smooth in run.delivered:
+        return run.delivered[smooth]
+    torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
+    flow = torque[:, None] * (gain[:1] if plain else gain)[:, None]
+    if run.by_section is None:
+        flow = flow[..., 0]  # the same for all
+    command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated, smooth=smooth)
+    if plain:
+        run.delivered[smooth] = command
+    return command
 
 
 def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
@@ -201,7 +214,7 @@ def predict_with_slopes(
         rows = np.array([*points, *[values] * (len(ways) + len(grips))])
         aside = np.concatenate([np.zeros(len(points)), ways, np.zeros(len(grips))])
         if not released:
-            return Case(run, rows, pushed=run.trial.keq * aside)
+            return Case(run, rows, pushed=run.trial.keq * aside if len(ways) else None)
         gripped = run.trial.keq * np.concatenate([np.zeros((len(rows) - len(grips), len(LETS_GO))), grips])
         return Case(run, rows, bent=aside, gripped=gripped if len(grips) else None)
 

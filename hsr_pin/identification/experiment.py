@@ -18,6 +18,7 @@ from hsr_pin.recordings.noise import noise_per_axis
 from hsr_pin.robot.specification import ArmSpecification, mount_frame
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.command import Delivered
 from hsr_pin.trajectory import Array, Dataset, Marker, Trial
 
 #: Markers nearer to the base than this share of the length do not tell anything about bending.
@@ -56,6 +57,7 @@ class Run:
         every: only one in so many of the measured samples is looked at.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
+        delivered: what arrives of the command where no muscle changes it, by whether a curve is taken as one.
     """
 
     trial: Trial
@@ -72,6 +74,7 @@ class Run:
     every: int = 1
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
+    delivered: dict[bool, Delivered] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def compared(self) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil
 
 import numpy as np
@@ -32,10 +33,11 @@ class Delivered:
     """Torque over time, even within cells.
 
     Attributes:
-        impulse: (B, C + 1) its integral, in N m times cells; in space complex, or (B, C + 1, U) with the loads.
+        impulse: (B, C + 1) its integral, in N m times cells; in space complex, or (B, C + 1, U) with the loads. One row where all
+            arms get the same.
         cell: [s].
         per_sample: cells from sample to sample.
-        initial: (B,) [N m] before the first; in space complex, or (B, U).
+        initial: (B,) [N m] before the first; in space complex, or (B, U). Likewise.
         jump: share of its largest by which it changes where a step has to end.
     """
 
@@ -64,23 +66,31 @@ class Delivered:
             return torque
         return np.tile(np.stack([torque.real, torque.imag], axis=1), self.impulse.shape[2] // 2)
 
-    def until(self, *, together: bool = False) -> Array:
-        """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all.
+    @cached_property
+    def until(self) -> Array:
+        """(B, C + 1) for each cell the next end of a cell at which the torque jumps, or the end of all."""
+        return self._next(self._jumps)
 
-        Of columns that step ``together`` (1, C + 1): at which any of them does.
-        """
+    @cached_property
+    def until_together(self) -> Array:
+        """(1, C + 1) likewise for arms that step together: at which that of any of them does."""
+        return self._next(np.asarray(self._jumps.any(axis=0, keepdims=True)))
+
+    @property
+    def _jumps(self) -> NDArray[np.bool_]:
+        """(B, C - 1) whether the torque jumps from one cell to the next."""
         with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears is a motion that diverges
             torque = np.diff(self.impulse, axis=1)
             largest = np.maximum(np.abs(torque).max(axis=1, keepdims=True), 1e-12)
             jumps = np.abs(np.diff(torque, axis=1)) > self.jump * largest
-        if jumps.ndim == 3:
-            jumps = jumps.any(axis=2)
-        if together:
-            jumps = jumps.any(axis=0, keepdims=True)
-        cells = torque.shape[1]
+        return np.asarray(jumps.any(axis=2) if jumps.ndim == 3 else jumps)
+
+    @staticmethod
+    def _next(jumps: NDArray[np.bool_]) -> Array:
+        cells = jumps.shape[1] + 1
         ends = np.full((len(jumps), cells + 1), float(cells))
         ends[:, : cells - 1] = np.where(jumps, np.arange(1.0, cells), cells)
-        return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1]
+        return np.ascontiguousarray(np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1])
 
 
 def deliver(
@@ -115,7 +125,8 @@ def deliver(
         held = held + np.repeat(np.diff(torque, axis=0), per_sample, axis=0) * np.tile(share, len(torque) - 1)[:, None]
     elif len(steps):
         _spread(held.reshape(-1, per_sample, held.shape[1]), steps, min(per_sample // 2, round(_SPREAD / 2 / step * per_sample)))
-    flow = np.empty((len(held) + 1, len(columns)), dtype=held.dtype)  # the first row is what was before, for ever
+    width = len(columns) if columns.muscles else held.shape[1]
+    flow = np.empty((len(held) + 1, width), dtype=held.dtype)  # the first row is what was before, for ever
     flow[0], flow[1:] = initial, held
     cell = step / per_sample
     for effect in columns.muscles:
@@ -123,7 +134,7 @@ def deliver(
         if effect.acts_through("respond"):
             flow = (respond or by_law)(columns, effect, flow, cell)
     with np.errstate(over="ignore"):  # a torque that no arm bears is a motion that diverges
-        impulse = np.vstack([np.zeros(len(columns)), flow[1:].cumsum(axis=0)]).T
+        impulse = np.vstack([np.zeros(width), flow[1:].cumsum(axis=0)]).T
     return Delivered(np.ascontiguousarray(impulse), cell, per_sample, flow[0], _SMOOTH_JUMP if len(steps) else _JUMP)
 
 

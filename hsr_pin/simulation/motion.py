@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from typing import Any, Literal, get_args
@@ -122,7 +122,7 @@ class Engine:
         """Where the arms rest under constant torques.
 
         Args:
-            torque: (B,) [N m] that arrives; in space complex, of S sections (B, S), or (B, 2 S) and loads.
+            torque: (B,) or (1,) [N m] that arrives; in space complex, of S sections (B, S), or (B, 2 S) and loads.
             wanted: (B,) columns to solve for.
             near: (B, N) [rad] where the search begins.
 
@@ -132,10 +132,14 @@ class Engine:
         if np.iscomplexobj(torque):
             torque = self._by_section(torque if torque.ndim == 2 else torque[:, None])
             torque = np.stack([torque.real, torque.imag], axis=2).reshape(len(torque), -1)
-        q, found = np.array(near, order="C"), np.zeros(len(torque), dtype=bool)
+        q, found = np.array(near, order="C"), np.zeros(len(near), dtype=bool)
         with np.errstate(all="ignore"):
-            self._loops.rest(self._system, self._arrays, np.ascontiguousarray(torque), wanted, q, found, self.columns.states)
+            self._loops.rest(self._system, self._arrays, self._of_each(torque), wanted, q, found, self.columns.states)
         return q, found
+
+    def _of_each(self, given: Array) -> Array:
+        """(B, ...) in one block, of that or of one row for all."""
+        return np.ascontiguousarray(given if len(given) == len(self.columns) else np.repeat(given, len(self.columns), axis=0))
 
     def _by_section(self, torque: Array) -> Array:
         """(..., S) for each section, of (..., S), or of (..., 1) for all alike."""
@@ -182,8 +186,8 @@ class Engine:
         tolerance, first, longest, until = self._steps(command, method, together=True)
         with np.errstate(all="ignore"):  # a column that diverges is reported as such
             steps = self._loops.march(
-                self._system, q, v, z, command.impulse, command.cell, command.per_sample, until[0], self.weights(method),
-                float(tolerance[0]), first, longest, self._limit, angles, rates, lost, taken, beyond,
+                self._system, q, v, z, self._of_each(command.impulse), command.cell, command.per_sample, until[0],
+                self.weights(method), float(tolerance[0]), first, longest, self._limit, angles, rates, lost, taken, beyond,
             )  # fmt: skip
         return Motion(angles, rates, lost * command.cell, beyond, State(q, v, z), taken[:steps] * command.cell)
 
@@ -196,12 +200,13 @@ class Engine:
         lost, beyond = np.where(found, inf, 0.0), np.array(state.q, order="C")
         q, v = np.array(state.q, order="C"), np.array(state.v, order="C")
         z = np.array(state.z.swapaxes(0, 1)[:, :, None], order="C")
-        weights, (tolerance, first, longest, until) = self.weights(method), self._steps(command, method)
+        weights, impulse = self.weights(method), self._of_each(command.impulse)
+        tolerance, first, longest, until = self._steps(replace(command, impulse=impulse), method)
 
         def share(begin: int, end: int) -> None:
             with np.errstate(all="ignore"):
                 self._loops.apart(
-                    self._system, begin, end, q, v, z, command.impulse, command.cell, command.per_sample, until, weights,
+                    self._system, begin, end, q, v, z, impulse, command.cell, command.per_sample, until, weights,
                     tolerance, first, longest, self._limit, angles, rates, lost, beyond,
                 )  # fmt: skip
 
@@ -229,7 +234,7 @@ class Engine:
             until = np.broadcast_to(np.arange(1.0, shape[1] + 1), shape)
             return np.full(len(self.columns), inf), 1.0, 1.0, np.array(until, order="C")
         first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
-        until = np.ascontiguousarray(command.until(together=together))
+        until = command.until_together if together else command.until
         return method.tolerance / self.columns.arms.length, max(first, 1 / 16), max(longest, 1.0), until
 
 

@@ -51,7 +51,7 @@ def test_small_changes_of_a_smooth_command_are_spread_about_their_instant_and_ju
     changes = np.abs(np.diff(flow))
     assert changes[jump - 1] > 0.6 - small and np.delete(changes, jump - 1).max() < small / 2 + 1e-9
     assert np.abs(np.cumsum(flow - held)).max() * smooth.cell < small * 0.01 / 8 + 1e-12  # the integral comes back every time
-    assert set(smooth.until()[0]) == {float(jump), float(len(flow))}
+    assert set(smooth.until[0]) == {float(jump), float(len(flow))}
 
 
 def test_steps_and_what_hardly_changes_are_no_curve():
@@ -73,9 +73,9 @@ def test_the_mean_over_any_part_of_cells_is_that_of_the_integral():
 
 
 def test_no_step_may_pass_a_jump_and_small_changes_are_passed():
-    assert delivered().until()[0].tolist() == [1.0, 3.0, 3.0, 4.0, 7.0, 7.0, 7.0, 8.0, 8.0]
+    assert delivered().until[0].tolist() == [1.0, 3.0, 3.0, 4.0, 7.0, 7.0, 7.0, 8.0, 8.0]
     slow = deliver(columns(), 0.5 + 1e-3 * np.arange(9)[:, None], np.zeros(1), 0.02)
-    assert set(slow.until()[0]) == {8.0}
+    assert set(slow.until[0]) == {8.0}
 
 
 def test_what_one_column_hears_late_the_others_do_not():
