@@ -133,11 +133,13 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
 def _delivered(run: Run, engine: Engine, gain: Array) -> Delivered:
     """What arrives of a run's command, with a gain (C,) of each; where all get it as it is, it is known from before."""
     smooth = engine.columns.states == 0  # what remembers the path must not miss where it turns
-    plain = not engine.columns.muscles and bool((gain == 1).all())
+    if (gain == gain[0]).all():
+        gain = gain[:1]
+    plain = not engine.columns.muscles and gain.tolist() == [1.0]
     if plain and smooth in run.delivered:
         return run.delivered[smooth]
     torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
-    flow = torque[:, None] * (gain[:1] if plain else gain)[:, None]
+    flow = torque[:, None] * gain[:, None]
     if run.by_section is None:
         flow = flow[..., 0]  # the same for all
     command = engine.deliver(flow, flow[0], run.step, interpolated=run.interpolated, smooth=smooth)

@@ -28,8 +28,9 @@ SECOND = 0.05
 #: A change is not named where another of no certain size, without it, explains more by this share of what it does.
 BETTER = 0.02
 #: Another change explains as much if it lacks no more than this: neither model is exact. A share of what the best explains,
-#: a share of what it leaves, and a number of log-likelihoods besides; each further parameter costs so many.
-TIED, OF_LEFT, NEARLY, PARAMETER = 0.002, 1.0, 15.0, 8.0
+#: a share of what it leaves, a share of what it does not foretell of trials that it was not fitted to, and a number of
+#: log-likelihoods besides; each further parameter costs so many.
+TIED, OF_LEFT, UNFORETOLD, NEARLY, PARAMETER = 0.002, 1.0, 0.1, 15.0, 8.0
 #: Nothing else has changed if no larger share than this of what OLD does not foretell is left ...
 REST = 0.1
 #: ... and a change that explains less than this is not named.
@@ -174,6 +175,14 @@ class Found:
         left = residual[self.new] ** 2
         return float(left.sum()) - len(left) * max(self.spread) if left.mean() > FARTHER * max(1.0, *self.spread) else 0.0
 
+    def difference(self, fitted: Fitted) -> Difference:
+        """How far a change brings NEW to what OLD foretells."""
+        frame = next(frame for each, frame in self.fits if each is fitted)
+        _, residual = left_out(frame, fitted)
+        was, is_ = (float((each[self.new] ** 2).sum()) for each in (self.frame.seen, residual))
+        share = (was - is_) / max(self.gain(fitted) + self.left(fitted.residual), was - is_, 1e-300)
+        return Difference(self.frame.off(), frame.off(fitted.moved), self.frame.scatter, float(np.clip(share, 0.0, 1.0)))
+
     def cost(self, fitted: Fitted) -> float:
         """Squares left, more for every further parameter (G. Schwarz, Ann. Stat. 6, 1978)."""
         return fitted.square + PARAMETER * len(fitted.after)
@@ -191,7 +200,7 @@ def judge(found: Found) -> ChangeVerdict:
     left = found.left(best.residual)
     total = found.gain(best) + left
     other = better(found, best)
-    difference = _difference(found, best, next(frame for fitted, frame in found.fits if fitted is best))
+    difference = found.difference(best)
     own = found.told(best)
     changes = tuple(dict.fromkeys((*own, *(size for each in others for size in found.told(each)))))
     names = list(dict.fromkeys(tuple(sorted({size.name for size in found.told(each)})) for each in ties))
@@ -237,7 +246,9 @@ def better(found: Found, best: Fitted) -> Fitted | None:
 
 def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:
     """The changes that explain as much as the best, which come first; none that only has more numbers to bend."""
-    allowed = NEARLY * found.noisier(best) + max(TIED * found.gain(best), OF_LEFT * found.inexact(best))
+    explained = found.gain(best)
+    unforetold = (1 - found.difference(best).share) * explained
+    allowed = NEARLY * found.noisier(best) + max(TIED * explained, OF_LEFT * found.inexact(best), UNFORETOLD * unforetold)
     near = [each for each in rivals if found.cost(each) - found.cost(best) <= allowed]
     kept = [best]
     for each in sorted(near, key=found.cost):
@@ -278,10 +289,3 @@ def _limit(found: Found, fitted: Fitted, frame: Frame) -> float:
     moved, step = fitted.rms, abs(float(fitted.after[0]) - start)
     by_size = found.frame.pair.worth * step / moved if moved > 0 else 0.0
     return max(by_gain, by_size) / (start if start else 1.0)
-
-
-def _difference(found: Found, best: Fitted, frame: Frame) -> Difference:
-    _, residual = left_out(frame, best)
-    was, is_ = (float((each[found.new] ** 2).sum()) for each in (found.frame.seen, residual))
-    share = (was - is_) / max(found.gain(best) + found.left(best.residual), was - is_, 1e-300)
-    return Difference(found.frame.off(), frame.off(best.moved), frame.scatter, float(np.clip(share, 0.0, 1.0)))

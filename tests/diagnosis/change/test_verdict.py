@@ -7,7 +7,7 @@ import pytest
 
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.verdict import BETTER, SECOND, Found, better, needless
+from hsr_pin.diagnosis.change.verdict import BETTER, SECOND, Difference, Found, better, needless, tied
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Hypothesis, Part
@@ -105,3 +105,24 @@ def test_a_second_change_is_told_only_where_it_explains_a_part(more, told):
     found = Judged((("tip_mass",), (mass,), 1000.0), (both, (mass, bend), 1000.0 * (1 + more * SECOND)))
     sure = [each for each, _ in found.fits]
     assert [needless(found, each, sure) for each in sure] == [False, told]
+
+
+@pytest.mark.parametrize("share, told", [(0.95, 1), (0.7, 2)])
+def test_a_rival_counts_as_much_as_the_best_fails_to_foretell(share, told):
+    """Two hundredths less explained: no reason to choose where three tenths of held-out trials stay unexplained."""
+
+    class Foretold(Judged):
+        def difference(self, fitted):
+            return Difference(5e-3, 1e-3, 1e-3, share)
+
+        def noisier(self, fitted):
+            return 1.0
+
+        def inexact(self, fitted):
+            return 0.0
+
+    found = Foretold((("tip_mass",), (), 5000.0), (("dead_time",), (), 4900.0), (("dry_friction",), (), 4000.0))
+    best, *others = (
+        SimpleNamespace(**vars(fitted(*names)), square=5000 - gain, after=(0.0,)) for names, (_, gain) in found.given.items()
+    )
+    assert len(tied(found, best, [best, *others])) == told
