@@ -18,6 +18,7 @@ from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
+from hsr_pin.diagnosis.rivals import without_companions
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
@@ -131,8 +132,7 @@ def diagnose(
             return found
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-    one, two = (each.search.best if each.search else None for each in (found, again))
-    return found if one and two and clearly_worse(two, one, found.thresholds, seed) else again
+    return study.preferred(found, again)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +196,8 @@ class _Study:
         crew = Crew(experiment, self.executor, self.advance)
 
         def searched(start: Candidate) -> Search:
-            return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
+            found = search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
+            return without_companions(found, thresholds, seed)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
             told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
@@ -249,7 +250,20 @@ class _Study:
             if worth_having(best, better, found.thresholds, self.seed):
                 return other
         simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
-        return next((other for other, each in simpler if not clearly_worse(each, best, found.thresholds, self.seed)), None)
+        return next((other for other, each in simpler if not self._preferred(best, each, found.thresholds)), None)
+
+    def preferred(self, one: Diagnosis, two: Diagnosis) -> Diagnosis:
+        """Of one arm with the commands taken one way, and the other."""
+        best, other = (each.search.best if each.search else None for each in (one, two))
+        return one if best and other and self._preferred(best, other, one.thresholds) else two
+
+    def _preferred(self, one: Candidate, two: Candidate, thresholds: Thresholds) -> bool:
+        """Whether the first of two models is to be preferred, each with its way of taking commands.
+
+        A law of which there is no need if commands are taken the other way is none, unless it is worth having there too.
+        """
+        fewer = len(two.names) < len(one.names)
+        return (worth_having if fewer else clearly_worse)(two, one, thresholds, self.seed)
 
     def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
         """A model without what makes it late, or with a simpler law of that in its place."""

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
+from hsr_pin.diagnosis.rivals import idle, rivals
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support, Together
 from hsr_pin.diagnosis.thresholds import (
@@ -46,8 +47,6 @@ NEAR = 4.0
 WORTH_A_WORD = 0.2
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
-#: [standard errors] An amplitude closer to neutral than this may as well be neutral (95 %).
-AWAY = 1.96
 
 #: Confidence in a kind that a trace alone tells: 26 of 30 were right (fourth to sixth sealed run), by Laplace's rule.
 TRACED = 0.84
@@ -250,7 +249,7 @@ def _of_other_kinds(sets: Sequence[tuple[str, ...]], found: Search, thresholds: 
 
     def fits(each: Candidate) -> bool:
         as_small = len(each.names) <= len(best.names) and not each.contains(best)
-        return as_small and matches(each, best, base, thresholds, seed) and not _idle(each, base, found.tried, thresholds)
+        return as_small and matches(each, best, base, thresholds, seed) and not idle(each, base, found.tried, thresholds)
 
     new = (each for each in sorted(found.tried, key=mean_square) if not each.nameable and not known.issuperset(each.kinds))
     others = (each.names for each in new if fits(each))
@@ -265,7 +264,7 @@ def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, threshold
         fits = each.nameable and set(sure) <= set(each.names) and set(kinds) <= set(each.kinds)
         enough = left(base) - left(each) >= FACTOR * (left(base) - left(best)) and len(each.names) <= len(best.names)
         told = any(set(other.names) <= set(each.names) for other in near)
-        if fits and enough and not told and not _idle(each, base, found.tried, thresholds):
+        if fits and enough and not told and not idle(each, base, found.tried, thresholds):
             near.append(each)
     closest = [each for each in near if left(each) <= NEAR * max(left(near[0]), thresholds.closed**2)]
     told_of = [[part.name for part in each.fit.hypothesis.parts if part.kind in kinds or part.name in sure] for each in closest]
@@ -314,7 +313,7 @@ def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds) -
     for rival in sorted(found.tried, key=mean_square):
         enough = left(base) - left(rival) >= FACTOR * (left(base) - left(best))
         known = rival.names in wider or not rival.nameable or rival.contains(best) or len(rival.names) > len(best.names)
-        if len(wider) < FEW and enough and not known and not _idle(rival, base, found.tried, thresholds):
+        if len(wider) < FEW and enough and not known and not idle(rival, base, found.tried, thresholds):
             wider.append(rival.names)
     return wider
 
@@ -322,35 +321,6 @@ def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds) -
 def _in_all(kind: str, sets: Sequence[tuple[str, ...]], tried: Sequence[Candidate]) -> bool:
     kinds = {candidate.names: candidate.kinds for candidate in tried}
     return all(kind in kinds.get(names, ()) for names in sets)
-
-
-def rivals(
-    best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int, closes: bool
-) -> list[tuple[str, ...]]:
-    """Other sets of effects, no larger than the best, that explain the recordings as well; the best of them first."""
-    answers: list[tuple[str, ...]] = []
-    for rival in sorted(tried, key=mean_square):
-        names = rival.names
-        if not names or names == best.names or len(names) > len(best.names) or names in answers or not rival.nameable:
-            continue
-        if rival.contains(best):
-            continue
-        if _idle(rival, base, tried, thresholds):
-            continue
-        simpler = closes and len(rival.fit.values) < len(best.fit.values) and left(rival) <= thresholds.closed**2
-        if simpler or matches(rival, best, base, thresholds, seed):
-            answers.append(names)
-    return answers
-
-
-def _idle(candidate: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds) -> bool:
-    """Whether a part of no clear size does nothing in a model: without it as much is explained, or that was not tried."""
-    for name in doubtful(candidate, AWAY):
-        fewer = tuple(other for other in candidate.names if other != name)
-        without = [mean_square(other) for other in (base, *tried) if other.names == fewer]
-        if not without or min(without) - mean_square(candidate) < thresholds.worth**2:
-            return True
-    return False
 
 
 def _parameters(base: Candidate, before: float, after: float) -> str:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.confidence import NAME, probability
+from hsr_pin.diagnosis.rivals import rivals, without_companions
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse, explains
-from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge, mostly_explained, rivals
+from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge, mostly_explained
 
 from .fabricated import THRESHOLDS, candidate
 
@@ -336,3 +337,13 @@ def test_a_gap_is_mostly_explained_if_any_model_takes_half_of_its_square_or_all_
     assert not explained() and not explained(open_)
     assert explained(open_, half)
     assert explained(open_, thresholds=replace(THRESHOLDS, unrepeatable=0.4 * GAP))
+
+
+@pytest.mark.parametrize("alone, ends_at", [(1.0e-3, ("stiffening",)), (1.3e-3, ("stiffening", "viscoelastic"))])
+def test_of_a_small_companion_is_not_asked_which_law_it_is(alone, ends_at):
+    """Of what both take away it takes 3 %, or 7 %."""
+    both = candidate("stiffening", "viscoelastic", gap=0.75e-3), candidate("dead_time", "stiffening", gap=0.76e-3)
+    search = Search((BASE, both[0]), (BASE, candidate("stiffening", gap=alone), *both))
+    assert without_companions(search, THRESHOLDS, 0).best.names == ends_at
+    alone_in_it = Search(search.path, search.tried[:-1])  # no other law does what it does
+    assert without_companions(alone_in_it, THRESHOLDS, 0) is alone_in_it
