@@ -100,6 +100,7 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
     "torque_offset": ("bend_at_rest",),
     "tether": ("restraint",),
     "wall": ("restraint",),
+    "warming_arm": ("keq_drift",),  # a stiffness that changes over the session
 }
 
 #: Laws that stand for their kind.

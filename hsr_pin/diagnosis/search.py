@@ -109,8 +109,11 @@ def search(
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
     best = _leading(best, list(tried.values()), thresholds, seed)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
-    tried |= {key(candidate): candidate for candidate in _special_cases(best, parts, crew, tried)}
-    best = _simplest(best, start, list(tried.values()), thresholds, seed)
+    for _ in best.names:  # of one part, then of another
+        tried |= {key(candidate): candidate for candidate in _special_cases(best, parts, crew, tried)}
+        general, best = best, _simplest(best, start, list(tried.values()), thresholds, seed)
+        if best is general:
+            break
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 
