@@ -30,7 +30,7 @@ _SHAPED = (0.25, 2.0)
 _STARTS = 2
 #: Values of each shape parameter that are probed.
 _GRID = 3
-#: Probes and quick fits look at this many runs at most, spread over the recordings, and at hardly more samples than this of each.
+#: Probes and quick fits look at this many runs at most, and at hardly more samples than this of each.
 _ENOUGH, _SAMPLES = 8, 400
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
 #: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
@@ -222,14 +222,19 @@ def _rough(hypothesis: Hypothesis) -> Hypothesis:
     return replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
 
 
-def glanced(runs: int) -> list[int]:
-    """Which of so many runs probes and quick fits look at."""
-    return list(range(runs)) if runs <= _ENOUGH else [int(k) for k in np.linspace(0, runs - 1, _ENOUGH).round()]
+def glanced(experiment: Experiment) -> list[int]:
+    """Which of its runs probes and quick fits look at: of many some in which the arm moves little, some in which it moves far.
+
+    A stop that is met in two trials of ten is not to be looked for in the others.
+    """
+    by_size = np.argsort([run.moved for run in experiment.runs], kind="stable")
+    chosen = np.linspace(0, len(by_size) - 1, min(_ENOUGH, len(by_size))).round().astype(int)
+    return sorted(by_size[chosen].tolist())
 
 
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     """Some of the samples of some of the runs, and a fit as it stands on them."""
-    thin, kept = _some_of(experiment), glanced(len(experiment.runs))
+    thin, kept = _some_of(experiment), glanced(experiment)
 
     def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
         return tuple(items[k][:: run.every] for k, run in zip(kept, thin.runs, strict=True))
@@ -251,7 +256,7 @@ def _some_of(experiment: Experiment) -> Experiment:
 
     What a hand may have done is left to full fits: far from the truth it explains a swing as well as what is lacking would.
     """
-    runs = (experiment.runs[k] for k in glanced(len(experiment.runs)))
+    runs = (experiment.runs[k] for k in glanced(experiment))
     few = tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs)
     return replace(experiment, runs=few, hand=False)
 

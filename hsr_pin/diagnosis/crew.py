@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess, finish, glance, guesses
+from hsr_pin.diagnosis.candidates import Candidate, Guess, finish, glance, glanced, guesses
+from hsr_pin.identification.evaluation import predict_all, residuals, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import Part
@@ -25,8 +26,18 @@ class Crew:
     """
 
     def __init__(self, experiment: Experiment, executor: Executor, advance: Callable[[], None] = lambda: None) -> None:
+        self._experiment = experiment
         self._shared, self._executor, self._advance = Shared(experiment), executor, advance
         self._guessed: dict[tuple[Candidate, tuple[Part, ...]], list[Guess]] = {}
+
+    @property
+    def glanced(self) -> list[int]:
+        """Which of the runs quick fits look at."""
+        return glanced(self._experiment)
+
+    def misfit(self, start: Fit) -> float:
+        """RMS distance [m] where a fit begins."""
+        return rms(residuals(self._experiment, predict_all(self._experiment, start.hypothesis, start.values)))
 
     def guess(self, base: Candidate, parts: Sequence[Part]) -> list[Guess]:
         """First guesses for adding each part; kept, for a search comes back to models that it left."""

@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess, glanced
+from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
@@ -188,7 +188,7 @@ def _extend(
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
     quick = laws_first(_from_one_basin(list(chosen.values()), crew))
-    so_far = min(rms([base.fit.residuals[k] for k in glanced(len(base.fit.residuals))]) for base in beam)
+    so_far = min(rms([base.fit.residuals[k] for k in crew.glanced]) for base in beam)
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
     return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
@@ -274,8 +274,8 @@ def _pruned(
     """
     while len(best.names) > 1:
         smaller = [without(best.fit, name) for name in best.names]
-        new = crew.finish([fewer for fewer in smaller if _key(fewer.hypothesis) not in tried])
-        tried |= {key(candidate): candidate for candidate in new}
+        new = crew.finish([fewer for fewer in smaller if _is_new(fewer, tried, crew)])
+        tried |= {key(each): min(each, tried.get(key(each), each), key=mean_square) for each in new}
         unsure = doubtful(best)
         spare = [
             fewer
@@ -288,6 +288,12 @@ def _pruned(
             break
         best = min(spare, key=mean_square)
     return best
+
+
+def _is_new(start: Fit, tried: dict[Key, Candidate], crew: Crew) -> bool:
+    """Whether a model was not fitted yet, or ended in a lesser optimum: from here it would begin closer than it came."""
+    known = tried.get(_key(start.hypothesis))
+    return known is None or crew.misfit(start) < known.fit.rms
 
 
 def _keeps(fewer: Candidate, best: Candidate, start: Candidate) -> bool:

@@ -82,11 +82,15 @@ class Run:
         return np.asarray(self.measured[:: self.every, :, self.axes])
 
     @cached_property
-    def tolerance(self) -> float:
-        """Error of a step [m at the tip] that is small beside what moves: beside the RMS way of the farthest marker seen."""
+    def moved(self) -> float:
+        """RMS way [m] about its mean place of the marker that goes farthest."""
         seen = self.compared[:, np.isfinite(self.compared).any(axis=(0, 2))]
-        rms = float(np.sqrt(np.nanvar(seen, axis=0).sum(axis=1).max()))
-        return max(_FINE * rms, _QUIETEST)
+        return float(np.sqrt(np.nanvar(seen, axis=0).sum(axis=1).max()))
+
+    @property
+    def tolerance(self) -> float:
+        """Error of a step [m at the tip] that is small beside what moves."""
+        return max(_FINE * self.moved, _QUIETEST)
 
     @property
     def command(self) -> Array:

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.candidates import Guess, _starts, finish, glance, guesses
+from hsr_pin.diagnosis.candidates import Guess, _starts, finish, glance, glanced, guesses
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
@@ -158,6 +158,15 @@ def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth,
     answer = finish(experiment, glance(experiment, base, guess)).fit
     assert answer.rms < 1.03 * np.sqrt(2) * 3e-4
     assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.01)
+
+
+def test_of_many_trials_those_in_which_the_arm_moves_farthest_and_least_are_looked_at():
+    torques = (0.2, 0.3, 0.25, 0.9, 0.3, 0.2, 0.35, 0.05, 0.25, 0.3)
+    experiment = prepare(made(trials=[(1.11, 0.05, (torque, 0.0)) for torque in torques], duration=0.6, links=4))
+    looked_at = glanced(experiment)
+    assert len(looked_at) == 8 and {3, 7, 6} <= set(looked_at) and looked_at == sorted(looked_at)
+    few = prepare(made(**SMALL))
+    assert glanced(few) == [0, 1, 2]
 
 
 def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.search import BEAM, key, search
-from hsr_pin.diagnosis.thresholds import Thresholds, worth_having
+from hsr_pin.diagnosis.thresholds import Thresholds, mean_square, worth_having
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.effects.flexible import FLEXIBLE
@@ -284,3 +284,13 @@ def test_no_law_is_passed_over_for_want_of_the_damping_that_another_found():
     crew = TwoBasins(gaps, quick={name: 1e-3 * (1 + 0.01 * k) for k, name in enumerate(gaps)} | {"": GAP})
     found = searched(crew)
     assert found.best.names == ("tip_mass",)
+
+
+def test_a_model_that_ended_in_a_lesser_optimum_is_fitted_again_from_a_larger_one():
+    """A lag that the arm alone does not lead to, beside a law of no size that happened to: the lag alone does it all."""
+    gaps = {"": GAP, "unequal_lag": 1e-5, "elastic_curve": 3.9e-3}
+    crew = FakeCrew(gaps, stuck={"unequal_lag": 1.3e-3}, errors={"elastic_curve": 0.5})
+    flexible = [Part(law.name, neutral(law)) for law in FLEXIBLE.values() if law.name == "elastic_curve"]
+    found = searched(crew, [*(part for part in EVERY if part.name == "unequal_lag"), *flexible])
+    assert found.best.names == ("unequal_lag",) and crew.finished.count("unequal_lag") == 2
+    assert mean_square(found.best) < 1e-8 + mean_square(candidate("unequal_lag"))
