@@ -122,10 +122,10 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
     new: list[Candidate] = []
     for part in best.fit.hypothesis.parts:
         inside = [other for other in parts if part.contains(other) and other.name not in best.names]
-        fewer = without(best.fit, part.name)
-        base = tried.get(_key(fewer.hypothesis))
-        if not inside or base is None:
+        if not inside:
             continue
+        fewer = without(best.fit, part.name)
+        base = tried.get(_key(fewer.hypothesis)) or crew.finish([fewer])[0]
         guessed = _promising([base], inside, crew)[0][:BEAM_GLANCES]
         quick = _from_one_basin([(base.fit, guess) for guess in guessed if _key(guess.hypothesis) not in tried], crew)
         new += crew.finish(laws_first(quick)[:SPECIAL])
