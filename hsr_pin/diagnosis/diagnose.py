@@ -132,7 +132,7 @@ def diagnose(
             return found
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-    return study.preferred(found, again)
+    return study.better_of(found, again)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,14 +250,14 @@ class _Study:
             if worth_having(best, better, found.thresholds, self.seed):
                 return other
         simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
-        return next((other for other, each in simpler if not self._preferred(best, each, found.thresholds)), None)
+        return next((other for other, each in simpler if not self._holds_against(best, each, found.thresholds)), None)
 
-    def preferred(self, one: Diagnosis, two: Diagnosis) -> Diagnosis:
+    def better_of(self, one: Diagnosis, two: Diagnosis) -> Diagnosis:
         """Of one arm with the commands taken one way, and the other."""
         best, other = (each.search.best if each.search else None for each in (one, two))
-        return one if best and other and self._preferred(best, other, one.thresholds) else two
+        return one if best and other and self._holds_against(best, other, one.thresholds) else two
 
-    def _preferred(self, one: Candidate, two: Candidate, thresholds: Thresholds) -> bool:
+    def _holds_against(self, one: Candidate, two: Candidate, thresholds: Thresholds) -> bool:
         """Whether the first of two models is to be preferred, each with its way of taking commands.
 
         A law of which there is no need if commands are taken the other way is none, unless it is worth having there too.

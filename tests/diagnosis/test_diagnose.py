@@ -1,15 +1,18 @@
 """From recordings to a verdict: what was put into them is named, and what no candidate knows is not."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.diagnose import diagnose
+from hsr_pin.diagnosis.diagnose import _Study, diagnose
+from hsr_pin.diagnosis.thresholds import clearly_worse
 from hsr_pin.errors import EffectError, IdentificationError
 from hsr_pin.recordings.read import read_dataset
 
 from . import outside
+from .fabricated import THRESHOLDS, candidate
 from .made import CATALOGUE, TRIALS, made
 
 FEW = ["actuator_lag", "dead_time", "tip_mass", "torque_bias"]
@@ -108,3 +111,12 @@ def test_sample_steps_has_two_effects(shared):
     found = diagnose(read_dataset(shared / "recordings" / "sample-steps"), jobs=1)
     assert found.verdict.status == "identified"
     assert len(found.verdict.effects) == 2
+
+
+def test_a_law_that_is_needless_with_the_commands_taken_the_other_way_has_to_be_worth_having_there():
+    late, without = candidate("bending_stop", "dead_time", gap=5e-5), candidate("bending_stop", gap=2e-4)
+    assert clearly_worse(without, late, THRESHOLDS, 0)
+    study = SimpleNamespace(seed=0)
+    assert not _Study._holds_against(study, late, without, THRESHOLDS)
+    assert _Study._holds_against(study, late, candidate("bending_stop", gap=5e-4), THRESHOLDS)
+    assert _Study._holds_against(study, late, candidate("bending_stop", "actuator_lag", gap=2e-4), THRESHOLDS)
