@@ -18,7 +18,6 @@ from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
-from hsr_pin.diagnosis.rivals import without_companions
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
@@ -127,12 +126,14 @@ def diagnose(
     with workers(jobs, cluster, executor) as executor:
         study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, plane, executor, seed, tell, advance)
         found = study.of(experiment)
-        other = study.turned(found)
+        other, needless = study.turned(found)
         if other is None:
             return found
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-    return study.better_of(found, again)
+    one, two = (each.search.best if each.search else None for each in (found, again))
+    kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
+    return found if kept else again
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,8 +197,7 @@ class _Study:
         crew = Crew(experiment, self.executor, self.advance)
 
         def searched(start: Candidate) -> Search:
-            found = search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
-            return without_companions(found, thresholds, seed)
+            return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
             told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
@@ -234,36 +234,31 @@ class _Study:
             own,
         )
 
-    def turned(self, found: Diagnosis) -> Experiment | None:
-        """The recordings with open commands taken the other way, where that fits better, or as well with less.
+    def turned(self, found: Diagnosis) -> tuple[Experiment | None, bool]:
+        """The recordings with open commands taken the other way, where that fits better, or as well with less; and whether this.
 
         Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held. And
         where a held one is taken to go straight, half a sample earlier, the arm seems to be late.
         """
         if found.search is None:
-            return None
+            return None, False
         best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
         likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
         crews = [(other, Crew(other, self.executor, self.advance)) for other in otherwise(found.experiment)]
         again = [(other, each) for other, crew in crews for each in crew.finish(list(likely.values()))]
         for other, better in sorted(again, key=lambda each: mean_square(each[1]))[:1]:
             if worth_having(best, better, found.thresholds, self.seed):
-                return other
+                return other, False
         simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
-        return next((other for other, each in simpler if not self._holds_against(best, each, found.thresholds)), None)
+        return next((other for other, each in simpler if self.needless(best, each, found.thresholds)), None), True
 
-    def better_of(self, one: Diagnosis, two: Diagnosis) -> Diagnosis:
-        """Of one arm with the commands taken one way, and the other."""
-        best, other = (each.search.best if each.search else None for each in (one, two))
-        return one if best and other and self._holds_against(best, other, one.thresholds) else two
+    def needless(self, best: Candidate, other: Candidate, thresholds: Thresholds) -> bool:
+        """Whether what a model has is not needed, by another of the commands taken the other way.
 
-    def _holds_against(self, one: Candidate, two: Candidate, thresholds: Thresholds) -> bool:
-        """Whether the first of two models is to be preferred, each with its way of taking commands.
-
-        A law of which there is no need if commands are taken the other way is none, unless it is worth having there too.
+        A law less is enough where that law would not be worth having there; a simpler law, where it does as well.
         """
-        fewer = len(two.names) < len(one.names)
-        return (worth_having if fewer else clearly_worse)(two, one, thresholds, self.seed)
+        fewer = len(other.names) < len(best.names)
+        return not (worth_having if fewer else clearly_worse)(other, best, thresholds, self.seed)
 
     def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
         """A model without what makes it late, or with a simpler law of that in its place."""

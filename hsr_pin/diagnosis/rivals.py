@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.thresholds import Thresholds, doubtful, explains, left, matches, mean_square
 
 #: An amplitude closer to neutral than so many standard errors may as well be neutral (95 %).
@@ -43,19 +42,17 @@ def idle(candidate: Candidate, base: Candidate, tried: Sequence[Candidate], thre
     return False
 
 
-def without_companions(found: Search, thresholds: Thresholds, seed: int) -> Search:
-    """A search that ends at what all rivals of its best model share, where that does nearly all that the best does.
+def without_companions(
+    best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
+) -> Candidate:
+    """In place of the best what all its rivals share with it, or one of them that is part of it, where that does nearly as much.
 
     Beside a law that is plainly there an arm has many small ones. Where several may be the next one, and it hardly matters which,
     none of them is worth a name.
     """
-    base, best = found.path[0], found.best
     closes = explains(best, base, thresholds) and not doubtful(best)
-    sets = [best.names, *rivals(best, base, found.tried, thresholds, seed, closes)]
-    common = tuple(sorted(set.intersection(*map(set, sets))))
-    if not common or common == best.names:
-        return found
-    fewer = min((each for each in found.tried if each.names == common), key=mean_square, default=None)
-    if fewer is None or left(base) - left(fewer) < (1 - COMPANION) * (left(base) - left(best)):
-        return found
-    return Search((base, fewer), found.tried)
+    sets = [set(best.names), *map(set, rivals(best, base, tried, thresholds, seed, closes))]
+    parts = [names for names in (set.intersection(*sets), *sets) if names and names < sets[0]]
+    enough = left(base) - (1 - COMPANION) * (left(base) - left(best))
+    fewer = [each for each in tried if set(each.names) in parts and left(each) <= enough]
+    return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)

@@ -10,6 +10,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.rivals import without_companions
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
     Thresholds,
@@ -109,6 +110,7 @@ def search(
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
     best = _leading(best, list(tried.values()), thresholds, seed)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
+    best = without_companions(best, start, list(tried.values()), thresholds, seed)
     for _ in best.names:  # of one part, then of another
         tried |= {key(candidate): candidate for candidate in _special_cases(best, parts, crew, tried)}
         general, best = best, _simplest(best, start, list(tried.values()), thresholds, seed)

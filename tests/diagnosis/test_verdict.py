@@ -342,8 +342,13 @@ def test_a_gap_is_mostly_explained_if_any_model_takes_half_of_its_square_or_all_
 @pytest.mark.parametrize("alone, ends_at", [(1.0e-3, ("stiffening",)), (1.3e-3, ("stiffening", "viscoelastic"))])
 def test_of_a_small_companion_is_not_asked_which_law_it_is(alone, ends_at):
     """Of what both take away it takes 3 %, or 7 %."""
-    both = candidate("stiffening", "viscoelastic", gap=0.75e-3), candidate("dead_time", "stiffening", gap=0.76e-3)
-    search = Search((BASE, both[0]), (BASE, candidate("stiffening", gap=alone), *both))
-    assert without_companions(search, THRESHOLDS, 0).best.names == ends_at
-    alone_in_it = Search(search.path, search.tried[:-1])  # no other law does what it does
-    assert without_companions(alone_in_it, THRESHOLDS, 0) is alone_in_it
+    best, rival = candidate("stiffening", "viscoelastic", gap=0.75e-3), candidate("dead_time", "stiffening", gap=0.76e-3)
+    tried = BASE, candidate("stiffening", gap=alone), best, rival
+    assert without_companions(best, BASE, tried, THRESHOLDS, 0).names == ends_at
+    assert without_companions(best, BASE, tried[:-1], THRESHOLDS, 0) is best  # no other law does what it does
+
+
+def test_a_rival_that_is_part_of_the_best_stands_for_it():
+    best, other = candidate("torque_bias", "unequal_lag", gap=1.0e-3), candidate("actuator_lag", "preset_bend", gap=1.0e-3)
+    part = candidate("unequal_lag", gap=1.1e-3)
+    assert without_companions(best, BASE, (BASE, part, best, other), THRESHOLDS, 0) is part
