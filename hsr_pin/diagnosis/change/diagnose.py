@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -121,7 +121,8 @@ def diagnose_change(
         tell("what it does not describe")
         frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)
         tell("what may have changed")
-        asked = suspects(frame.hypothesis, frame.values, candidates)
+        there = {part.reading for part in frame.hypothesis.parts}
+        asked = suspects(frame.hypothesis, frame.values, [part for part in candidates if effects or _may_change(part, there)])
         bench = Bench(frame, executor)
         guesses = bench.guessed(asked)
         plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]
@@ -160,7 +161,7 @@ def _parts(experiment: Experiment, causes: Sequence[type[Effect]], names: Sequen
     """What may appear, in every reading."""
     lies = experiment.dataset.mount == "horizontal"
     if names is None:
-        arm = [part for part in catalogue(causes, experiment) if not turns_cameras(part.effect)]
+        arm = catalogue(causes, experiment)
         placing = [kind for kind in PLACING.values() if not (lies and kind is BaseRotation)]
         return [*arm, *catalogue(placing, experiment, plain=())]
     chosen = [PLACING[name] if name in PLACING else effect_named(name) for name in dict.fromkeys(names)]
@@ -168,6 +169,11 @@ def _parts(experiment: Experiment, causes: Sequence[type[Effect]], names: Sequen
     if lies and BaseRotation in chosen:
         raise IdentificationError("effects", expected="base_tilt, of an arm that lies", received=BaseRotation.name)
     return catalogue(chosen, experiment, plain=())
+
+
+def _may_change(part: Part, there: Collection[object]) -> bool:
+    """Whether a part is not what `frame_turn` says; where OLD is described by it, it may grow under its own name as well."""
+    return not turns_cameras(part.effect) or part.reading in there
 
 
 def _distinct(fits: Sequence[Fitted]) -> list[Fitted]:

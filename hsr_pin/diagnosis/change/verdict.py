@@ -33,7 +33,8 @@ BETTER = 0.02
 TIED, OF_LEFT, UNFORETOLD, NEARLY, PARAMETER = 0.002, 1.0, 0.1, 15.0, 8.0
 #: Nothing else has changed if no larger share than this of what OLD does not foretell is left ...
 REST = 0.1
-#: ... and a change that explains less than this is not named.
+#: ... and a change that explains less than this is not named: of what OLD does not foretell, nor of its square in metres. (Of 269
+#: that were named in three sealed runs eight took away less of that; seven of these were wrong.)
 HALF = 0.5
 #: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's; nor is what OLD
 #: does not foretell of NEW where it is so many times as far as that.
@@ -183,6 +184,11 @@ class Found:
         share = (was - is_) / max(self.gain(fitted) + self.left(fitted.residual), was - is_, 1e-300)
         return Difference(self.frame.off(), frame.off(fitted.moved), self.frame.scatter, float(np.clip(share, 0.0, 1.0)))
 
+    def farther(self, fitted: Fitted) -> bool:
+        """Whether a change does not bring NEW much nearer, whatever it does to what counts most."""
+        difference = self.difference(fitted)
+        return difference.after**2 > (1 - HALF) * difference.before**2
+
     def cost(self, fitted: Fitted) -> float:
         """Squares left, more for every further parameter (G. Schwarz, Ann. Stat. 6, 1978)."""
         return fitted.square + PARAMETER * len(fitted.after)
@@ -196,7 +202,10 @@ def judge(found: Found) -> ChangeVerdict:
     sure = [fitted for fitted in sure if not needless(found, fitted, sure)]
     first = min(sure, key=found.cost)
     first = min((each for each in sure if found.suffices(each, first)), key=found.cost, default=first)
+    first = undivided(found, first, sure)
     best, *others = ties = tied(found, first, [each for each in sure if found.gain(each) > HALF * found.gain(first)])
+    if found.farther(best):
+        return _nothing(found)
     left = found.left(best.residual)
     total = found.gain(best) + left
     other = better(found, best)
@@ -233,6 +242,15 @@ def needless(found: Found, fitted: Fitted, sure: Sequence[Fitted]) -> bool:
     """Whether one change less explains as much but for what a second change is not told for."""
     fewer = [found.gain(other) for other in sure if set(other.suspect.names) < set(fitted.suspect.names)]
     return bool(fewer) and found.gain(fitted) - max(fewer) < SECOND * max(fewer)
+
+
+def undivided(found: Found, best: Fitted, sure: Sequence[Fitted]) -> Fitted:
+    """In place of two changes the one that is sure, where another beside it explains as much, though of no certain size."""
+    own = set(best.suspect.names)
+    as_good = [each for each, _ in found.fits if each is not best and found.gain(each) >= found.gain(best)]
+    shared = [names for names in (set(each.suspect.names) & own for each in as_good) if 0 < len(names) < len(own)]
+    alone = [each for each in sure if set(each.suspect.names) in shared and found.gain(each) > HALF * found.gain(best)]
+    return min(alone, key=found.cost, default=best)
 
 
 def better(found: Found, best: Fitted) -> Fitted | None:

@@ -7,7 +7,7 @@ import pytest
 
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.verdict import BETTER, SECOND, Difference, Found, better, needless, tied
+from hsr_pin.diagnosis.change.verdict import BETTER, SECOND, Difference, Found, better, needless, tied, undivided
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Hypothesis, Part
@@ -126,3 +126,20 @@ def test_a_rival_counts_as_much_as_the_best_fails_to_foretell(share, told):
         SimpleNamespace(**vars(fitted(*names)), square=5000 - gain, after=(0.0,)) for names, (_, gain) in found.given.items()
     )
     assert len(tied(found, best, [best, *others])) == told
+
+
+@pytest.mark.parametrize("after, farther", [(0.6e-3, False), (0.8e-3, True), (2e-3, True)])
+def test_a_change_that_does_not_bring_the_arm_nearer_in_metres_is_none(after, farther):
+    class Far(Judged):
+        def difference(self, fitted):
+            return Difference(1e-3, after, 0.5e-3, 0.9)
+
+    assert Far((("soft_spot",), (), 1000.0)).farther(fitted("soft_spot")) is farther
+
+
+@pytest.mark.parametrize("rival, told", [(510.0, ("torque_bias",)), (490.0, ("torque_bias", "viscoelastic"))])
+def test_of_two_changes_one_is_told_where_another_second_one_explains_as_much(rival, told):
+    both, other = ("torque_bias", "viscoelastic"), ("hysteresis", "torque_bias")
+    found = Judged((("torque_bias",), (), 370.0), (both, (), 500.0), (other, (), rival), (("viscoelastic",), (), 250.0))
+    alone, best, _, second = (each for each, _ in found.fits)
+    assert undivided(found, best, [alone, best, second]).suspect.names == told
