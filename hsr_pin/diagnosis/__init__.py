@@ -20,6 +20,7 @@
 - ``repeats``: how far the arm is from itself
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks
+- ``rivals``: what explains as much as the best, and which of its parts do not matter
 - ``search``: effects added one at a time, several sets side by side
 - ``smooth``: motion smoothed and differentiated; ranks
 - ``spread``: how what is missing is spread along the arm

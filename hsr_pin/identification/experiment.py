@@ -84,8 +84,9 @@ class Run:
     @cached_property
     def moved(self) -> float:
         """RMS way [m] about its mean place of the marker that goes farthest."""
-        seen = self.compared[:, np.isfinite(self.compared).any(axis=(0, 2))]
-        return float(np.sqrt(np.nanvar(seen, axis=0).sum(axis=1).max()))
+        seen = np.asarray(np.isfinite(self.compared).all(axis=2))
+        ways = [self.compared[seen[:, m], m].var(axis=0).sum() for m in range(seen.shape[1]) if seen[:, m].any()]
+        return float(np.sqrt(max(ways, default=0.0)))
 
     @property
     def tolerance(self) -> float:

@@ -107,3 +107,11 @@ def test_what_hardly_moves_is_integrated_as_finely_for_its_size(record):
     found, converged = (predict_all(experiment, Hypothesis(tolerance=each), TRUE * [1.0, 0.1])[0] for each in (2e-4, 1e-8))
     moved = run.compared - run.compared.mean(axis=0)
     assert rms([found.positions - converged.positions]) < 0.05 * rms([moved])
+
+
+def test_how_far_the_arm_moves_is_told_where_a_coordinate_of_a_marker_was_never_seen(record):
+    (run,) = prepare(record([(1.11, 0.8)])).runs
+    hidden = run.measured.copy()
+    hidden[:, 1, 0] = np.nan  # of the tip one coordinate
+    assert 0 < replace(run, measured=hidden).moved < run.moved
+    assert replace(run, measured=np.full_like(hidden, np.nan)).moved == 0.0
