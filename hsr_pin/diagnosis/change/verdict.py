@@ -33,8 +33,7 @@ BETTER = 0.02
 TIED, OF_LEFT, UNFORETOLD, NEARLY, PARAMETER = 0.002, 1.0, 0.1, 15.0, 8.0
 #: Nothing else has changed if no larger share than this of what OLD does not foretell is left ...
 REST = 0.1
-#: ... and a change that explains less than this is not named: of what OLD does not foretell, nor of its square in metres. (Of 269
-#: that were named in three sealed runs eight took away less of that; seven of these were wrong.)
+#: ... and a change that explains less than this is not named.
 HALF = 0.5
 #: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's; nor is what OLD
 #: does not foretell of NEW where it is so many times as far as that.
@@ -184,10 +183,10 @@ class Found:
         share = (was - is_) / max(self.gain(fitted) + self.left(fitted.residual), was - is_, 1e-300)
         return Difference(self.frame.off(), frame.off(fitted.moved), self.frame.scatter, float(np.clip(share, 0.0, 1.0)))
 
-    def farther(self, fitted: Fitted) -> bool:
-        """Whether a change does not bring NEW much nearer, whatever it does to what counts most."""
+    def nearer(self, fitted: Fitted) -> bool:
+        """Whether a change brings NEW nearer in metres too, and does not only what counts most."""
         difference = self.difference(fitted)
-        return difference.after**2 > (1 - HALF) * difference.before**2
+        return difference.after < difference.before
 
     def cost(self, fitted: Fitted) -> float:
         """Squares left, more for every further parameter (G. Schwarz, Ann. Stat. 6, 1978)."""
@@ -204,7 +203,7 @@ def judge(found: Found) -> ChangeVerdict:
     first = min((each for each in sure if found.suffices(each, first)), key=found.cost, default=first)
     first = undivided(found, first, sure)
     best, *others = ties = tied(found, first, [each for each in sure if found.gain(each) > HALF * found.gain(first)])
-    if found.farther(best):
+    if not found.nearer(best):
         return _nothing(found)
     left = found.left(best.residual)
     total = found.gain(best) + left

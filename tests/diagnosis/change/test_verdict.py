@@ -128,13 +128,13 @@ def test_a_rival_counts_as_much_as_the_best_fails_to_foretell(share, told):
     assert len(tied(found, best, [best, *others])) == told
 
 
-@pytest.mark.parametrize("after, farther", [(0.6e-3, False), (0.8e-3, True), (2e-3, True)])
-def test_a_change_that_does_not_bring_the_arm_nearer_in_metres_is_none(after, farther):
+@pytest.mark.parametrize("after, nearer", [(2.9e-3, True), (3.1e-3, False)])
+def test_a_change_that_takes_the_arm_farther_off_in_metres_is_none(after, nearer):
     class Far(Judged):
         def difference(self, fitted):
-            return Difference(1e-3, after, 0.5e-3, 0.9)
+            return Difference(3e-3, after, 1e-3, 0.9)
 
-    assert Far((("soft_spot",), (), 1000.0)).farther(fitted("soft_spot")) is farther
+    assert Far((("soft_spot",), (), 1000.0)).nearer(fitted("soft_spot")) is nearer
 
 
 @pytest.mark.parametrize("rival, told", [(510.0, ("torque_bias",)), (490.0, ("torque_bias", "viscoelastic"))])
