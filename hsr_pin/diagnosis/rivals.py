@@ -53,6 +53,6 @@ def without_companions(
     closes = explains(best, base, thresholds) and not doubtful(best)
     sets = [set(best.names), *map(set, rivals(best, base, tried, thresholds, seed, closes))]
     parts = [names for names in (set.intersection(*sets), *sets) if names and names < sets[0]]
-    enough = left(base) - (1 - COMPANION) * (left(base) - left(best))
-    fewer = [each for each in tried if set(each.names) in parts and left(each) <= enough]
+    most = left(best) + COMPANION * (left(base) - left(best))
+    fewer = [each for each in tried if set(each.names) in parts and left(each) <= most]
     return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)

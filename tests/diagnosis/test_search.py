@@ -291,6 +291,17 @@ def test_a_model_that_ended_in_a_lesser_optimum_is_fitted_again_from_a_larger_on
     gaps = {"": GAP, "unequal_lag": 1e-5, "elastic_curve": 3.9e-3}
     crew = FakeCrew(gaps, stuck={"unequal_lag": 1.3e-3}, errors={"elastic_curve": 0.5})
     flexible = [Part(law.name, neutral(law)) for law in FLEXIBLE.values() if law.name == "elastic_curve"]
-    found = searched(crew, [*(part for part in EVERY if part.name == "unequal_lag"), *flexible])
+    found = searched(crew, [next(part for part in EVERY if part.name == "unequal_lag"), *flexible])
     assert found.best.names == ("unequal_lag",) and crew.finished.count("unequal_lag") == 2
     assert mean_square(found.best) < 1e-8 + mean_square(candidate("unequal_lag"))
+
+
+def test_a_simpler_law_is_looked_for_in_place_of_one_part_and_then_of_the_other():
+    """Both parts of the truth come as the general laws that hold them; the beam passes by the pair itself."""
+    general, mixed = "elastic_curve+unequal_lag", ("stiffening+unequal_lag", "actuator_lag+elastic_curve")
+    gaps = {"": GAP, "unequal_lag": 2e-3, "elastic_curve": 2.1e-3, "actuator_lag": 3e-3, "stiffening": 3.1e-3}
+    gaps |= {general: 0.0, **dict.fromkeys(mixed, 1e-5), "actuator_lag+stiffening": 2e-5}
+    crew = FakeCrew(gaps, quick=gaps | {"actuator_lag+stiffening": 2.9e-3})
+    flexible = [Part(law.name, neutral(law)) for law in FLEXIBLE.values() if law.name == "elastic_curve"]
+    found = searched(crew, [*EVERY, *flexible])
+    assert found.best.names == ("actuator_lag", "stiffening")

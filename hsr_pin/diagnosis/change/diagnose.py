@@ -122,7 +122,9 @@ def diagnose_change(
         frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)
         tell("what may have changed")
         there = {part.reading for part in frame.hypothesis.parts}
-        asked = suspects(frame.hypothesis, frame.values, [part for part in candidates if effects or _may_change(part, there)])
+        if effects is None:
+            candidates = [part for part in candidates if _may_change(part, there)]
+        asked = suspects(frame.hypothesis, frame.values, candidates)
         bench = Bench(frame, executor)
         guesses = bench.guessed(asked)
         plain = [guess for guess in guesses[_FITTED:] if guess.suspect.names in _ALWAYS]

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hsr_pin.diagnosis.change.diagnose import _may_change
 from hsr_pin.diagnosis.change.placing import PLACING, turns_cameras
-from hsr_pin.effects import effect_named
+from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.effects.effect import View, neutral
+from hsr_pin.identification.hypothesis import readings
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.space_kinematics import space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
@@ -78,3 +80,10 @@ def test_a_base_turned_about_its_line_takes_gravity_and_the_torques_with_it(moun
     whole = seen(plain, torque * np.exp(1j * turn), side * np.exp(1j * turn))
     assert seen(law, torque, side) == pytest.approx(whole, abs=2e-5)
     assert np.abs(seen(plain, torque, side) - whole).max() > 0.01
+
+
+def test_a_tilt_that_only_the_cameras_see_is_asked_for_where_the_first_recording_is_described_by_it_and_else_not():
+    tilts = readings(EFFECTS["gravity_tilt"])
+    seen = [part for part in tilts if turns_cameras(part.effect)]
+    assert seen and [part for part in tilts if _may_change(part, ())] == [part for part in tilts if part not in seen]
+    assert all(_may_change(part, {part.reading}) for part in tilts)
