@@ -94,7 +94,7 @@ def _bending_stop(effect: Any, model: CorrectedModel, major: int) -> Elements | 
 
 
 def _dry_friction(effect: Any, model: CorrectedModel, major: int) -> Elements | None:
-    if major < 4:
+    if major < 4 or effect.form != "even":
         return None
     links, keq, give = model.arm.links, model.arm.keq, presliding(effect.level)
     return _sliders(model, [("friction", links * keq * effect.level / give, give / links)], "springs that yield")

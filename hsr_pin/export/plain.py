@@ -22,8 +22,11 @@ _WAYS = {
 
 def friction(model: CorrectedModel) -> float:
     """[N m] Coulomb friction of each joint."""
-    dry = model.effect("dry_friction")
-    return 0.0 if dry is None else float(dry.level) * model.arm.keq  # type: ignore[attr-defined]
+    return sum(effect.level * model.arm.keq for effect in model.effects if _rubs_evenly(effect))  # type: ignore[attr-defined]
+
+
+def _rubs_evenly(effect: Effect) -> bool:
+    return effect.name == "dry_friction" and ("form", "even") in effect.options
 
 
 def held(model: CorrectedModel) -> tuple[str, ...]:
@@ -32,7 +35,7 @@ def held(model: CorrectedModel) -> tuple[str, ...]:
     for effect in model.effects:
         ways = _WAYS | {"arm": bodies_are(effect)}
         lines += [f"{effect.name}: {text}" for hook, text in ways.items() if effect.acts_through(hook)]
-        if effect.name == "dry_friction":
+        if _rubs_evenly(effect):
             lines.append(f"dry_friction: friction of {friction(model):g} N m at each joint, without its give before it slides")
     return tuple(lines)
 
@@ -85,7 +88,7 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
     for effect in model.effects:
         if effect.acts_through("actuation"):
             lines.append(f"{effect.name}: of the command, from base to tip the joints get {share}")
-        elif not any(effect.acts_through(hook) for hook in _WAYS) and effect.name != "dry_friction":
+        elif not any(effect.acts_through(hook) for hook in _WAYS) and not _rubs_evenly(effect):
             lines.append(f"{effect.name}: {effect.lacks} ({numbers(effect)})")
     return (*lines, *_actuator(model, bodies))
 

@@ -113,6 +113,15 @@ def test_friction_slides_at_its_level_and_needs_twice_the_presliding_angle_to_tu
     np.testing.assert_allclose(m, [0.1, 0.2, 0.2, 0, -0.2, -0.2], atol=1e-12)
 
 
+def test_friction_under_load_holds_and_slides_at_a_level_that_grows_with_bending():
+    friction = EFFECTS["dry_friction"](0.2, form="load")
+    d = presliding(0.2)
+    _, m = walked(friction, [d / 10, 0.3, 1.0, 1.0 - d, -1.0, -0.3])
+    np.testing.assert_allclose(m, [0.2 / 10, 0.2 * 0.5, 0.2 * 1.2, 0.2 * 0.2, -0.2 * 1.2, 0.2 * 0.5], atol=1e-12)
+    steepest = friction.tangent(1.0, 1.0)[0]
+    assert steepest == EFFECTS["dry_friction"](0.2).tangent(1.0, 1.0)[0]  # what is stuck gives as much under any load
+
+
 def test_friction_takes_four_levels_per_unit_of_amplitude_in_a_cycle():
     friction = EFFECTS["dry_friction"](0.2)
     d, path = presliding(0.2), 0.5 * np.sin(np.linspace(0, 4 * np.pi, 40001))
@@ -145,9 +154,9 @@ def test_sliders_close_every_inner_loop_where_it_began_and_saturate_at_the_ampli
     assert m[0] == pytest.approx(0.4 * 0.02 / 0.2)  # none slips yet
 
 
-@pytest.mark.parametrize("name", ["dry_friction", "hysteresis"])
-def test_rate_independent_laws_see_the_path_and_not_its_speed_nor_its_sampling(name):
-    law = EFFECTS[name](0.3)
+@pytest.mark.parametrize("text", ["dry_friction:level=0.3", "dry_friction:level=0.3,form=load", "hysteresis:amplitude=0.3"])
+def test_rate_independent_laws_see_the_path_and_not_its_speed_nor_its_sampling(text):
+    law = parse_effect(text)
     path = np.array([0.1, 0.5, 0.43, 0.6, -0.2])
     fine = np.interp(np.arange(1, 501) / 100, np.arange(6), [0.0, *path])
     assert walked(law, fine, 1e-4)[0] == pytest.approx(walked(law, path, 10.0)[0], abs=1e-12)

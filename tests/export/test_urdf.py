@@ -88,3 +88,9 @@ def test_a_turned_gravity_is_told_as_the_simulation_has_it():
     told = CorrectedModel(ArmSpecification(mount="hanging"), (parse_effect("gravity_tilt:angle=0.1,frame=base"),))
     (line,) = [line for line in to_urdf(told).missing if line.startswith("gravity_tilt")]
     assert line == "gravity_tilt: set the gravity of the world to (-0.979366, 0, -9.76099) m/s^2"
+
+
+def test_friction_that_grows_with_the_load_is_no_friction_of_a_joint():
+    exported = to_urdf(CorrectedModel(ArmSpecification(), (parse_effect("dry_friction:level=0.1,form=load"),)))
+    assert 'friction="0' in exported.text and not exported.held
+    assert "dry_friction: rate-independent friction at the joints, sticking (level 0.1 rad, load)" in exported.missing
