@@ -189,18 +189,28 @@ class _Pool(Executor):
             try:
                 return self._pool.submit(function, *arguments, **named)
             except BrokenExecutor:
+                _stop_sending(self._pool)
                 self._pool.shutdown(wait=False, cancel_futures=True)
                 self._pool = self._begun()
                 return self._pool.submit(function, *arguments, **named)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes when they have done what they are at."""
+        _stop_sending(self._pool)
         self._pool.shutdown(wait=wait, cancel_futures=cancel_futures)
         self.kill()
 
     def kill(self) -> None:
         """End the processes at once."""
         self._leash.close()
+
+
+def _stop_sending(pool: ProcessPoolExecutor) -> None:
+    """Give up what is on its way to processes that were lost: Python before 3.11.5 would wait for it for ever (gh-94777)."""
+    private: Any = pool
+    if sys.version_info < (3, 11, 5) and private._broken:
+        with suppress(OSError):
+            private._call_queue._reader.close()
 
 
 def _context() -> BaseContext:

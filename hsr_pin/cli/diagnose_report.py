@@ -90,7 +90,9 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     if diagnosis.search is None:
         return []
     best = diagnosis.search.best
-    heading = f"best model: {' + '.join(best.names) or 'stiffness and damping'}"
+    forms = {effect.name: ", ".join(value for _, value in effect.options) for effect in best.fit.hypothesis.effects}
+    parts = [f"{name} ({forms[name]})" if forms.get(name) else name for name in best.names]
+    heading = f"best model: {' + '.join(parts) or 'stiffness and damping'}"
     others = [candidate for candidate in ranked(diagnosis.search.tried) if candidate.names != best.names]
     named = [f"{number(1e3 * mean_square(each) ** 0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
     rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
