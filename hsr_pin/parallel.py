@@ -34,7 +34,7 @@ _EARLY = 16
 #: A scheduler answers within this time [s].
 _PATIENCE = 10
 #: What processes of our own are begun with: all that a fit will call.
-_PRELOADED = ("hsr_pin.diagnosis.crew",)
+_PRELOADED = ("hsr_pin.diagnosis.crew", "hsr_pin.simulation.warm")
 _LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
 
 
@@ -142,6 +142,21 @@ def run(
     raise WorkerError(_TRIES)
 
 
+def begun(executor: Executor, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+    """Begin ``function(*arguments)`` beside other tasks, and what waits for its answer; done here if its worker is lost."""
+    future = executor.submit(function, *arguments)
+
+    def answer() -> T:
+        try:
+            return future.result()
+        except Exception as error:
+            if not _is_loss(error):
+                raise
+            return function(*arguments)
+
+    return answer
+
+
 def _then(advance: Callable[[], None], answer: T) -> T:
     advance()
     return answer
@@ -179,9 +194,14 @@ class _Pool(Executor):
         return ProcessPoolExecutor(self._count, _context(), initializer=_follow, initargs=(self._held,))
 
     def everywhere(self, function: Callable[..., None], *arguments: Any) -> None:
-        """A task for each of the processes, which are begun for it."""
-        for _ in range(min(self._count, _EARLY)):
-            self.submit(function, *arguments)
+        """A task for each of the processes, which are begun for it; nobody waits until they are."""
+
+        def begin() -> None:
+            with suppress(RuntimeError):  # all was over before they began
+                for _ in range(min(self._count, _EARLY)):
+                    self.submit(function, *arguments)
+
+        threading.Thread(target=begin, daemon=True).start()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """A task for one of the processes."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 from hsr_pin.cli.progress import counted
 from hsr_pin.errors import InputError, one_line
@@ -243,4 +242,4 @@ def _tell(found: Score, options: dict[str, Any]) -> None:
 
 def main() -> None:
     """Entry point of ``hsr-blind``."""
-    sys.exit(run(command))
+    leave(run(command))

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from signal import SIG_DFL, SIGINT, SIGTERM, default_int_handler, getsignal, signal
 from threading import current_thread, main_thread
+from typing import NoReturn
 
 import click
 
+from hsr_pin.cli import IS_COMMAND
 from hsr_pin.errors import HsrError, one_line
 
 #: Exit code of a command that was given something it cannot use.
@@ -33,6 +36,17 @@ def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
     _open_streams()
     with _interruptible():
         return _run(command, arguments)
+
+
+def leave(code: int) -> NoReturn:
+    """End this process; a command at once, for to take down all that it has loaded takes a third of a second."""
+    if not IS_COMMAND:
+        sys.exit(code)
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)
 
 
 def _run(command: click.Command, arguments: Sequence[str] | None) -> int:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
@@ -153,4 +152,4 @@ def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:
 
 def main() -> None:
     """Entry point of ``hsr-diagnose``."""
-    sys.exit(run(command))
+    leave(run(command))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import ARM_OPTIONS, arm_from, arm_options
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 
 if TYPE_CHECKING:
@@ -108,4 +107,4 @@ def _exported(model: CorrectedModel, target: str, output: str, major: int) -> Ex
 
 def main() -> None:
     """Entry point of ``hsr-export``."""
-    sys.exit(run(command))
+    leave(run(command))

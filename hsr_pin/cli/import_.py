@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import force_option
 
 if TYPE_CHECKING:
@@ -232,4 +231,4 @@ def _table(headings: list[str], rows: list[list[str]]) -> None:
 
 def main() -> None:
     """Entry point of ``hsr-import``."""
-    sys.exit(run(command))
+    leave(run(command))

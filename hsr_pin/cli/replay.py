@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 
 if TYPE_CHECKING:
@@ -138,4 +137,4 @@ def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> Ite
 
 def main() -> None:
     """Entry point of ``hsr-replay``."""
-    sys.exit(run(command))
+    leave(run(command))

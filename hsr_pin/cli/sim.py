@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import arm_options
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
 if TYPE_CHECKING:
@@ -170,7 +169,7 @@ def _write(runs: list[Run], options: dict[str, Any]) -> Iterator[str]:
 
 def main() -> None:
     """Entry point."""
-    sys.exit(run(command))
+    leave(run(command))
 
 
 if __name__ == "__main__":

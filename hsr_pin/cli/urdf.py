@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import click
 
 from hsr_pin.cli.arm import arm_from, arm_options
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
 
@@ -34,4 +33,4 @@ def command(output: str | None, force: bool, **arm: Any) -> None:
 
 def main() -> None:
     """Entry point of ``hsr-urdf``."""
-    sys.exit(run(command))
+    leave(run(command))

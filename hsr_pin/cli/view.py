@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import run
+from hsr_pin.cli.command import leave, run
 
 if TYPE_CHECKING:
     from hsr_pin.view.session import Session
@@ -87,4 +86,4 @@ def _found(session: Session, result: str, dataset: str) -> dict[str, Settings]:
 
 def main() -> None:
     """Entry point of ``hsr-view``."""
-    sys.exit(run(command))
+    leave(run(command))

@@ -108,25 +108,40 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
     told, without = base.whitened(), [base.eliminated(run) for run in range(len(experiment.runs))]
     residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
     known = _Known(residual, slopes * base.hypothesis.scale)
-    return [guess for effect in effects for guess in _guess(experiment, base, effect, known, without)]
+    probed: dict[Part, list[Array]] = {}  # an effect whose size goes with the level changes as much more or less as its size does
+    found: list[Guess] = []
+    for effect in effects:
+        plain = replace(effect, resized=False)
+        if plain not in probed:
+            probed[plain] = _changes(experiment, base, plain, without)
+        found += _guess(experiment, base, effect, known, probed[plain])
+    return found
 
 
-def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, without: Sequence[Eliminated]) -> list[Guess]:
+def _changes(experiment: Experiment, base: Fit, effect: Part, without: Sequence[Eliminated]) -> list[Array]:
+    """For each run (n, S A): what each of A amplitudes alone makes of the residuals, as large as in each of S probes."""
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     neutral = np.array([fact.neutral for fact in new])
-    amplitudes = [k for k, fact in enumerate(new) if fact.amplitude] or [0]
-    probes = _probes(new)
-    alone = [np.where(np.arange(len(new)) == k, probe, _at_rest(new, probe)) for probe in probes for k in amplitudes]
+    alone = [np.where(np.arange(len(new)) == k, probe, _at_rest(new, probe)) for probe in _probes(new) for k in _amplitudes(new)]
     points = np.array([np.append(base.values, values) for values in (neutral, *alone)])
     seen = _side_by_side(experiment, whole, points)
+    return [
+        free(np.moveaxis(each[:, 1:] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
+        for each, w, free in zip(seen, base.weights, without, strict=True)
+    ]
+
+
+def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Guess]:
+    whole = base.hypothesis.with_part(effect)
+    new = whole.parameters[len(base.values) :]
+    amplitudes, probes = _amplitudes(new), _probes(new)
+    if effect.resized:
+        powers = np.tile([new[k].resizes for k in amplitudes], len(probes))
+        levels = [run.trial.keq / experiment.levels[0] for run in experiment.runs]
+        seen = [changes * level**powers for changes, level in zip(seen, levels, strict=True)]
+    every = np.concatenate(seen)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
-    every = np.concatenate(
-        [
-            free(np.moveaxis(each[:, 1:] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
-            for each, w, free in zip(seen, base.weights, without, strict=True)
-        ]
-    )
     for n, probe in enumerate(probes):
         changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
         if not np.isfinite(changes).all():
@@ -136,6 +151,11 @@ def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, witho
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = _distinct(answers)[:_STARTS]
     return [Guess(whole, tuple(start for _, start in best), best[0][0])] if best else []
+
+
+def _amplitudes(facts: Sequence[Parameter]) -> list[int]:
+    """Which of an effect's parameters are amplitudes; the first, where none is."""
+    return [k for k, fact in enumerate(facts) if fact.amplitude] or [0]
 
 
 def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:

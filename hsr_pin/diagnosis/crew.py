@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess, finish, glance, glanced, guesses
+from hsr_pin.diagnosis.where import Where, locate
 from hsr_pin.identification.evaluation import predict_all, residuals, rms
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import Part
-from hsr_pin.parallel import Shared, run
+from hsr_pin.parallel import Shared, begun, run
 
 #: Effects whose probes make one task: they are quick.
 _TOGETHER = 3
@@ -35,6 +36,10 @@ class Crew:
         """Which of the runs quick fits look at."""
         return glanced(self._experiment)
 
+    def where(self, base: Candidate, seed: int) -> Callable[[], Where]:
+        """Begin to map what a model misses, beside the fits; and what gives the maps."""
+        return begun(self._executor, _where, self._shared, base, seed)
+
     def misfit(self, start: Fit) -> float:
         """RMS distance [m] where a fit begins."""
         return rms(residuals(self._experiment, predict_all(self._experiment, start.hypothesis, start.values)))
@@ -47,7 +52,7 @@ class Crew:
         """The same for several models, side by side."""
         keys = [(base, tuple(parts)) for base, parts in asked]
         new = [key for key in dict.fromkeys(keys) if key not in self._guessed]
-        cut = [[parts[k : k + _TOGETHER] for k in range(0, len(parts), _TOGETHER)] for _, parts in new]
+        cut = [_cut(parts) for _, parts in new]
         tasks = [(self._shared, key[0].fit, group) for key, groups in zip(new, cut, strict=True) for group in groups]
         answers = iter(run(self._executor, _guess, tasks))
         for key, groups in zip(new, cut, strict=True):
@@ -63,8 +68,23 @@ class Crew:
         return run(self._executor, _finish, [(self._shared, start) for start in starts], self._advance)
 
 
+def _cut(parts: Sequence[Part]) -> list[list[Part]]:
+    """A few parts each; the readings of a law that differ in what their size goes with stay together: they share their probes."""
+    groups: list[list[Part]] = []
+    for part in parts:
+        if groups and (len(groups[-1]) < _TOGETHER or part.resized):
+            groups[-1].append(part)
+        else:
+            groups.append([part])
+    return groups
+
+
 def _guess(shared: Shared[Experiment], base: Fit, parts: Sequence[Part]) -> list[Guess]:
     return guesses(shared.get(), base, parts)
+
+
+def _where(shared: Shared[Experiment], base: Candidate, seed: int) -> Where:
+    return locate(shared.get(), base, seed)
 
 
 def _glance(shared: Shared[Experiment], base: Fit, guess: Guess) -> Fit:

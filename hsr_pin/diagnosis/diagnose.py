@@ -22,7 +22,7 @@ from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
 from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, with_traces
-from hsr_pin.diagnosis.where import Where, locate
+from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
@@ -195,6 +195,7 @@ class _Study:
         base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
         by_level = _by_level(experiment, base)
         crew = Crew(experiment, self.executor, self.advance)
+        located = crew.where(base, seed)
 
         def searched(start: Candidate) -> Search:
             return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
@@ -214,7 +215,7 @@ class _Study:
                 found = searched(by_level)
                 verdict = judged(found, None)
         tell("where the gap lies")
-        where = locate(experiment, base, found.best, seed)
+        where = replace(located(), defect=local_defect(found.best))
         looks: tuple[Callable[[], Trace | None], ...] = (
             lambda: where.base,
             lambda: where.spread if not mostly_explained(found, thresholds) else None,

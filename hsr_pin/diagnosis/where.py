@@ -70,10 +70,10 @@ class Where:
         operating_range: marker distance [mm] over bending angle, rate and torque; in space over the side to which it bends too.
         trials: marker distance [mm] by trial.
         frequency: [Hz] at which the residual is strongest; None if it is flat.
-        defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
         spread: how what is missing is spread along the arm; None where this cannot be told.
         base: how much of it follows from the base's motion; None where that is not seen.
         sentence: as a person would say it.
+        defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
     """
 
     arc_length: Map
@@ -81,19 +81,18 @@ class Where:
     operating_range: tuple[Map, ...]
     trials: Map
     frequency: float | None
-    defect: tuple[float, float, float] | None
     spread: Spread | None
     base: BaseMotion | None
     sentence: str
+    defect: tuple[float, float, float] | None = None
 
 
-def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) -> Where:
+def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
     """Map what the model with fitted stiffness and damping misses on held-out trials.
 
     Args:
         experiment: the recordings.
         base: stiffness and damping fitted, no effects.
-        best: the model in which a local defect is looked for.
         seed: of the noise draws.
     """
     gaps = [_distance(residual) for residual in base.heldout]
@@ -109,9 +108,7 @@ def locate(experiment: Experiment, base: Candidate, best: Candidate, seed: int) 
     trials = Map("trial", "mm", _binned(whole, index, names, noise))
     frequency = _frequency(experiment, base.heldout)
     sentence = _sentence(along, time, experiment, torques, gaps, ranges)
-    return Where(
-        along, time, ranges, trials, frequency, _defect(best), spread(torques), base_motion(experiment, base.heldout), sentence
-    )
+    return Where(along, time, ranges, trials, frequency, spread(torques), base_motion(experiment, base.heldout), sentence)
 
 
 def _distance(residual: Array) -> Array:
@@ -211,7 +208,8 @@ def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None
     return frequency if powers[peak] > 5 * np.median(powers) and frequency * longest > 3 else None
 
 
-def _defect(best: Candidate) -> tuple[float, float, float] | None:
+def local_defect(best: Candidate) -> tuple[float, float, float] | None:
+    """Where the best model has a local change of stiffness: its centre and the 95 % interval, over L; None: it has none."""
     facts = [fact.name for fact in best.fit.hypothesis.parameters]
     if "soft_spot.centre" not in facts:
         return None

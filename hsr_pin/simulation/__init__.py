@@ -25,4 +25,5 @@
 - ``simulate``: simulate: a batch of one
 - ``space``: the loops for arms that bend about two axes
 - ``stamp``: a mark of the source that compiled code was made from
+- ``warm``: what numba sets up first, for processes that others are forked from
 """
