@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor, Future
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
-from hsr_pin.parallel import Serial, Shared, beforehand, for_each, run, workers
+from hsr_pin.parallel import Serial, Shared, beforehand, begun, for_each, run, workers
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.simulate import simulate
@@ -181,9 +181,29 @@ def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
     assert not (tmp_path / "elsewhere").exists()
 
 
-def test_processes_begin_with_what_a_fit_calls():
+@pytest.mark.parametrize("module", ["hsr_pin.diagnosis.crew", "numba"])
+def test_processes_begin_with_what_a_fit_calls(module):
     with workers(2) as executor:
-        assert run(executor, eval, [("'hsr_pin.diagnosis.crew' in __import__('sys').modules",)]) == [True]
+        assert run(executor, eval, [(f"'{module}' in __import__('sys').modules",)]) == [True]
+
+
+class Gone(Executor):
+    """Answers every task with an error."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def submit(self, function, /, *arguments, **named):
+        answer = Future()
+        answer.set_exception(self.error)
+        return answer
+
+
+def test_what_is_begun_beside_other_tasks_is_done_here_if_its_worker_is_lost():
+    assert begun(Serial(), operator.mul, 6, 7)() == 42
+    assert begun(Gone(BrokenExecutor()), operator.mul, 6, 7)() == 42
+    with pytest.raises(ZeroDivisionError):
+        begun(Gone(ZeroDivisionError()), operator.mul, 6, 7)()
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -111,6 +111,25 @@ def script(tmp_path):
     return [sys.executable, "hsr-sim", "--torque", "0.5", "--duration", "0.3"]
 
 
+LEFT = """import atexit
+atexit.register(print, "over")
+class Held:
+    def __del__(self):
+        print("taken down")
+held = Held()
+"""
+
+
+def test_a_command_ends_at_once_and_does_what_was_left_for_the_end(tmp_path):
+    for name, words in (("hsr-sim", ["over"]), ("laboratory.py", ["over", "taken", "down"])):
+        (tmp_path / name).write_text(LEFT + SCRIPT)
+        done = subprocess.run(
+            [sys.executable, name, "--links", "0"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True
+        )
+        assert (done.returncode, done.stdout.split()) == (2, words)
+        assert done.stderr.startswith("hsr-sim: error: ")
+
+
 @POSIX
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_closed_streams_are_no_fault_and_files_are_whole(script, tmp_path, closed):

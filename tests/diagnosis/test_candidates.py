@@ -1,11 +1,12 @@
 """Each effect, tried: the first guess points at it, the fit ends on it, and what cannot be simulated is passed over."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
 
+from hsr_pin.diagnosis import candidates
 from hsr_pin.diagnosis.candidates import Guess, _starts, finish, glance, glanced, guesses
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
@@ -101,6 +102,30 @@ def test_guesses_come_in_the_order_of_the_effects_that_were_asked_for():
     names = ["tip_mass", "dry_friction", "actuator_lag"]
     found = guesses(experiment, base, [part(EFFECTS[name]) for name in names])
     assert [guess.hypothesis.effects[-1].name for guess in found] == names
+
+
+def two_levels(biases):
+    """Stiffness and damping fitted to trials at two stiffness levels, each with a bias of its own; and the experiment."""
+    by_level = {level: [trial for trial in TRIALS[1:5] if trial[0] == level] for level in biases}
+    both = [made(f"torque_bias:bias={bias}", **(SMALL | {"trials": by_level[level]})) for level, bias in biases.items()]
+    trials = [trial for one in both for trial in one.trials]
+    experiment = prepare(replace(both[0], trials=tuple(replace(t, name=f"trial_{k}") for k, t in enumerate(trials))))
+    return experiment, fit(experiment, Hypothesis(links=8))
+
+
+@pytest.mark.parametrize("sizes_change", [False, True])
+def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_of_the_other(sizes_change, monkeypatch):
+    soft, stiff = 1.11, 2.33
+    experiment, base = two_levels({soft: 0.08, stiff: 0.08 * (stiff / soft if sizes_change else 1)})
+    simulated = []
+    plain = candidates._side_by_side
+    monkeypatch.setattr(candidates, "_side_by_side", lambda *given: simulated.append(given) or plain(*given))
+    stays, goes = guesses(experiment, base, readings(EFFECTS["torque_bias"], levels=2))
+    assert len(simulated) == 1
+    assert (stays.hypothesis.resized, goes.hypothesis.resized) == ((), ("torque_bias",))
+    right, wrong = (goes, stays) if sizes_change else (stays, goes)
+    assert right.gain > wrong.gain + 0.03
+    assert right.starts[0][-1] == pytest.approx(0.08, rel=0.1)
 
 
 @pytest.mark.parametrize("text", ["tip_mass:mass=0.05", "actuator_lag:time_constant=0.08", "dry_friction:level=0.06"])
