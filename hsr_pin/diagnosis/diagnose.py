@@ -20,7 +20,7 @@ from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, worth_having
+from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, tolerated, worth_having
 from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, with_traces
 from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
@@ -256,10 +256,12 @@ class _Study:
     def needless(self, best: Candidate, other: Candidate, thresholds: Thresholds) -> bool:
         """Whether what a model has is not needed, by another of the commands taken the other way.
 
-        A law less is enough where that law would not be worth having there; a simpler law, where it does as well.
+        A law less is enough where that law would not be worth having there; a simpler law, where it is no worse by anything that
+        counts, certain or not.
         """
-        fewer = len(other.names) < len(best.names)
-        return not (worth_having if fewer else clearly_worse)(other, best, thresholds, self.seed)
+        if len(other.names) < len(best.names):
+            return not worth_having(other, best, thresholds, self.seed)
+        return mean_square(other) - mean_square(best) <= tolerated(best, thresholds)
 
     def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
         """A model without what makes it late, or with a simpler law of that in its place."""

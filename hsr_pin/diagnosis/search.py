@@ -199,8 +199,17 @@ def _extend(
 def _promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) -> list[list[Guess]]:
     """What to add to each of some models, what should help most by a probe first; nothing that would help next to none."""
     answers = crew.guess_each([(base, [part for part in parts if part.name not in base.names]) for base in bases])
-    ranked = [_told_apart(sorted(guesses, key=lambda guess: -guess.gain)) for guesses in answers]
+    told = [_no_less_than_special_cases(_told_apart(sorted(guesses, key=lambda guess: -guess.gain))) for guesses in answers]
+    ranked = [sorted(guesses, key=lambda guess: -guess.gain) for guesses in told]
     return [[guess for guess in guesses if guess.gain >= PROMISING * guesses[0].gain] for guesses in ranked]
+
+
+def _no_less_than_special_cases(guesses: Sequence[Guess]) -> list[Guess]:
+    """Of a law that contains others, as a probe may not show where damping hides what is late, at least their gain."""
+    gains = {guess.hypothesis.parts[-1].name: guess.gain for guess in reversed(guesses)}
+    laws = ((guess, guess.hypothesis.parts[-1].effect) for guess in guesses)
+    inside = [[gains.get(name, 0.0) for name in law.contains] if law else [] for guess, law in laws]
+    return [replace(guess, gain=max(guess.gain, *known, 0.0)) for guess, known in zip(guesses, inside, strict=True)]
 
 
 def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:

@@ -91,6 +91,7 @@ class FakeCrew:
             table leaves what its largest subset leaves.
         quick: what quick fits leave, in the same form; default: the same.
         alike: gain that is predicted for another reading of a law, over that for the first.
+        unseen: names of laws that a probe shows nothing of.
         errors: name -> standard errors that its amplitude is away from neutral, in every fit.
         stuck: what a model leaves that was fitted once, where a second fit, from a larger model, gets to what ``gaps`` says.
         finished: keys of the models that were fitted, in the order in which they were asked for.
@@ -100,6 +101,7 @@ class FakeCrew:
     quick: dict | None = None
     errors: dict | None = None
     alike: float = 0.999
+    unseen: tuple = ()
     stuck: dict = field(default_factory=dict)
     finished: list = field(default_factory=list)
 
@@ -132,7 +134,8 @@ class FakeCrew:
             ]
             own = (dict(part.effect.options) if part.effect else {}, part.resized)
             less = self.alike ** readings.index(own)  # no two readings of a law do quite the same
-            guesses.append(Guess(hypothesis, (hypothesis.start,), less * max(0.0, 1 - after / before)))
+            gain = 0.0 if part.name in self.unseen else less * max(0.0, 1 - after / before)
+            guesses.append(Guess(hypothesis, (hypothesis.start,), gain))
         return guesses
 
     def glance(self, tasks):

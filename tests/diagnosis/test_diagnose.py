@@ -120,3 +120,12 @@ def test_a_law_that_is_needless_with_the_commands_taken_the_other_way_has_to_be_
     assert _Study.needless(study, late, without, THRESHOLDS)
     assert not _Study.needless(study, late, candidate("bending_stop", gap=5e-4), THRESHOLDS)
     assert not _Study.needless(study, late, candidate("bending_stop", "actuator_lag", gap=2e-4), THRESHOLDS)
+
+
+def test_a_simpler_law_with_the_commands_taken_the_other_way_must_be_no_worse_even_where_one_trial_keeps_it_from_being_certain():
+    best = candidate("unequal_lag", gap=(1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3, 1.1e-3))
+    worse = candidate("actuator_lag", gap=(9e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3))
+    assert not clearly_worse(worse, best, THRESHOLDS, 0)
+    study = SimpleNamespace(seed=0)
+    assert not _Study.needless(study, best, worse, THRESHOLDS)
+    assert _Study.needless(study, best, candidate("actuator_lag", gap=1.2e-3), THRESHOLDS)

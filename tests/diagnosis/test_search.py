@@ -33,6 +33,13 @@ def test_the_one_effect_that_closes_the_gap_is_found():
     assert ("hysteresis",) in names(found.tried)
 
 
+def test_a_law_that_a_probe_does_not_show_is_tried_where_one_that_it_contains_is_promising():
+    gaps = {"": GAP, "actuator_lag": 3e-3, "unequal_lag": 0.0}
+    assert searched(FakeCrew(gaps, unseen=("unequal_lag",))).best.names == ("unequal_lag",)
+    unpromising = FakeCrew(gaps | {"actuator_lag": GAP}, unseen=("unequal_lag",))
+    assert searched(unpromising).best.names == ()
+
+
 def test_effects_are_added_one_at_a_time_as_long_as_one_is_worth_having():
     found = searched(FakeCrew({"": GAP, "tip_mass": 2e-3, "actuator_lag": 3e-3, "tip_mass+actuator_lag": 0.0}))
     assert names(found.path) == [(), ("tip_mass",), ("actuator_lag", "tip_mass")]
