@@ -33,7 +33,7 @@ _STAGES = 4
     show_default=True,
     metavar="A,B,...",
     help="What to fit: keq, damping, mass, gain (factors on what is declared), drift (of the stiffness over the session), "
-    "an effect, or effect.parameter.",
+    "an effect, or effect.parameter; with @each behind it, one for each declared Keq.",
 )
 @click.option("--by-level", is_flag=True, help="A stiffness and a damping for each declared Keq instead of one factor for all.")
 @click.option(

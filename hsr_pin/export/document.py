@@ -49,7 +49,7 @@ def read_result(
     if "candidates" in document:
         values, effects, origin = _diagnosis(document, declared, level["keq"], path)
     else:
-        values, effects, origin = _fit(document, declared, path)
+        values, effects, origin = _fit(document, declared, level["keq"], path)
     sections = _sections(declared, path)
     arm = ArmSpecification(
         links=declared.get("links", LINKS),
@@ -192,14 +192,15 @@ def _diagnosis(
 
 
 def _fit(
-    document: dict[str, Any], declared: dict[str, Any], path: str | Path
+    document: dict[str, Any], declared: dict[str, Any], keq: float, path: str | Path
 ) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
     values = {name: _value(fact, name, path) for name, fact in document["parameters"].items()}
+    here = _at(values, keq)
     rows = declared.get("effects") or [{"name": name} for name in document.get("effects", [])]
     effects = []
     for row in rows:
         known = {f"{row['name']}.{name}": value for name, value in row.get("parameters", {}).items()}
-        effects.append(_effect(row["name"], {**known, **values}, row.get("options", {})))
+        effects.append(_effect(row["name"], {**known, **here}, row.get("options", {})))
     return values, tuple(effects), (f"a fit to {document.get('dataset')}",)
 
 
@@ -218,12 +219,24 @@ def _effect(name: str, values: dict[str, float], options: dict[str, str], level:
 def _factor(values: dict[str, float], base: str, keq: float, path: str | Path) -> float:
     """A fitted factor at a declared stiffness; 1 if it was not fitted."""
     fitted = {name: value for name, value in values.items() if name.partition("@")[0] == base}
-    if base in fitted or not fitted:
-        return fitted.get(base, 1.0)
-    for name, value in fitted.items():
-        if math.isclose(float(name.partition("@")[2]), keq, rel_tol=1e-6):
-            return value
+    if not fitted:
+        return 1.0
+    if base in (here := _at(values, keq)):
+        return here[base]
     raise InputError(base, expected=f"a value at Keq {keq:g} Nm/rad", received=", ".join(fitted), file=path)
+
+
+def _at(values: dict[str, float], keq: float) -> dict[str, float]:
+    """The values that hold at a declared stiffness, without it in their names."""
+    parts = [(*name.partition("@"), value) for name, value in values.items()]
+    return {base: value for base, at, level, value in parts if not at or _is_near(level, keq)}
+
+
+def _is_near(level: str, keq: float) -> bool:
+    try:
+        return math.isclose(float(level), keq, rel_tol=1e-6)
+    except ValueError:
+        return False
 
 
 def _value(fact: Any, name: str, path: str | Path) -> float:

@@ -22,6 +22,8 @@ SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "
 _NAMED = EFFECTS | SPATIAL
 #: Those that differ between stiffness levels.
 _BY_LEVEL = ("keq_scale", "damping_scale")
+#: In place of a level: one of its own for each.
+_EACH = "each"
 #: Amplitude from which the fit of an effect starts, over its parameter's scale: on the neutral value its other parameters tell
 #: nothing.
 _KICK = 0.5
@@ -40,7 +42,7 @@ def choose(
 
     Args:
         free: "keq", "damping", "mass" (or "keq_scale", ...), any of them with "@1.11" behind it for the trials declared with that
-            Keq; "effect" for all parameters of an effect, "effect.parameter" for one.
+            Keq; "effect" for all parameters of an effect, "effect.parameter" for one; with "@each" behind it, one for each Keq.
         effects: act beside the nominal model, all their parameters open; their values are where the fit starts.
         runs: that are to be fitted.
         links: of the chain.
@@ -51,21 +53,28 @@ def choose(
         IdentificationError: a name that there is not, nothing to fit, or a level that no trial has.
     """
     present = {effect.name: effect for effect in effects}
-    names = [f"{e.name}.{fact.name}" for e in effects for fact in e.parameters()]
+    names: list[str] = []
     for name in free:
         base, at, level = name.strip().partition("@")
         base = SHORT.get(base, base)
+        split = level == _EACH and base not in SESSION
+        each = [f"@{keq:g}" for keq in sorted({run.trial.keq for run in runs})]
         if base in ARM | SESSION:
-            split = by_level and not at and base in _BY_LEVEL
-            names += [f"{base}@{keq:g}" for keq in sorted({run.trial.keq for run in runs})] if split else [base + at + level]
+            split = split or (by_level and not at and base in _BY_LEVEL)
+            names += [base + one for one in (each if split else [at + level])]
             continue
         kind, _, field = base.partition(".")
         facts = _NAMED[kind].parameters() if kind in _NAMED else ()
         chosen = [fact.name for fact in facts if field in ("", fact.name)]
-        if not chosen or at:
+        if not chosen:
             raise _unknown(name)
+        if at and not split:
+            raise IdentificationError("parameter to fit", expected=f"{base}, or {base}@{_EACH} for each Keq", received=repr(name))
         present.setdefault(kind, neutral(_NAMED[kind]))
-        names += [f"{kind}.{fact}" for fact in chosen]
+        names += [f"{kind}.{fact}{one}" for fact in chosen for one in (each if split else [""])]
+    split_up = {name.partition("@")[0] for name in names if "@" in name}
+    given = [f"{e.name}.{fact.name}" for e in effects for fact in e.parameters()]
+    names = [*(name for name in given if name not in split_up), *names]
     if not names:
         raise IdentificationError("parameters to fit", expected="at least one", received="none", hint="e.g. keq,damping")
     names = list(dict.fromkeys(names))
@@ -76,7 +85,8 @@ def choose(
 
 def _kicked(effect: Effect, free: Iterable[str]) -> Effect:
     """The effect with its open amplitudes away from neutral, if all of them are on it."""
-    amplitudes = [fact for fact in effect.parameters() if fact.amplitude and f"{effect.name}.{fact.name}" in free]
+    known = {name.partition("@")[0] for name in free}
+    amplitudes = [fact for fact in effect.parameters() if fact.amplitude and f"{effect.name}.{fact.name}" in known]
     if any(getattr(effect, fact.name) != fact.neutral for fact in amplitudes):
         return effect
     away = {fact.name: min(fact.neutral + _KICK * fact.scale, fact.upper) for fact in amplitudes}

@@ -107,8 +107,8 @@ class Hypothesis:
 
     Attributes:
         effects: what acts beside the nominal model; their values are where a fit starts.
-        free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale", "torque_gain" (with "@1.11" behind it: for
-            the trials declared with that Keq only), those of :data:`SESSION`, "effect.parameter".
+        free: names of the open parameters: "keq_scale", "damping_scale", "mass_scale", "torque_gain", "effect.parameter" (with
+            "@1.11" behind it: for the trials declared with that Keq only), those of :data:`SESSION`.
         links, placement: the chain.
         tolerance: error of a step [m at the tip]; where little moves, it is smaller still.
         resized: names of effects whose amplitude is that of the softest level, and changes with the level against their law.
@@ -133,7 +133,7 @@ class Hypothesis:
         facts = []
         for name in self.free:
             base, at, level = name.partition("@")
-            if base not in known or (at and (base not in ARM or not _is_number(level))):
+            if base not in known or (at and (base in SESSION or not _is_number(level))):
                 raise IdentificationError("parameter", expected=", ".join(known), received=repr(name))
             facts.append(replace(known[base], name=name))
         return tuple(facts)
@@ -142,7 +142,7 @@ class Hypothesis:
     def start(self) -> Array:
         """(P,) values to start from."""
         own = {f"{e.name}.{p.name}": float(getattr(e, p.name)) for e in self.effects for p in e.parameters()}
-        return np.array([own.get(fact.name, fact.neutral) for fact in self.parameters])
+        return np.array([own.get(fact.name.partition("@")[0], fact.neutral) for fact in self.parameters])
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -167,7 +167,8 @@ class Hypothesis:
 
     def _opens(self, effect: Effect) -> str:
         """The one amplitude that is open, of an effect that has them apart."""
-        open_ = [name for name in effect.apart if f"{effect.name}.{name}" in self.free]
+        free = {name.partition("@")[0] for name in self.free}
+        open_ = [name for name in effect.apart if f"{effect.name}.{name}" in free]
         return open_[0] if len(open_) == 1 else ""
 
     def with_part(self, part: Part) -> Hypothesis:
@@ -190,12 +191,19 @@ class Hypothesis:
         )
         return fewer, kept
 
-    def effects_at(self, values: Array, level: float = 1.0) -> tuple[Effect, ...]:
+    def effects_at(self, values: Array, level: float = 1.0, keq: float | None = None) -> tuple[Effect, ...]:
         """The effects with the open parameters at ``values`` (P,), or stacked for (C, P).
 
-        ``level``: declared Keq of the run over that of the softest.
+        Args:
+            values: as above.
+            level: declared Keq of the run over that of the softest.
+            keq: that declared Keq; a parameter that is open at other levels alone has the value of the first of them.
         """
-        named = dict(zip(self.free, np.moveaxis(values, -1, 0), strict=True))
+        named: dict[str, Array] = {}
+        for name, column in zip(self.free, np.moveaxis(values, -1, 0), strict=True):
+            base, _, own = name.partition("@")
+            if base not in named or (keq is not None and own and np.isclose(float(own), keq)):
+                named[base] = column
 
         def numbers(effect: Effect) -> dict[str, Any]:
             found = {}
@@ -249,7 +257,7 @@ class Hypothesis:
                 sections=declared.sections,
                 **numbers,
             ),
-            self.effects_at(values, run.trial.keq / experiment.levels[0]),
+            self.effects_at(values, run.trial.keq / experiment.levels[0], run.trial.keq),
         )
 
     def declared(self, experiment: Experiment, run: Run) -> ArmSpecification:

@@ -128,6 +128,17 @@ def test_a_fit_gives_back_the_fitted_arm(found, written):
     assert [marker.name for marker in model.markers] == [marker.name for marker in found.experiment.dataset.markers]
 
 
+def test_a_size_that_was_free_at_each_level_is_that_of_the_level_that_is_asked_for(found, written):
+    document = to_json(found)
+    (level,) = document["arm"]["levels"]
+    stiffer = {**level, "keq": 2 * level["keq"]}
+    sizes = {f"tip_mass.mass@{level['keq']:g}": {"value": 0.02}, f"tip_mass.mass@{stiffer['keq']:g}": {"value": 0.05}}
+    document["arm"]["levels"].append(stiffer)
+    document["parameters"] = sizes | {"tip_mass.mass@each": {"value": 1.0}}  # a name that no level has
+    path = written(document)
+    assert [read_result(path, keq=at["keq"]).effects[0].mass for at in (level, stiffer)] == [0.02, 0.05]
+
+
 def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written, tmp_path):
     document = to_json(found)
     whole = read_result(written(document))

@@ -7,6 +7,7 @@ import pytest
 
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.errors import IdentificationError
+from hsr_pin.identification.choice import choose
 from hsr_pin.identification.evaluation import predict_all, rms
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
@@ -93,6 +94,35 @@ def test_a_bias_that_goes_with_the_stiffness_is_found_as_such_and_one_that_stays
         assert right.rms == pytest.approx(experiment.noise_rms, rel=0.1)
         assert wrong.rms > 2 * right.rms
         assert right.named["torque_bias.bias"] == pytest.approx(0.08, rel=0.03)
+
+
+def test_sizes_that_are_free_at_each_level_are_recovered_and_a_level_without_its_own_has_that_of_the_first(record):
+    biases = {1.11: 0.08, 2.33: -0.03}
+    commands = [(keq, share * keq) for keq in biases for share in (0.3, 0.8)]
+    parts = [record([c], effects=[EFFECTS["torque_bias"](biases[c[0]])], seed=k) for k, c in enumerate(commands)]
+    trials = tuple(replace(part.trials[0], name=f"trial_{k}") for k, part in enumerate(parts))
+    experiment = prepare(replace(parts[0], trials=trials))
+    model = choose(["keq", "damping", "torque_bias@each"], (), experiment.runs)
+    assert model.free == ("keq_scale", "damping_scale", "torque_bias.bias@1.11", "torque_bias.bias@2.33")
+    answer = fit(experiment, model)
+    assert answer.rms == pytest.approx(experiment.noise_rms, rel=0.1)
+    assert {level: answer.named[f"torque_bias.bias@{level}"] for level in biases} == pytest.approx(biases, rel=0.05)
+    sizes = [model.effects_at(answer.values, keq=keq)[0].bias for keq in (1.11, 2.33, 5.0, None)]
+    assert sizes == [answer.named[f"torque_bias.bias@{level}"] for level in (1.11, 2.33, 1.11, 1.11)]
+    assert [part.name for part in model.parts] == ["torque_bias"]
+
+
+def test_what_is_split_by_level_is_opened_once_and_what_cannot_be_is_refused(record):
+    runs = prepare(record([(1.11, 0.5), (2.33, 1.0)])).runs
+    given = EFFECTS["hysteresis"](0.1, 0.2)
+    model = choose(["keq@each", "hysteresis.amplitude@each"], [given], runs)
+    levels = ("1.11", "2.33")
+    split = [f"{name}@{level}" for name in ("keq_scale", "hysteresis.amplitude") for level in levels]
+    assert model.free == ("hysteresis.yield_angle", *split)
+    assert model.start.tolist() == [0.2, 1.0, 1.0, 0.1, 0.1]
+    for name in ("drift@each", "torque_bias@2.33", "torque_bias.bias@"):
+        with pytest.raises(IdentificationError, match=r"each|keq_drift"):
+            choose([name], (), runs)
 
 
 def test_a_stiffness_that_is_lost_over_the_session_is_recovered_with_the_time_it_took(record):
