@@ -18,7 +18,7 @@ from scipy.optimize import minimize
 from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.kinds import FLEXIBLE
 from hsr_pin.diagnosis.confidence import features
-from hsr_pin.diagnosis.support import Support
+from hsr_pin.diagnosis.support import Support, shows
 from hsr_pin.trajectory import Array
 
 #: Strength of the prior that keeps coefficients small where there are few cases.
@@ -37,9 +37,10 @@ def rows(answers: Path, results: Path) -> tuple[dict[str, list[Row]], int]:
     for file in files:
         case = cases[file.stem]
         names, kinds = ({each for some in key for each in some} for key in (case.names, case.kinds))
-        verdict = json.loads(file.read_text(encoding="utf-8"))["verdict"]
-        for told in verdict["support"]:
-            known = {"rest": verdict["left"]["share"], **told}  # the third sealed run was of a version that did not tell it
+        document = json.loads(file.read_text(encoding="utf-8"))
+        verdict, seen = document["verdict"], document["fingerprint"]["kinds"]
+        for told in verdict["support"]:  # older versions did not tell all of it
+            known = {"rest": verdict["left"]["share"], "shown": shows(told["kind"], seen), **told}
             support = Support(**{k: float("nan") if v is None else v for k, v in known.items()})
             of_kind = support.name == support.kind
             if support.name not in FLEXIBLE:

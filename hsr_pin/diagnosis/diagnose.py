@@ -201,7 +201,7 @@ class _Study:
             return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
 
         def judged(found: Search, by_level: Candidate | None) -> Verdict:
-            told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed)
+            told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed, prints.kinds)
             evidence = Evidence(structure(mended), *told, length, itself, by_level, seed)
             return judge(found, thresholds, evidence)
 

@@ -8,7 +8,7 @@ every level, amplitude, direction and half of the record (invariance: J. Peters,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
@@ -40,6 +40,8 @@ class Support:
         drift: RMS difference of its size between environments, beyond noise, over its size; NaN where it acts in one alone.
         clear: standard errors of its size from none.
         rest: share of the squared gap that the best model leaves, beyond what does not repeat.
+        shown: 1 where the recordings point to its kind without a model, -1 where they do not though they would; 0 for kinds of
+            which that tells nothing.
     """
 
     name: str
@@ -51,14 +53,24 @@ class Support:
     drift: float
     clear: float
     rest: float
+    shown: float = 0.0
 
+
+#: Kinds that show without a model, if they are there: as steps that come late, bending that goes on, loops.
+TO_BE_SEEN = ("actuation_time", "creep", "friction")
 
 #: Support for a choice of sets of names: that one of them is right.
 Together = Callable[[Sequence[tuple[str, ...]]], Support]
 
 
 def supports(
-    experiment: Experiment, best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
+    experiment: Experiment,
+    best: Candidate,
+    base: Candidate,
+    tried: Sequence[Candidate],
+    thresholds: Thresholds,
+    seed: int,
+    shown: Collection[str],
 ) -> tuple[tuple[Support, ...], tuple[Support, ...], Together]:
     """For each part of the best model, for each of its kinds, and for any sets of names together.
 
@@ -69,6 +81,7 @@ def supports(
         tried: every fitted model.
         thresholds: what counts.
         seed: of the resampling.
+        shown: kinds that the recordings point to without a model.
     """
     drifts, clear = drift(experiment, best.fit), clearness(best.fit)
     gap, left, limit = structure(base.heldout), structure(best.heldout), tolerated(best, thresholds)
@@ -91,6 +104,7 @@ def supports(
             drift=float(np.mean(known)) if known else float("nan"),
             clear=max(clear[each] for each in own),
             rest=rest,
+            shown=shows(kind, shown),
         )
 
     near = [each for each in (best, *tried) if squares(each.heldout).mean - squares(best.heldout).mean <= limit]
@@ -118,6 +132,11 @@ def supports(
         return replace(of("", "", lacks, best.names), clear=surest)
 
     return parts, kinds, together
+
+
+def shows(kind: str, pointed_to: Collection[str]) -> float:
+    """Whether a kind that recordings would point to without a model is among those that they do: 1 or -1; 0 for other kinds."""
+    return 0.0 if kind not in TO_BE_SEEN else 1.0 if kind in pointed_to else -1.0
 
 
 def drift(experiment: Experiment, fit: Fit) -> dict[str, float]:

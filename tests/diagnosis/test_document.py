@@ -29,6 +29,7 @@ SUPPORT = {
     "frequency": NUMBER,
     "drift": MAYBE,
     "clear": NUMBER,
+    "shown": NUMBER,
     "rest": NUMBER,
 }
 SCHEMA = {

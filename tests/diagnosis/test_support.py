@@ -39,7 +39,9 @@ def models():
 def told(best, *tried):
     experiment, found = models()
     thresholds = Thresholds.of(experiment.noise_rms, experiment.dataset.length)
-    (part,), (kind,), together = supports(experiment, found[best], found["base"], [found[name] for name in tried], thresholds, 0)
+    (part,), (kind,), together = supports(
+        experiment, found[best], found["base"], [found[name] for name in tried], thresholds, 0, ()
+    )
     return part, kind, together
 
 
@@ -79,7 +81,8 @@ def test_environments_cut_every_sample_into_one_part_each():
 
 
 @pytest.mark.parametrize(
-    ("field", "worse"), [("lead", 0.0), ("margin", 0.5), ("frequency", 0.6), ("drift", 1.0), ("clear", 3.0), ("rest", 0.6)]
+    ("field", "worse"),
+    [("lead", 0.0), ("margin", 0.5), ("frequency", 0.6), ("drift", 1.0), ("clear", 3.0), ("rest", 0.6), ("shown", -1.0)],
 )
 def test_whatever_speaks_less_for_a_law_makes_it_less_probable(field, worse):
     for coefficients in (NAME, KIND):
