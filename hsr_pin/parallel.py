@@ -197,7 +197,7 @@ class _Pool(Executor):
         """A task for each of the processes, which are begun for it; nobody waits until they are."""
 
         def begin() -> None:
-            with suppress(RuntimeError):  # all was over before they began
+            with suppress(RuntimeError, OSError):  # all was over before they began, or they cannot: then the work itself tells
                 for _ in range(min(self._count, _EARLY)):
                     self.submit(function, *arguments)
 
