@@ -46,7 +46,14 @@ class DryFriction(Effect):
     passive = True
 
     level: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.05, amplitude=True, resizes=-1, description="friction moment over Keq"
+        0.0,
+        lower=0.0,
+        upper=1.0,
+        unit="rad",
+        scale=0.05,
+        amplitude=True,
+        resizes=-1,
+        description="friction moment over Keq; of the form load where the arm is bent by 0.8 rad",
     )
 
     form: str = option("even", "load", description="the same at every bending, or growing with it")
