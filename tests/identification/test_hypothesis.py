@@ -156,7 +156,7 @@ def test_a_gain_is_told_to_be_inseparable_from_stiffness_and_damping_where_nothi
     assert {"keq_scale", "damping_scale", "torque_gain"} <= set(words.split()) and words.endswith("together unseen")
 
 
-@pytest.mark.parametrize("name", ["keq", "torque_gain@soft", "dead_time.delay@1.11", "hysteresis.amplitude"])
+@pytest.mark.parametrize("name", ["keq", "torque_gain@soft", "keq_drift@1.11", "hysteresis.amplitude"])
 def test_a_name_that_nothing_has_is_refused(name):
     with pytest.raises(IdentificationError, match="parameter"):
         _ = Hypothesis((EFFECTS["dead_time"](),), (name,)).parameters
