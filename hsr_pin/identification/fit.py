@@ -17,7 +17,7 @@ from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
 _FULL, _QUICK = (1e-4, 25), (1e-2, 7)
-#: Searches in a fit at most, and the change [over the scales] after which one more is enough.
+#: Searches in a fit at most, and the change [over the scales] that needs no other.
 _PASSES, _SETTLED = 4, 2e-2
 
 
@@ -135,14 +135,11 @@ def fit(
 def _searched(misfit: Misfit, x: Array, spread: float, quick: bool) -> tuple[Array, bool]:
     """Where a search from ``x`` (P,) ends, and whether it came to its end.
 
-    What the numbers of the trials make of the residuals is held within a search. Before that is settled there is no use in going
-    on to the end of one: short searches follow one another, and a thorough one comes last.
+    What the numbers of the trials make of the residuals is held within a search; a full one is carried on until that is settled.
     """
-    settled = False
-    for number in range(1 if quick else _PASSES):
+    tolerance, evaluations = _QUICK if quick else _FULL
+    for _ in range(1 if quick else _PASSES):
         own = misfit.hold(x)
-        full = not quick and (settled or not own or number == _PASSES - 1)
-        tolerance, evaluations = _FULL if full else _QUICK
         answer = least_squares(
             misfit.residual,
             x,
@@ -156,7 +153,6 @@ def _searched(misfit: Misfit, x: Array, spread: float, quick: bool) -> tuple[Arr
         )
         moved = float(np.abs(answer.x - x).max())
         x = answer.x
-        if full:
+        if not own or moved < _SETTLED:
             break
-        settled = moved < _SETTLED
     return x, answer.status > 0

@@ -188,7 +188,7 @@ def test_an_arm_that_was_held_further_aside_than_seen_does_not_bend_the_fit(reco
         return fit(prepare(replace(dataset, trials=tuple(trials))), Hypothesis()).values
 
     assert off(1e-3) == pytest.approx(TRUE, rel=3e-3)
-    assert off(1e-3) == pytest.approx(off(0.0), rel=2e-3)
+    assert off(1e-3) == pytest.approx(off(0.0), rel=1e-3)
     monkeypatch.setattr(evaluation, "HELD", 1e-9)
     monkeypatch.setattr(evaluation, "INSTANT", 1e-9)
     monkeypatch.setattr(evaluation, "GRIP", (1e-9,) * 3)
