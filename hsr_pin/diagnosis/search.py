@@ -200,7 +200,7 @@ def _promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) ->
     """What to add to each of some models, what should help most by a probe first; nothing that would help next to none."""
     answers = crew.guess_each([(base, [part for part in parts if part.name not in base.names]) for base in bases])
     ranked = [_told_apart(sorted(guesses, key=lambda guess: -guess.gain)) for guesses in answers]
-    if len(bases) == 1:  # damping that hides what is late was found without it
+    if not any(base.names for base in bases):  # damping hides what is late where it was fitted without any law
         ranked = [sorted(_no_less_than_special_cases(guesses), key=lambda guess: -guess.gain) for guesses in ranked]
     return [[guess for guess in guesses if guess.gain >= PROMISING * guesses[0].gain] for guesses in ranked]
 

@@ -54,11 +54,11 @@ def choose(
     """
     present = {effect.name: effect for effect in effects}
     names: list[str] = []
+    each = [f"@{keq:g}" for keq in sorted({run.trial.keq for run in runs})]
     for name in free:
         base, at, level = name.strip().partition("@")
         base = SHORT.get(base, base)
         split = level == _EACH and base not in SESSION
-        each = [f"@{keq:g}" for keq in sorted({run.trial.keq for run in runs})]
         if base in ARM | SESSION:
             split = split or (by_level and not at and base in _BY_LEVEL)
             names += [base + one for one in (each if split else [at + level])]

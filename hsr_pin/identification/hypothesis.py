@@ -201,8 +201,8 @@ class Hypothesis:
         """
         named: dict[str, Array] = {}
         for name, column in zip(self.free, np.moveaxis(values, -1, 0), strict=True):
-            base, _, own = name.partition("@")
-            if base not in named or (keq is not None and own and np.isclose(float(own), keq)):
+            base, at, _ = name.partition("@")
+            if base not in named or (at and keq is not None and _holds_at(name, keq)):
                 named[base] = column
 
         def numbers(effect: Effect) -> dict[str, Any]:
@@ -218,8 +218,7 @@ class Hypothesis:
 
     def acts(self, name: str, run: Run) -> bool:
         """Whether an open parameter plays a part in a run."""
-        level = name.partition("@")[2]
-        return not level or bool(np.isclose(float(level), run.trial.keq))
+        return _holds_at(name, run.trial.keq)
 
     def factor(self, base: str, run: Run, values: Array) -> Array:
         """(C,) the value of an open number of the arm in a run, for values (C, P); 1 where it is not open."""
@@ -268,6 +267,12 @@ class Hypothesis:
                 experiment.dataset, run.trial, links=self.links, placement=self.placement, bending_limit=2 * np.pi
             )
         return run.declared[chain]
+
+
+def _holds_at(name: str, keq: float) -> bool:
+    """Whether an open parameter is one of all levels, or of the trials declared with this Keq."""
+    level = name.partition("@")[2]
+    return not level or bool(np.isclose(float(level), keq))
 
 
 def _is_number(text: str) -> bool:

@@ -35,9 +35,16 @@ def test_the_one_effect_that_closes_the_gap_is_found():
 
 def test_a_law_that_a_probe_does_not_show_is_tried_where_one_that_it_contains_is_promising():
     gaps = {"": GAP, "actuator_lag": 3e-3, "unequal_lag": 0.0}
-    assert searched(FakeCrew(gaps, unseen=("unequal_lag",))).best.names == ("unequal_lag",)
-    unpromising = FakeCrew(gaps | {"actuator_lag": GAP}, unseen=("unequal_lag",))
-    assert searched(unpromising).best.names == ()
+    assert searched(FakeCrew(gaps, unseen=("unequal_lag",)), max_effects=1).best.names == ("unequal_lag",)
+    other = {"": GAP, "tip_mass": 3e-3, "unequal_lag": 0.0}
+    assert searched(FakeCrew(other, unseen=("unequal_lag",)), max_effects=1).best.names == ("tip_mass",)
+
+
+def test_beside_another_law_it_takes_no_place_of_those_that_a_probe_shows():
+    gaps = {"": GAP, "dry_friction": 3e-3, "dry_friction+actuator_lag": 1e-3, "dry_friction+unequal_lag": 0.0}
+    crew = FakeCrew(gaps, unseen=("unequal_lag",))
+    assert searched(crew, max_effects=2).best.names == ("actuator_lag", "dry_friction")
+    assert "dry_friction+unequal_lag" not in crew.finished
 
 
 def test_effects_are_added_one_at_a_time_as_long_as_one_is_worth_having():

@@ -36,13 +36,22 @@ def models():
     return experiment, found
 
 
-def told(best, *tried):
+def told(best, *tried, shown=()):
     experiment, found = models()
-    thresholds = Thresholds.of(experiment.noise_rms, experiment.dataset.length)
-    (part,), (kind,), together = supports(
-        experiment, found[best], found["base"], [found[name] for name in tried], thresholds, 0, ()
-    )
+    thresholds, others = Thresholds.of(experiment.noise_rms, experiment.dataset.length), [found[name] for name in tried]
+    (part,), (kind,), together = supports(experiment, found[best], found["base"], others, thresholds, 0, shown)
     return part, kind, together
+
+
+def test_what_recordings_show_without_a_model_counts_where_the_kind_would_be_seen():
+    for best, shown, value in (
+        ("actuator_lag", ("creep", "actuation_time"), 1.0),
+        ("actuator_lag", ("creep",), -1.0),
+        ("tip_mass", ("creep",), 0.0),
+        ("tip_mass", ("mass_gravity",), 0.0),
+    ):
+        part, kind, _ = told(best, shown=shown)
+        assert (part.shown, kind.shown) == (value, value)
 
 
 def test_the_true_law_leads_by_far_is_always_better_and_has_one_size_everywhere():
