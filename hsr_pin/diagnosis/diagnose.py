@@ -21,7 +21,7 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, tolerated, worth_having
-from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, with_traces
+from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, ruled_out, with_traces
 from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -216,9 +216,11 @@ class _Study:
                 verdict = judged(found, None)
         tell("where the gap lies")
         where = replace(located(), defect=local_defect(found.best))
+        before, verdict = verdict, ruled_out(verdict, where.spread, self.parts, thresholds)
+        explained = verdict is before and mostly_explained(found, thresholds)
         looks: tuple[Callable[[], Trace | None], ...] = (
             lambda: where.base,
-            lambda: where.spread if not mostly_explained(found, thresholds) else None,
+            lambda: where.spread if not explained else None,
             lambda: pulsation(experiment, base_fit, seed),
         )
         verdict = beside(with_traces(verdict, (look() for look in looks)), self.plane)
@@ -311,8 +313,10 @@ def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequ
     """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
     parts = [Part(name) for name in plain if name not in SESSION or len(experiment.runs) >= TRIALS]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
+    levels = experiment.levels
+    told = len(levels) > 1 and all(sum(run.trial.keq == keq for run in experiment.runs) > 1 for keq in levels)  # held out, too
     for kind in kinds:
-        parts += readings(kind, space=space, levels=len(experiment.levels))
+        parts += readings(kind, space=space, levels=len(levels), each=levels if told else ())
     return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
 
 

@@ -80,7 +80,7 @@ class Model:
         rms: [m] on held-out trials.
         estimates: its parameters.
         scales: of stiffness and damping, as text.
-        options: of ``hsr-sim``, to simulate with its effects.
+        options: of ``hsr-sim``, to simulate with its effects; by the Keq at which they hold, "" for any.
         doubts: what the data hardly tell, a sentence each.
     """
 
@@ -88,7 +88,7 @@ class Model:
     rms: float
     estimates: tuple[Estimate, ...]
     scales: str
-    options: tuple[str, ...]
+    options: dict[str, str]
     doubts: tuple[str, ...]
 
 

@@ -109,13 +109,21 @@ def scales(fit: Fit) -> str:
     return ", ".join(f"{what} times {number(fit.named[name])}" for name, what in counterparts.items() if name in fit.named)
 
 
-def effect_options(fit: Fit) -> tuple[str, ...]:
-    """The fitted effects as ``hsr-sim`` takes them: ``--effect dry_friction:level=0.05``."""
-    return tuple(
+def effect_options(fit: Fit) -> dict[str, str]:
+    """The fitted effects as ``hsr-sim`` takes them, ``--effect dry_friction:level=0.05``, by the Keq at which they are so.
+
+    Where one has a size of its own at each level, "1.11 Nm/rad" and so on; else "" alone.
+    """
+    levels = sorted({keq for part in fit.hypothesis.parts for keq in part.levels})
+    return {f"{keq:g} Nm/rad": _options(fit, keq) for keq in levels} or {"": _options(fit, None)}
+
+
+def _options(fit: Fit, keq: float | None) -> str:
+    return " ".join(
         f"--effect {effect.name}:"
         + ",".join(
             [f"{fact.name}={getattr(effect, fact.name):.4g}" for fact in effect.parameters()]
             + [f"{name}={value}" for name, value in effect.options]
         )
-        for effect in fit.hypothesis.effects_at(fit.values)
+        for effect in fit.hypothesis.effects_at(fit.values, keq=keq)
     )

@@ -183,7 +183,8 @@ def _diagnosis(
         effect, _, option = name.partition(".")
         options.setdefault(effect, {})[option] = choice
     resized, level = chosen.get("resized", ()), keq / declared["levels"][0]["keq"]
-    effects = tuple(_effect(name, values, options[name], level if name in resized else 1.0) for name in names)
+    here = _at(values, keq)
+    effects = tuple(_effect(name, here, options[name], level if name in resized else 1.0) for name in names)
     origin = [f"a diagnosis of {document.get('dataset')}: {verdict.get('sentence', '')}".strip()]
     if verdict.get("status") not in _CERTAIN:
         told = " + ".join(chosen["effects"]) or "no effect"
@@ -234,7 +235,7 @@ def _at(values: dict[str, float], keq: float) -> dict[str, float]:
 
 def _is_near(level: str, keq: float) -> bool:
     try:
-        return math.isclose(float(level), keq, rel_tol=1e-6)
+        return math.isclose(float(level), keq, rel_tol=1e-5)  # names have six digits
     except ValueError:
         return False
 

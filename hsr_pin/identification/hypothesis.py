@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -56,12 +57,14 @@ class Part:
         resized: whether the effect's amplitude goes with the stiffness level where its law says that it stays, and stays
             where its law says that it goes with it.
         opens: of an effect that has its amplitudes ``apart`` the one that is open; empty: all parameters are.
+        levels: declared Keq [Nm/rad] at which it has a size of its own each; empty: one size for all.
     """
 
     name: str
     effect: Effect | None = None
     resized: bool = False
     opens: str = ""
+    levels: tuple[float, ...] = ()
 
     @property
     def kind(self) -> str:
@@ -77,24 +80,41 @@ class Part:
         """Whether the other is a special case of this one, which has more numbers to bend."""
         if self.effect is None:
             return False
+        if self.name == other.name:
+            return (
+                bool(self.levels) and replace(other, resized=False, levels=self.levels).reading == self.reading != other.reading
+            )
         return (self.flexible and not other.flexible and other.kind == self.kind) or other.name in self.effect.contains
 
     @property
     def reading(self) -> tuple[object, ...]:
         """Name, options, size and what is open: what tells it from other readings of the same law."""
-        return self.name, self.effect.options if self.effect else (), self.resized, self.opens
+        return self.name, self.effect.options if self.effect else (), self.resized, self.opens, self.levels
 
 
-def readings(kind: type[Effect], *, space: bool = False, levels: int = 1) -> list[Part]:
-    """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell."""
+def readings(kind: type[Effect], *, space: bool = False, levels: int = 1, each: Sequence[float] = ()) -> list[Part]:
+    """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell.
+
+    Where there are levels (declared Keq [Nm/rad]) that tell a size ``each``, laws of a single number have that reading too.
+    """
     effects = [neutral(kind, **options) for options in kind.variants()]
     return [
-        Part(kind.name, effect, resized, opens)
+        Part(kind.name, effect, resized, opens, own)
         for effect in effects
         if not formless([effect], space=space)
         for opens in kind.apart or ("",)
-        for resized in ((False, True) if levels > 1 and _resizes(kind, opens) else (False,))
+        for resized, own in _sizes(kind, opens, levels, tuple(float(f"{keq:g}") for keq in each))  # as names tell them
     ]
+
+
+def _sizes(kind: type[Effect], opens: str, levels: int, each: tuple[float, ...]) -> list[tuple[bool, tuple[float, ...]]]:
+    """As the law says, the other way, and for each level its own: ``resized`` and ``levels`` of its readings."""
+    found: list[tuple[bool, tuple[float, ...]]] = [(False, ())]
+    if levels > 1 and _resizes(kind, opens):
+        found.append((True, ()))
+    if each and len(kind.parameters()) == 1 and not kind.flexible:
+        found.append((False, each))
+    return found
 
 
 def _resizes(kind: type[Effect], opens: str) -> bool:
@@ -162,7 +182,7 @@ class Hypothesis:
     @property
     def parts(self) -> tuple[Part, ...]:
         """The effects, and the open numbers of the arm beside stiffness and damping."""
-        effects = tuple(Part(e.name, e, e.name in self.resized, self._opens(e)) for e in self.effects)
+        effects = tuple(Part(e.name, e, e.name in self.resized, self._opens(e), self._levels(e)) for e in self.effects)
         return (*(Part(name) for name in PLAIN if name in self.free), *effects)
 
     def _opens(self, effect: Effect) -> str:
@@ -171,6 +191,11 @@ class Hypothesis:
         open_ = [name for name in effect.apart if f"{effect.name}.{name}" in free]
         return open_[0] if len(open_) == 1 else ""
 
+    def _levels(self, effect: Effect) -> tuple[float, ...]:
+        """The Keq at which an effect has sizes of its own."""
+        apart = (name.partition("@")[2] for name in self.free if name.startswith(f"{effect.name}."))
+        return tuple(sorted({float(level) for level in apart if level}))
+
     def with_part(self, part: Part) -> Hypothesis:
         """The same with one more."""
         if part.effect is None:
@@ -178,6 +203,9 @@ class Hypothesis:
         more = self.with_effects(part.effect)
         if part.opens:
             more = replace(more, free=(*self.free, f"{part.name}.{part.opens}"))
+        if part.levels:
+            own = [f"{part.name}.{fact.name}@{keq:g}" for fact in part.effect.parameters() for keq in part.levels]
+            more = replace(more, free=(*self.free, *own))
         return replace(more, resized=(*self.resized, part.name)) if part.resized else more
 
     def without_part(self, name: str) -> tuple[Hypothesis, list[int]]:

@@ -6,9 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.diagnose import _Study, diagnose
+from hsr_pin.diagnosis.diagnose import _Study, catalogue, diagnose
 from hsr_pin.diagnosis.thresholds import clearly_worse
+from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, IdentificationError
+from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 
 from . import outside
@@ -129,3 +131,20 @@ def test_a_simpler_law_with_the_commands_taken_the_other_way_must_be_no_worse_ev
     study = SimpleNamespace(seed=0)
     assert not _Study.needless(study, best, worse, THRESHOLDS)
     assert _Study.needless(study, best, candidate("actuator_lag", gap=1.2e-3), THRESHOLDS)
+
+
+@pytest.mark.parametrize(("trials", "asked"), [(TRIALS, True), (TRIALS[:4], False), (TRIALS[:3], False)])
+def test_sizes_at_each_level_are_asked_for_where_each_can_be_checked_on_a_trial_that_is_held_out(trials, asked):
+    parts = catalogue(list(EFFECTS.values()), prepare(made(trials=trials, links=4)))
+    assert {part.levels for part in parts if part.levels} == ({(1.11, 2.33)} if asked else set())
+
+
+def test_a_base_that_was_mounted_anew_for_each_level_is_named_with_both_of_its_angles():
+    both = [made(f"gravity_tilt:angle={angle}", trials=trials) for angle, trials in ((0.1, TRIALS[:3]), (-0.05, TRIALS[3:]))]
+    trials = [replace(trial, name=f"trial_{k}") for k, trial in enumerate(trial for one in both for trial in one.trials)]
+    found = diagnose(
+        replace(both[0], trials=tuple(trials)), effects=["gravity_tilt", "torque_bias", "preset_bend", "tip_mass"], jobs=1
+    )
+    assert (found.verdict.status, found.verdict.effects) == ("identified", ("gravity_tilt",))
+    sizes = found.search.best.fit.named
+    assert [sizes[f"gravity_tilt.angle@{keq}"] for keq in (1.11, 2.33)] == pytest.approx([0.1, -0.05], abs=2e-3)

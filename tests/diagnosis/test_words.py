@@ -2,13 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Evidence, judge
-from hsr_pin.diagnosis.words import advice
+from hsr_pin.diagnosis.words import advice, effect_options
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import neutral
+from hsr_pin.identification.hypothesis import Part
 
 from .fabricated import LENGTH, THRESHOLDS, candidate, supported
 
@@ -65,3 +69,16 @@ def test_a_value_on_its_bound_and_a_large_damping_are_warned_of():
     lines = advised(replace(best, fit=replace(best.fit, values=values)))
     assert any(line.startswith("damping_scale ended on a bound") for line in lines)
     assert any("The damping came out 50.0 times the declared one" in line for line in lines)
+
+
+def test_options_for_hsr_sim_are_those_of_each_level_where_sizes_differ_between_levels():
+    one = candidate("gravity_tilt").fit
+    (plain,) = effect_options(one).items()
+    assert plain == ("", f"--effect gravity_tilt:angle={one.named['gravity_tilt.angle']:.4g},frame=world")
+    fit = candidate(Part("gravity_tilt", neutral(EFFECTS["gravity_tilt"]), levels=(1.11, 2.33))).fit
+    fit = replace(fit, values=fit.values + np.array([0, 0, 0.01, -0.02]))
+    sizes = {keq: fit.named[f"gravity_tilt.angle@{keq}"] for keq in (1.11, 2.33)}
+    assert sizes[1.11] != sizes[2.33]
+    assert effect_options(fit) == {
+        f"{keq} Nm/rad": f"--effect gravity_tilt:angle={a:.4g},frame=world" for keq, a in sizes.items()
+    }

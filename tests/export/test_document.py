@@ -79,6 +79,24 @@ def test_an_amplitude_that_goes_with_the_level_is_that_of_the_level(written):
     assert [loop.yield_angle for loop in loops] == [0.4, 0.4]
 
 
+def test_of_sizes_at_each_level_that_of_the_level_is_taken(written):
+    sizes = {"gravity_tilt.angle@1.11": {"value": -0.06}, "gravity_tilt.angle@2.33": {"value": 0.02}}
+    found = {"effects": ["gravity_tilt"], "options": {"gravity_tilt.frame": "base"}, "parameters": sizes}
+    document = diagnosis(effects=["gravity_tilt"], candidates=[found])
+    for keq, angle in ((1.11, -0.06), (2.33, 0.02)):
+        (tilt,) = read_result(written(document), keq=keq).effects
+        assert (tilt.angle, tilt.frame) == (angle, "base")
+
+
+def test_a_level_of_more_digits_than_its_name_has_is_found(written):
+    sizes = {"gravity_tilt.angle@1.23457": {"value": -0.06}, "gravity_tilt.angle@2.33": {"value": 0.02}}
+    found = {"effects": ["gravity_tilt"], "options": {}, "parameters": sizes}
+    levels = [{**level, "keq": keq} for level, keq in zip(ARM["levels"], (1.2345678, 2.33), strict=True)]
+    document = diagnosis(effects=["gravity_tilt"], candidates=[found], arm={**ARM, "levels": levels})
+    (tilt,) = read_result(written(document), keq=1.2345678).effects
+    assert tilt.angle == -0.06
+
+
 def test_effects_act_in_the_order_that_the_arm_tells(written):
     arm = {**ARM, "effects": [{"name": "hysteresis"}, {"name": "actuator_lag"}]}
     assert [effect.name for effect in read_result(written(diagnosis(arm=arm)), keq=1.11).effects] == [

@@ -50,6 +50,7 @@ def test_a_part_that_is_added_and_taken_away_leaves_what_was_there():
         Part("torque_bias", EFFECTS["torque_bias"](), True),
         Part("torque_map", EFFECTS["torque_map"](), True, "threshold"),
         Part("torque_map", EFFECTS["torque_map"](parity="even"), False, "quadratic"),
+        Part("gravity_tilt", EFFECTS["gravity_tilt"](frame="cameras"), levels=(1.11, 2.33)),
     ):
         more = plain.with_part(part)
         assert more.parts[-1 if part.effect else 0].reading == part.reading
@@ -69,6 +70,31 @@ def test_of_amplitudes_that_are_told_apart_each_is_a_reading_of_its_own():
     assert {part.effect.parity for part in readings(kind, space=True)} == {"odd"}
     (opened,) = {Hypothesis(free=()).with_part(part).free for part in readings(kind, space=True) if part.opens == "threshold"}
     assert opened == ("torque_map.threshold",)
+
+
+def test_a_law_of_a_single_number_may_have_one_for_each_level():
+    def own(name):
+        return [part for part in readings(EFFECTS[name], levels=2, each=(1.11, 2.33)) if part.levels]
+
+    (bias,) = own("torque_bias")
+    assert Hypothesis(free=()).with_part(bias).free == ("torque_bias.bias@1.11", "torque_bias.bias@2.33")
+    assert {(part.effect.frame, part.levels) for part in own("gravity_tilt")} == {
+        (frame, (1.11, 2.33)) for frame in ("world", "base", "cameras")
+    }
+    odd = readings(EFFECTS["torque_bias"], levels=2, each=(1.2345678, 2.33))[-1]
+    assert Hypothesis().with_part(odd).parts[-1].reading == odd.reading  # names have six digits
+    assert own("bending_stop") == own("unequal_lag") == own("torque_map") == []
+    assert not [part for part in readings(EFFECTS["torque_bias"], levels=2) if part.levels]
+
+
+def test_a_size_for_each_level_has_as_its_special_cases_one_for_all_of_the_same_reading_only():
+    tilts = readings(EFFECTS["gravity_tilt"], levels=2, each=(1.11, 2.33))
+    for part in tilts:
+        inside = [other for other in tilts if part.contains(other)]
+        assert [(other.effect.frame, other.levels) for other in inside] == ([(part.effect.frame, ())] if part.levels else [])
+    *one_size, each = readings(EFFECTS["torque_bias"], levels=2, each=(1.11, 2.33))
+    assert [part.resized for part in one_size] == [False, True]
+    assert all(each.contains(part) for part in one_size)
 
 
 def test_a_resized_amplitude_changes_with_the_level_against_its_law_and_stays_within_its_bounds():
