@@ -32,6 +32,7 @@ class ResidualTorque:
         bending: (T,) [rad] bending angle of the whole arm, by the model; in space complex.
         rate: (T,) [rad/s] its rate.
         bends: (T, N) [rad] of its joints; in space complex.
+        rates: (T, N) [rad/s] theirs.
         levers: (T, N) [m] from each joint to the tip along the straight arm: the moments of a force across it; in space zeros.
         modes: of curvature that the markers tell.
     """
@@ -41,6 +42,7 @@ class ResidualTorque:
     bending: Array
     rate: Array
     bends: Array
+    rates: Array
     levers: Array
     modes: int
 
@@ -79,7 +81,9 @@ def _residual(experiment: Experiment, run: Run, model: Response, generator: np.r
     if not columns.space:
         along = columns.arrays.reach[0] * np.cos(q.cumsum(axis=1))
         levers = along[:, ::-1].cumsum(axis=1)[:, ::-1]
-    return ResidualTorque(torque(gap), np.sqrt(power), bends.sum(axis=1), rates.sum(axis=1), bends, levers, shapes.shape[1])
+    return ResidualTorque(
+        torque(gap), np.sqrt(power), bends.sum(axis=1), rates.sum(axis=1), bends, rates, levers, shapes.shape[1]
+    )
 
 
 class _Bend:

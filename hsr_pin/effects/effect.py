@@ -275,6 +275,11 @@ class Effect(ABC):
         """(T, B, M, 3) [m] marker positions as they are seen."""
         return view.positions
 
+    @property
+    def placeless(self) -> bool:
+        """Whether it acts on the joints or the torque alone, and alike at every place of the arm."""
+        return not any(self.acts_through(hook) for hook in ("arm", "stiffness", "damping", "actuation", "touch", "observe"))
+
     def acts_through(self, hook: str) -> bool:
         """Whether this effect overrides a method."""
         return getattr(type(self), hook) is not getattr(Effect, hook)

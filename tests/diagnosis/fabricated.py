@@ -58,7 +58,7 @@ def _part(given):
     if law is None:
         return part
     law = with_values(law, **{p.name: p.neutral + p.scale for p in law.parameters() if p.amplitude})
-    return Part(law.name, law, part.resized, part.opens) if part else Part(law.name, law)
+    return Part(law.name, law, part.resized, part.opens, part.levels) if part else Part(law.name, law)
 
 
 def candidate(*parts, gap=0.0, errors=None):
@@ -87,8 +87,8 @@ class FakeCrew:
     """Answers from a table instead of simulating.
 
     Attributes:
-        gaps: what is left [m] with each set of effects (names joined by "+"), in all trials or in each; a set that is not in the
-            table leaves what its largest subset leaves.
+        gaps: what is left [m] with each set of effects (names joined by "+", with "@each" behind one that has a size for each
+            level), in all trials or in each; a set that is not in the table leaves what its largest subset leaves.
         quick: what quick fits leave, in the same form; default: the same.
         alike: gain that is predicted for another reading of a law, over that for the first.
         unseen: names of laws that a probe shows nothing of.
@@ -109,7 +109,7 @@ class FakeCrew:
         self.gaps, self.quick = map(_by_names, (self.gaps, self.quick or self.gaps))
 
     def gap(self, parts, quick=False):
-        names, gaps = frozenset(part.name for part in parts), self.quick if quick else self.gaps
+        names, gaps = frozenset(map(_called, parts)), self.quick if quick else self.gaps
         known = [(len(key), -np.mean(np.square(gap)), key) for key, gap in gaps.items() if key <= names]
         return gaps[max(known, key=lambda item: item[:2])[2]]
 
@@ -156,7 +156,11 @@ class FakeCrew:
 
 
 def _joined(fit):
-    return "+".join(sorted(part.name for part in fit.hypothesis.parts))
+    return "+".join(sorted(map(_called, fit.hypothesis.parts)))
+
+
+def _called(part):
+    return part.name + "@each" * bool(part.levels)
 
 
 def _by_names(table):

@@ -1,22 +1,30 @@
 """The shape along the arm of what is missing tells a force at the tip, whatever it does in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.residual_torque import ResidualTorque
 from hsr_pin.diagnosis.spread import Spread, spread
-from hsr_pin.diagnosis.verdict import Verdict, with_traces
+from hsr_pin.diagnosis.verdict import RULED_OUT, Left, Verdict, ruled_out, with_traces
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.flexible import FLEXIBLE
+from hsr_pin.identification.hypothesis import Part, readings
+
+from .fabricated import THRESHOLDS
 
 TIME = np.arange(300) * 0.01
 #: A force and a torque that nothing commanded, and an arm that bends most at its tip.
 WHIM = np.sin(7 * TIME) + 0.5 * np.cos(19 * TIME)
 LEVERS = np.tile(np.linspace(0.24, 0.02, 8), (300, 1))
 BENDS = np.sin(2 * TIME)[:, None] * np.linspace(0.1, 0.2, 8)
+RATES = 2 * np.cos(2 * TIME)[:, None] * np.linspace(0.1, 0.2, 8)
 
 
 def residual(torque, noise=0.002, modes=4, seed=0):
     dirt = np.random.default_rng(seed).normal(size=LEVERS.shape) * noise
-    return ResidualTorque(torque + dirt, np.full(8, noise), BENDS.sum(axis=1), 0 * TIME, BENDS, LEVERS, modes)
+    return ResidualTorque(torque + dirt, np.full(8, noise), BENDS.sum(axis=1), 0 * TIME, BENDS, RATES, LEVERS, modes)
 
 
 @pytest.mark.parametrize(
@@ -52,3 +60,65 @@ def test_an_unexplained_gap_gets_its_kind_and_no_other_verdict_is_touched():
     assert with_traces(open_, [Spread({"tip": 0.2, "even": 0.21, "bending": 0.3})]) is open_  # too near to tell apart
     assert with_traces(open_, [Spread({"tip": 0.4, "even": 0.9, "bending": 0.9})]) is open_  # leaves too much
     assert with_traces(open_, [None]) is open_
+
+
+ERROR = 0.8 * BENDS - 0.05 * RATES  # of the fitted stiffness and damping
+FORCE, TORQUE = 0.4 * WHIM[:, None] * LEVERS, 0.03 * WHIM[:, None] + 0 * LEVERS
+
+
+@pytest.mark.parametrize(
+    ("torque", "uneven"),
+    [(FORCE, True), (FORCE - ERROR, True), (TORQUE, False), (TORQUE - ERROR, False), (0.5 * WHIM[:, None] * BENDS, False)],
+    ids=["force at the tip", "and wrong stiffness", "torque of the muscles", "and wrong stiffness", "goes with the bending"],
+)
+def test_what_no_even_law_can_be_is_told_whatever_stiffness_and_damping_took_of_it(torque, uneven):
+    assert spread([residual(torque), residual(torque, seed=1)]).uneven is uneven
+
+
+def test_wrong_stiffness_and_damping_alone_have_no_shape_beside_themselves():
+    found = spread([residual(ERROR)])
+    assert found is not None and found.beside == {} and not found.uneven
+
+
+PARTS = [part for kind in (EFFECTS | FLEXIBLE).values() for part in readings(kind)] + [Part("torque_gain"), Part("mass_scale")]
+UNEVEN = Spread({"tip": 0.5, "even": 0.6, "bending": 0.7}, {"tip": 0.2, "even": 0.5, "bending": 0.6})
+
+
+@pytest.mark.parametrize(
+    ("effects", "alternatives"),
+    [
+        (("bending_stop",), ()),
+        ((), (("bending_stop",), ("torque_map", "torque_gain"))),
+        (("hysteresis",), (("hysteresis", "stiffening"), ("hysteresis", "torque_curve"))),
+    ],
+)
+def test_laws_that_act_alike_everywhere_are_no_names_for_what_does_not(effects, alternatives):
+    before = Verdict("ambiguous", effects, alternatives, "So.", ("elastic",), {"bending_stop": 0.9, "elastic": 0.8, "creep": 0.1})
+    after = ruled_out(before, UNEVEN, PARTS, THRESHOLDS)
+    assert (after.status, after.effects, after.alternatives, after.kinds) == ("unexplained", (), (), ())
+    assert max(after.confidence.values()) <= RULED_OUT
+    assert "an even torque leaves 50 % of its square, a force at the tip 20 %" in after.sentence
+
+
+@pytest.mark.parametrize(
+    "sets", [(("gravity_tilt",), ("torque_bias",)), (("stiffness_gradient", "stiffening"),), (("dead_time",),)]
+)
+def test_laws_that_have_a_place_weight_or_lateness_are_left_alone(sets):
+    named = Verdict("ambiguous", (), sets, "So.")
+    assert ruled_out(named, UNEVEN, PARTS, THRESHOLDS) is named
+
+
+def test_nothing_is_ruled_out_without_a_clear_shape_or_where_the_gap_is_closed():
+    named = Verdict("partly_identified", ("bending_stop",), (), "So.")
+    beside = {"tip": 0.45, "even": 0.5, "bending": 0.6}  # too near
+    little = {"tip": 0.02, "even": 0.18, "bending": 0.3}
+    for found in (None, Spread(UNEVEN.left), Spread(UNEVEN.left, beside), Spread(UNEVEN.left, little)):
+        assert ruled_out(named, found, PARTS, THRESHOLDS) is named
+    assert ruled_out(named, UNEVEN, PARTS, THRESHOLDS) is not named
+    closed = Verdict("identified", ("bending_stop",), (), "So.")
+    assert ruled_out(closed, UNEVEN, PARTS, THRESHOLDS) is closed
+    for share, same in ((0.9, True), (1.1, False)):
+        told = replace(named, left=Left(share * THRESHOLDS.closed, 0.01, 0.24))
+        assert (ruled_out(told, UNEVEN, PARTS, THRESHOLDS) is told) is same
+    nothing = Verdict("unexplained", (), (), "So.")
+    assert ruled_out(nothing, UNEVEN, PARTS, THRESHOLDS) is nothing
