@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from hsr_pin.identification.evaluation import Case, respond_each
-from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
@@ -70,11 +70,17 @@ class Candidate:
         return not any(part.flexible for part in self.fit.hypothesis.parts)
 
     def contains(self, other: Candidate) -> bool:
-        """Whether the other model is a special case of this one: each of its parts is here too, or one that contains it."""
+        """Whether the other model is a special case of this one: each of its parts is here too, or one that contains it.
+
+        What both have in common contains nothing beside itself. Of the same laws one is that has a size of its own at each level
+        where the other has one for all.
+        """
         own, others = ({part.name: part for part in each.fit.hypothesis.parts} for each in (self, other))
-        return other.names != self.names and all(
-            name in own or any(mine.contains(part) for mine in own.values()) for name, part in others.items()
-        )
+        if own.keys() == others.keys():
+            unlike = [(own[name], part) for name, part in others.items() if own[name].reading != part.reading]
+            return bool(unlike) and all(mine.contains(part) for mine, part in unlike)
+        general = [part for name, part in own.items() if name not in others]
+        return all(name in own or any(mine.contains(part) for mine in general) for name, part in others.items())
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -108,10 +114,10 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
     told, without = base.whitened(), [base.eliminated(run) for run in range(len(experiment.runs))]
     residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
     known = _Known(residual, slopes * base.hypothesis.scale)
-    probed: dict[Part, list[Array]] = {}  # an effect whose size goes with the level changes as much more or less as its size does
+    probed: dict[Part, list[Array]] = {}  # of one size or another an effect changes as much more or less, here or there
     found: list[Guess] = []
     for effect in effects:
-        plain = replace(effect, resized=False)
+        plain = replace(effect, resized=False, levels=())
         if plain not in probed:
             probed[plain] = _changes(experiment, base, plain, without)
         found += _guess(experiment, base, effect, known, probed[plain])
@@ -140,6 +146,8 @@ def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen:
         powers = np.tile([new[k].resizes for k in amplitudes], len(probes))
         levels = [run.trial.keq / experiment.levels[0] for run in experiment.runs]
         seen = [changes * level**powers for changes, level in zip(seen, levels, strict=True)]
+    if effect.levels:
+        seen = [_where_it_acts(changes, whole, run, new) for changes, run in zip(seen, experiment.runs, strict=True)]
     every = np.concatenate(seen)
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
     for n, probe in enumerate(probes):
@@ -161,6 +169,12 @@ def _amplitudes(facts: Sequence[Parameter]) -> list[int]:
 def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
     """Values with the amplitudes neutral."""
     return np.array([fact.neutral if fact.amplitude else value for fact, value in zip(facts, values, strict=True)])
+
+
+def _where_it_acts(changes: Array, whole: Hypothesis, run: Run, new: Sequence[Parameter]) -> Array:
+    """(n, S A) what each of A sizes makes of a run's residuals, of (n, S) for one: nothing where it is another level's."""
+    acts = np.array([whole.acts(fact.name, run) for fact in new])
+    return np.asarray(changes[:, :, None] * acts).reshape(len(changes), -1)
 
 
 def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:

@@ -72,7 +72,7 @@ def _cut(parts: Sequence[Part]) -> list[list[Part]]:
     """A few parts each; the readings of a law that differ in what their size goes with stay together: they share their probes."""
     groups: list[list[Part]] = []
     for part in parts:
-        if groups and (len(groups[-1]) < _TOGETHER or part.resized):
+        if groups and (len(groups[-1]) < _TOGETHER or part.resized or part.levels):
             groups[-1].append(part)
         else:
             groups.append([part])

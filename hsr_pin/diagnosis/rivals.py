@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.thresholds import Thresholds, doubtful, explains, left, matches, mean_square
+from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.hypothesis import Part
 
 #: An amplitude closer to neutral than so many standard errors may as well be neutral (95 %).
 AWAY = 1.96
@@ -56,3 +61,32 @@ def without_companions(
     most = left(best) + COMPANION * (left(base) - left(best))
     fewer = [each for each in tried if set(each.names) in parts and left(each) <= most]
     return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)
+
+
+def with_doubles(best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> list[Fit]:
+    """Where to start from with a law's double in its place: one that did as well there in another model; the likest first.
+
+    What recordings do not tell apart beside one law they seldom do beside another; none is certain for want of a rival.
+    """
+    found: dict[tuple[object, ...], tuple[float, Fit]] = {}
+    for part in best.fit.hypothesis.parts if len(best.names) > 1 else ():
+        for model in (each for each in tried if part.name in each.names):
+            rest = set(model.names) - {part.name}
+            for other in tried:
+                new = [each for each in other.fit.hypothesis.parts if each.name not in rest]
+                if len(other.names) != len(model.names) or len(new) != 1 or new[0].name in best.names:
+                    continue
+                double = new[0]
+                if not double.flexible and matches(other, model, base, thresholds, seed):
+                    likeness = mean_square(other) / mean_square(model)
+                    if likeness < found.get(swap := (part.name, *double.reading), (np.inf, best.fit))[0]:
+                        found[swap] = likeness, _in_place(best.fit, part.name, double, other.fit)
+    return [fit for _, fit in sorted(found.values(), key=lambda each: each[0])]
+
+
+def _in_place(fit: Fit, name: str, part: Part, model: Fit) -> Fit:
+    """A fit with a part of another model in place of one of its own, at the other's values."""
+    fewer, kept = fit.hypothesis.without_part(name)
+    whole = fewer.with_part(part)
+    new = [model.named[other] for other in whole.free[len(kept) :]]
+    return replace(fit, hypothesis=whole, values=np.append(fit.values[kept], new))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
@@ -10,7 +11,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
-from hsr_pin.diagnosis.rivals import without_companions
+from hsr_pin.diagnosis.rivals import with_doubles, without_companions
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
     Thresholds,
@@ -28,10 +29,14 @@ from hsr_pin.trajectory import Array
 
 #: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
 GLANCES = 12
+#: ... more than so many readings of one law only where there is room ...
+READINGS = 3
 #: ... and at least this share of the best's predicted gain.
 PROMISING = 0.03
 #: Two readings of one law whose predicted gains differ by less than this are the same on these recordings.
 ALIKE = 1e-6
+#: A law is tried with a size of its own at each level where that should leave no more than this share of what one size leaves.
+SIZES_APART = 0.7
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
 #: best, and if they take away at least this share of what would be worth having.
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
@@ -42,6 +47,8 @@ BEAM, BEAM_GLANCES = 3, 5
 
 #: Of the special cases of a law that is best, so many get a full fit.
 SPECIAL = 2
+#: Of the models with a law's double in its place, so many.
+DOUBLES = 3
 
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
@@ -108,6 +115,8 @@ def search(
         tell("exchange: each effect found against the others")
         other = _exchanged(best, parts, crew, tried, thresholds)
         best = best if other is best else min(best, _pruned(other, start, tried, thresholds, crew, seed), key=mean_square)
+    doubled = with_doubles(best, start, list(tried.values()), thresholds, seed)
+    tried |= {key(each): each for each in crew.finish([fit for fit in doubled if _key(fit.hypothesis) not in tried][:DOUBLES])}
     best = _leading(best, list(tried.values()), thresholds, seed)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
     best = without_companions(best, start, list(tried.values()), thresholds, seed)
@@ -123,7 +132,8 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
     """The best with simpler laws in place of one that contains them, the few that come closest: a beam may pass by them."""
     new: list[Candidate] = []
     for part in best.fit.hypothesis.parts:
-        inside = [other for other in parts if part.contains(other) and other.name not in best.names]
+        free = [other for other in parts if not other.levels and other.name not in set(best.names) - {part.name}]
+        inside = [other for other in free if part.contains(other)]
         if not inside:
             continue
         fewer = without(best.fit, part.name)
@@ -135,12 +145,15 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
 
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:
-    """In place of the best the best of its special cases with as many parts that does as well, or leaves next to nothing."""
+    """In place of the best the best of its special cases with as many parts, if that does as well or leaves next to nothing.
+
+    A worse one that is not clearly worse is so for its scatter from trial to trial.
+    """
     alike = [other for other in tried if len(other.names) == len(best.names)]
     inside = [other for other in alike if best.contains(other) and not other.contains(best)]  # each may hold a case of the other
-    for other in sorted(inside, key=mean_square):
-        if left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed):
-            return _simplest(other, start, tried, thresholds, seed)
+    other = min(inside, key=mean_square, default=best)
+    if other is not best and (left(other) <= thresholds.closed**2 or matches(other, best, start, thresholds, seed)):
+        return _simplest(other, start, tried, thresholds, seed)
     return best
 
 
@@ -186,7 +199,7 @@ def _extend(
     enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
     chosen: dict[Key, tuple[Fit, Guess]] = {}
     for base, guesses in zip(beam, _promising(beam, parts, crew), strict=True):
-        for guess in guesses[:enough]:
+        for guess in _of_many_laws(guesses)[:enough]:
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
     quick = laws_first(_from_one_basin(list(chosen.values()), crew))
@@ -205,9 +218,20 @@ def _promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) ->
     return [[guess for guess in guesses if guess.gain >= PROMISING * guesses[0].gain] for guesses in ranked]
 
 
+def _of_many_laws(guesses: Sequence[Guess]) -> list[Guess]:
+    """In their order, but the first few readings of every law before the others: a law of many shall not crowd out others."""
+    seen: Counter[str] = Counter()
+    later: list[bool] = []
+    for guess in guesses:
+        name = guess.hypothesis.parts[-1].name
+        later.append(seen[name] >= READINGS)
+        seen[name] += 1
+    return [guess for _, guess in sorted(zip(later, guesses, strict=True), key=lambda each: each[0])]
+
+
 def _no_less_than_special_cases(guesses: Sequence[Guess]) -> list[Guess]:
     """Of a law that contains others, as a probe may not show where damping hides what is late, at least their gain."""
-    gains = {guess.hypothesis.parts[-1].name: guess.gain for guess in reversed(guesses)}
+    gains = {part.name: guess.gain for guess in reversed(guesses) if not (part := guess.hypothesis.parts[-1]).levels}
     laws = ((guess, guess.hypothesis.parts[-1].effect) for guess in guesses)
     inside = [[gains.get(name, 0.0) for name in law.contains] if law else [] for guess, law in laws]
     return [replace(guess, gain=max(guess.gain, *known, 0.0)) for guess, known in zip(guesses, inside, strict=True)]
@@ -267,11 +291,17 @@ def _exchanged(
 
 
 def _told_apart(guesses: Sequence[Guess]) -> list[Guess]:
-    """The first of each reading of a law; the others make no difference, as where a law differs for torques that never came."""
+    """The first of each reading of a law; the others make no difference, as where a law differs for torques that never came.
+
+    Sizes of its own at each level are one only where they are to take away much of what one size for all would leave.
+    """
     kept: list[Guess] = []
     for guess in guesses:
-        name = guess.hypothesis.parts[-1].name
-        if not any(other.hypothesis.parts[-1].name == name and abs(other.gain - guess.gain) < ALIKE for other in kept):
+        part = guess.hypothesis.parts[-1]
+        one_size = max((other.gain for other in guesses if part.contains(other.hypothesis.parts[-1])), default=0.0)
+        if part.levels and 1 - guess.gain > SIZES_APART * (1 - one_size):
+            continue
+        if not any(other.hypothesis.parts[-1].name == part.name and abs(other.gain - guess.gain) < ALIKE for other in kept):
             kept.append(guess)
     return kept
 

@@ -120,12 +120,21 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
     simulated = []
     plain = candidates._side_by_side
     monkeypatch.setattr(candidates, "_side_by_side", lambda *given: simulated.append(given) or plain(*given))
-    stays, goes = guesses(experiment, base, readings(EFFECTS["torque_bias"], levels=2))
+    stays, goes, each = guesses(experiment, base, readings(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
     assert len(simulated) == 1
     assert (stays.hypothesis.resized, goes.hypothesis.resized) == ((), ("torque_bias",))
     right, wrong = (goes, stays) if sizes_change else (stays, goes)
     assert right.gain > wrong.gain + 0.03
     assert right.starts[0][-1] == pytest.approx(0.08, rel=0.1)
+    assert each.gain == pytest.approx(right.gain, abs=0.01)
+    assert each.starts[0][-2:] == pytest.approx([0.08, 0.08 * (stiff / soft if sizes_change else 1)], rel=0.1)
+
+
+def test_a_size_of_its_own_at_each_level_is_guessed_where_the_levels_disagree():
+    biases = {1.11: 0.08, 2.33: -0.06}
+    *one_size, each = guesses(*two_levels(biases), readings(EFFECTS["torque_bias"], levels=2, each=tuple(biases)))
+    assert each.gain > 0.95 > 0.7 > max(guess.gain for guess in one_size)
+    assert each.starts[0][-2:] == pytest.approx(list(biases.values()), rel=0.1)
 
 
 @pytest.mark.parametrize("text", ["tip_mass:mass=0.05", "actuator_lag:time_constant=0.08", "dry_friction:level=0.06"])

@@ -47,6 +47,61 @@ def test_beside_another_law_it_takes_no_place_of_those_that_a_probe_shows():
     assert "dry_friction+unequal_lag" not in crew.finished
 
 
+def test_many_readings_of_a_few_laws_do_not_crowd_out_another_law():
+    every = [part for kind in EFFECTS.values() for part in readings(kind, levels=2)]
+    gaps = {"": GAP, "actuator_lag": 1e-3, "bending_stop": 1.1e-3, "hysteresis": 1.2e-3, "tip_mass": 2e-3}
+    crew = FakeCrew(gaps, quick={**gaps, "tip_mass": 0.0}, alike=0.9999)
+    searched(crew, every, max_effects=1)
+    assert "tip_mass" in crew.finished
+
+
+BY_LEVEL = [part for kind in EFFECTS.values() for part in readings(kind, levels=2, each=(1.11, 2.33))]
+
+
+def test_sizes_apart_are_found_where_one_for_all_levels_leaves_much():
+    crew = FakeCrew({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt@each": 0.0, "torque_bias": 1.5e-3, "torque_bias@each": 1e-3})
+    (part,) = searched(crew, BY_LEVEL).best.fit.hypothesis.parts
+    assert (part.name, part.levels) == ("gravity_tilt", (1.11, 2.33))
+
+
+def test_sizes_apart_that_take_away_little_more_are_not_tried():
+    crew = FakeCrew({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt@each": 1.9e-3})
+    assert searched(crew, BY_LEVEL).best.names == ("gravity_tilt",)
+    assert "gravity_tilt@each" not in crew.finished
+
+
+def test_one_size_for_all_levels_takes_the_place_of_sizes_apart_that_close_the_gap_no_better(monkeypatch):
+    monkeypatch.setattr("hsr_pin.diagnosis.search.SIZES_APART", 1.0)
+    nearly = 0.9 * THRESHOLDS.closed
+    for left, apart in ((nearly, False), (0.2 * GAP, True)):
+        found = searched(FakeCrew({"": GAP, "gravity_tilt": left, "gravity_tilt@each": 0.0}), BY_LEVEL)
+        assert bool(found.best.fit.hypothesis.parts[0].levels) is apart
+
+
+class SeesNoBias(FakeCrew):
+    """Beside another law a probe shows nothing of a bias."""
+
+    def guess(self, base, parts):
+        answers = super().guess(base, parts)
+        return [replace(g, gain=0.0) if base.names and g.hypothesis.parts[-1].name == "torque_bias" else g for g in answers]
+
+
+def test_the_double_of_a_law_is_fitted_in_its_place_where_no_rung_came_to_it():
+    singles = {"dead_time": 1.8e-3, "soft_spot": 1.85e-3, "preset_bend": 1.9e-3, "torque_bias": 1.91e-3}  # one more than a beam
+    crew = SeesNoBias({"": GAP, **singles, "dead_time+preset_bend": 0.0, "dead_time+torque_bias": 0.1e-3})
+    assert searched(crew).best.names == ("dead_time", "preset_bend")
+    assert "dead_time+torque_bias" in crew.finished
+
+
+def test_a_special_case_worse_than_another_that_is_clearly_worse_takes_no_place_for_its_scatter():
+    trials = len(candidate(gap=GAP).heldout)
+    best, worse = [0.5e-3] * trials, [0.9e-3] * trials
+    odd = [0.5e-3] * (trials - 1) + [3e-3]  # in one trial
+    gaps = {"": GAP, "torque_curve": tuple(best), "torque_bias": tuple(worse), "torque_decay": tuple(odd)}
+    parts = [part for kind in [*EFFECTS.values(), FLEXIBLE["torque_curve"]] for part in readings(kind)]
+    assert searched(FakeCrew(gaps), parts, max_effects=1).best.names == ("torque_curve",)
+
+
 def test_effects_are_added_one_at_a_time_as_long_as_one_is_worth_having():
     found = searched(FakeCrew({"": GAP, "tip_mass": 2e-3, "actuator_lag": 3e-3, "tip_mass+actuator_lag": 0.0}))
     assert names(found.path) == [(), ("tip_mass",), ("actuator_lag", "tip_mass")]
@@ -198,7 +253,7 @@ def test_every_reading_of_a_law_is_tried_once():
 def test_readings_of_a_law_that_are_the_same_on_these_recordings_are_tried_as_one():
     found = searched(FakeCrew({"": GAP, "torque_map": 1e-3}, alike=1.0))
     assert [key(each) for each in found.tried if each.names == ("torque_map",)] == [
-        (("torque_map", (("parity", "odd"),), False, "quadratic"),)
+        (("torque_map", (("parity", "odd"),), False, "quadratic", ()),)
     ]
 
 

@@ -120,7 +120,7 @@ def suspects(model: Hypothesis, values: Array, parts: Sequence[Part]) -> list[Su
     ]
     there = {part.name: part for part in model.parts}
     for part in parts:
-        if part.flexible or (part.resized and part.name not in there):
+        if part.flexible or ((part.resized or part.levels) and part.name not in there):
             continue
         if part.name == ("mass_scale" if "added_mass" in there else "added_mass"):
             continue  # the same law under two names
