@@ -78,6 +78,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "friction_spectrum": ("friction",),
     "stiffness_profile": ("elastic",),
     "lag_cascade": ("actuation_time",),
+    "marker_profile": ("measurement",),
     "torque_curve": ("actuation_map",),
     "torque_profile": ("actuation_map",),
     # Plain parameters.
@@ -111,6 +112,7 @@ FLEXIBLE = (
     "elastic_curve",
     "friction_spectrum",
     "lag_cascade",
+    "marker_profile",
     "stiffness_profile",
     "torque_curve",
     "torque_profile",

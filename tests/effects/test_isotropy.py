@@ -79,6 +79,7 @@ def test_some_laws_have_no_form_in_space():
         "unequal_lag-positive",
         "damping_curve-positive",
         "damping_curve-negative",
+        "marker_profile",
     }
 
 

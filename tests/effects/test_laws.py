@@ -339,6 +339,20 @@ def test_markers_are_seen_at_their_offset_across_the_backbone():
     np.testing.assert_array_equal(kept[:, 1:], shift[:, 1:])
 
 
+def test_each_marker_is_seen_beside_its_place_by_its_own_distance_and_by_what_bending_adds():
+    arm, bend = ArmSpecification(links=3, placement="base"), np.array([0.2, 0.3, -0.1])
+    marks = tuple(Marker(f"m{s}", 0.24 * s) for s in (0.0, 0.5, 1.0))  # before the first joint, on the second link, at the tip
+    law = parse_effect("marker_profile:across=0.004,taper=-0.003,lift=0.005,slide=0.006")
+    plain, seen = (
+        simulate(Scenario(arm, [0.0, 1e-4], [0.0, 0.0], Pose(bend), laws, marks)).trajectory.positions[0] for laws in ((), (law,))
+    )
+    for shift, x, angle in zip((seen - plain)[1:], (0.0, 1.0), (0.5, 0.4), strict=True):
+        beside, along = 0.004 - 0.003 * x + 0.005 * angle, 0.006 * angle
+        c, s = math.cos(angle), math.sin(angle)
+        assert shift == pytest.approx([c * beside + s * along, 0, s * beside - c * along], abs=1e-12)
+    assert (seen - plain)[0] == pytest.approx([0.007, 0, 0], abs=1e-12)
+
+
 def test_a_line_beside_the_one_that_keeps_its_length_is_longer_by_the_depth_times_the_angle():
     arm = ArmSpecification(links=400, placement="mid", mass=1e-6)
     angle, marks = 0.9, tuple(Marker(f"m{k}", 0.24 * k / 40) for k in range(41))

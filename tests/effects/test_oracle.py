@@ -77,6 +77,7 @@ EXAMPLES = [
         "friction_spectrum:first=0.03,second=0.03,third=0.1,fourth=0.1",
         "creep_spectrum:fast=0.3,middle=0.3,slow=0.3",
         "lag_cascade:first=0.05,second=0.03,delay=0.02",
+        "marker_profile:across=0.004,taper=-0.003,lift=0.005,slide=0.004",
         "torque_curve:even=0.1,odd=0.2,cubic=0.1",
     )
 ]

@@ -11,6 +11,7 @@ from hsr_pin.effects.flexible.damping_profile import DampingProfile
 from hsr_pin.effects.flexible.elastic_curve import ElasticCurve
 from hsr_pin.effects.flexible.friction_spectrum import FrictionSpectrum
 from hsr_pin.effects.flexible.lag_cascade import LagCascade
+from hsr_pin.effects.flexible.marker_profile import MarkerProfile
 from hsr_pin.effects.flexible.stiffness_profile import StiffnessProfile
 from hsr_pin.effects.flexible.torque_curve import TorqueCurve
 from hsr_pin.effects.flexible.torque_profile import TorqueProfile
@@ -27,6 +28,7 @@ FLEXIBLE: dict[str, type[Effect]] = {
         LagCascade,
         TorqueCurve,
         TorqueProfile,
+        MarkerProfile,
     )
 }
 
