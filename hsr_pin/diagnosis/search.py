@@ -17,6 +17,7 @@ from hsr_pin.diagnosis.thresholds import (
     Thresholds,
     clearly_worse,
     doubtful,
+    explains,
     left,
     matches,
     mean_square,
@@ -100,15 +101,20 @@ def search(
     """
     path, beam = [start], [start]
     tried: dict[Key, Candidate] = {(): start}
-    while len(path) <= max_effects and _is_open(path, thresholds):
-        tell(f"effect {len(path)}: trying {len(parts)} candidates")
+    for rung in range(1, max_effects + 1):
+        if not _is_open(path, thresholds):
+            break
+        tell(f"effect {rung}: trying {len(parts)} candidates")
         new = _extend(beam, parts, crew, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
         better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)
         good = [c for c in better if worth_having(path[-1], c, thresholds, seed)]
-        if not good:
+        if rung > len(path):  # a pair of which neither was worth having alone: its word counts where it closes the gap
+            good = [c for c in good if explains(c, start, thresholds)]
+        if good:
+            path.append(good[0])
+        elif rung > 1 or not better:
             break
-        path.append(good[0])
         beam = _distinct(better)[:BEAM]  # one whose own gain is not certain may be half of a pair
     best = _pruned(path[-1], start, tried, thresholds, crew, seed)
     if len(best.names) > 1:
@@ -118,6 +124,7 @@ def search(
     doubled = with_doubles(best, start, list(tried.values()), thresholds, seed)
     tried |= {key(each): each for each in crew.finish([fit for fit in doubled if _key(fit.hypothesis) not in tried][:DOUBLES])}
     best = _leading(best, list(tried.values()), thresholds, seed)
+    best = _simplest(best, start, list(tried.values()), thresholds, seed)
     best = _surest(best, start, list(tried.values()), thresholds, seed)
     best = without_companions(best, start, list(tried.values()), thresholds, seed)
     for _ in best.names:  # of one part, then of another

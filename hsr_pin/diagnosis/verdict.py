@@ -28,9 +28,8 @@ from hsr_pin.diagnosis.thresholds import (
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import PLAIN, SESSION, Part
 
-#: A name or a kind is certain from this probability on: of what was said with 0.7 to 0.8, to 0.9 and to 1, 77, 95 and 97 % was
-#: right in the eighth sealed run.
-CERTAIN = 0.75
+#: A name, or a kind, is certain from this probability on.
+CERTAIN, CERTAIN_KIND = 0.85, 0.75
 #: ... if every model without it is worse by this many times what is tolerated in a model that is not exact: no law is led by less
 #: than that, however clear its size is, where another does the same.
 LED = 1.0
@@ -38,7 +37,7 @@ LED = 1.0
 HALF = 0.5
 #: Where something else is left, alternatives are told if a name of the best has this probability, or a kind this, and no more
 #: than this share of the squared gap is left: of 12 such verdicts in which more was left one had the truth (third sealed run).
-POSSIBLE, LIKELY, LITTLE = 0.5, 0.65, 0.25
+POSSIBLE, LIKELY, LITTLE = 0.75, 0.65, 0.25
 #: No more sets than this are told where none is clearly the best.
 FEW = 3
 #: Of the laws of a kind that is certain, those are told that leave no more than this many times the square of what the best
@@ -194,7 +193,7 @@ def _graded(
     rest = open_share(best, found.path[0], thresholds)
     led = {each.name for each in (*evidence.parts, *evidence.kinds) if each.margin >= LED}
     sure = tuple(sorted(name for name in common & led - flexible if rest <= HALF and names[name] >= CERTAIN))
-    of_kind = tuple(sorted(kind for kind in led if kinds.get(kind, 0.0) >= CERTAIN and _in_all(kind, sets, found.tried)))
+    of_kind = tuple(sorted(kind for kind in led if kinds.get(kind, 0.0) >= CERTAIN_KIND and _in_all(kind, sets, found.tried)))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
     def said(status: str, sentence: str, alternatives: Sequence[tuple[str, ...]] = (), named: tuple[str, ...] = ()) -> Verdict:

@@ -121,6 +121,18 @@ def test_a_large_gain_is_no_finding_if_it_rests_on_one_trial():
     assert names(searched(FakeCrew({"": before, "tip_mass": everywhere})).path) == [(), ("tip_mass",)]
 
 
+def test_a_pair_is_found_where_neither_is_worth_having_alone_and_no_third_is_looked_for_where_no_pair_is():
+    little = (GAP**2 - 0.8 * THRESHOLDS.worth**2) ** 0.5
+    gaps = {"": GAP, "backlash": little, "tip_mass": 1.0001 * little}
+    assert names(searched(FakeCrew({**gaps, "backlash+tip_mass": 0.0})).path) == [(), ("backlash",), ("backlash", "tip_mass")]
+    lines = []
+    crew = FakeCrew({**gaps, "backlash+tip_mass": 0.5 * GAP, "backlash+tip_mass+stiffening": 0.0})  # it does not close the gap
+    assert names(searched(crew, tell=lines.append).path) == [()]
+    assert [line.split(":")[0] for line in lines] == ["effect 1", "effect 2"]
+    crew = FakeCrew({**gaps, "backlash+tip_mass": 0.0})
+    assert names(searched(crew, max_effects=1).path) == [()]
+
+
 def test_what_is_worth_having_grows_with_noise_and_with_the_arm():
     assert Thresholds.of(1e-3, LENGTH).worth > Thresholds.of(1e-6, LENGTH).worth
     assert Thresholds.of(1e-6, 2 * LENGTH).worth == 2 * Thresholds.of(1e-6, LENGTH).worth
@@ -267,6 +279,19 @@ def test_a_flexible_law_stays_only_where_it_is_clearly_better_than_a_law_that_it
     flexible = Part("friction_spectrum", neutral(FLEXIBLE["friction_spectrum"]))
     gaps = {"": GAP, "dry_friction": law, "friction_spectrum": 0.1e-3, "dry_friction+friction_spectrum": 0.1e-3}
     assert searched(FakeCrew(gaps), [flexible, *EVERY]).best.names == (best,)
+
+
+def test_a_flexible_law_and_a_special_case_of_it_are_no_two_answers_of_which_neither_is_worth_a_name():
+    flexible = Part("damping_profile", neutral(FLEXIBLE["damping_profile"]))
+    gaps = {
+        "": GAP,
+        "viscoelastic": 0.2 * GAP,
+        "viscoelastic+damping_profile": 0.01e-3,
+        "viscoelastic+damping_gradient": 0.05e-3,
+    }
+    assert searched(FakeCrew(gaps), [flexible, *EVERY]).best.names == ("damping_gradient", "viscoelastic")
+    gaps["viscoelastic+quadratic_damping"] = 0.05e-3  # of another law
+    assert searched(FakeCrew(gaps), [flexible, *EVERY]).best.names == ("viscoelastic",)
 
 
 def test_the_special_cases_of_the_best_are_tried_where_the_beam_passed_them_by():
