@@ -82,6 +82,11 @@ class Candidate:
         general = [part for name, part in own.items() if name not in others]
         return all(name in own or any(mine.contains(part) for mine in general) for name, part in others.items())
 
+    def bends_more(self, than: Candidate) -> bool:
+        """Whether it needs a size for each level to do what the other model does with fewer numbers."""
+        apart = any(part.levels for part in self.fit.hypothesis.parts)
+        return apart and len(self.fit.values) > len(than.fit.values)
+
     @property
     def kinds(self) -> tuple[str, ...]:
         """Kinds of physics that they belong to, sorted."""

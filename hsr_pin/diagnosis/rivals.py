@@ -27,7 +27,7 @@ def rivals(
         names = rival.names
         if not names or names == best.names or len(names) > len(best.names) or names in answers or not rival.nameable:
             continue
-        if rival.contains(best):
+        if rival.contains(best) or rival.bends_more(best):
             continue
         if idle(rival, base, tried, thresholds):
             continue

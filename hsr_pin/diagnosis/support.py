@@ -88,7 +88,8 @@ def supports(
     rest = open_share(best, base, thresholds)
 
     def of(name: str, kind: str, lacks: Callable[[Candidate], bool], parts: Sequence[str] = ()) -> Support:
-        without = [base, *(other for other in tried if lacks(other) and len(other.names) <= len(best.names))]
+        as_small = (other for other in tried if len(other.names) <= len(best.names) and not other.bends_more(best))
+        without = [base, *(other for other in as_small if lacks(other))]
         ranked = sorted(without, key=lambda other: squares(other.heldout).mean)
         rival = next(other for other in ranked if other is base or not doubtful(other))  # what is in doubt itself is no rival
         gain = squares(rival.heldout).mean - squares(best.heldout).mean

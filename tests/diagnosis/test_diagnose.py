@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import _Study, catalogue, diagnose
+from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.thresholds import clearly_worse
 from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, IdentificationError
@@ -14,7 +15,7 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 
 from . import outside
-from .fabricated import THRESHOLDS, candidate
+from .fabricated import THRESHOLDS, FakeCrew, candidate
 from .made import CATALOGUE, TRIALS, made
 
 FEW = ["actuator_lag", "dead_time", "tip_mass", "torque_bias"]
@@ -131,6 +132,19 @@ def test_a_simpler_law_with_the_commands_taken_the_other_way_must_be_no_worse_ev
     study = SimpleNamespace(seed=0)
     assert not _Study.needless(study, best, worse, THRESHOLDS)
     assert _Study.needless(study, best, candidate("actuator_lag", gap=1.2e-3), THRESHOLDS)
+
+
+@pytest.mark.parametrize(("names", "turned"), [((), False), (("tip_mass",), False), (("actuator_lag", "tip_mass"), True)])
+def test_commands_are_not_taken_the_other_way_for_a_model_of_more_parts_than_the_best(names, turned, monkeypatch):
+    crew = FakeCrew({"": 1e-3, "tip_mass": 1e-3, "actuator_lag": 1e-3, "actuator_lag+tip_mass": 0.0})
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.otherwise", lambda experiment: ["the other way"])
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.Crew", lambda *given: crew)
+    tried = [candidate(gap=1e-3), candidate("actuator_lag", gap=1e-3), candidate("actuator_lag", "tip_mass", gap=0.9e-3)]
+    found = SimpleNamespace(
+        search=Search((tried[0], candidate(*names, gap=1e-3)), tuple(tried)), experiment=None, thresholds=THRESHOLDS
+    )
+    study = SimpleNamespace(executor=None, advance=None, seed=0, _sooner=lambda best, crew: [])
+    assert _Study.turned(study, found)[0] == ("the other way" if turned else None)
 
 
 @pytest.mark.parametrize(("trials", "asked"), [(TRIALS, True), (TRIALS[:4], False), (TRIALS[:3], False)])

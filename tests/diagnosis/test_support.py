@@ -75,6 +75,20 @@ def test_a_law_that_a_better_one_was_tried_beside_has_no_support():
     assert probability(part, NAME) < 0.5
 
 
+def test_a_law_that_needs_a_size_for_each_level_to_do_what_one_size_of_another_does_takes_nothing_from_it():
+    experiment, found = models()
+    best = found["actuator_lag"]
+    apart = Part("dead_time", neutral(effect_named("dead_time")), levels=experiment.levels)
+    (guess,) = guesses(experiment, found["base"].fit, [apart])
+    fitted = finish(experiment, glance(experiment, found["base"].fit, guess))
+    each, one = (replace(other, heldout=best.heldout) for other in (fitted, found["dead_time"]))
+    thresholds = Thresholds.of(experiment.noise_rms, experiment.dataset.length)
+    (part,), _, _ = supports(experiment, best, found["base"], [each], thresholds, 0, ())
+    assert part.frequency == 1.0 and part.share > 0.5
+    (part,), _, _ = supports(experiment, best, found["base"], [one], thresholds, 0, ())
+    assert part.frequency < 1.0 and part.share == 0.0
+
+
 def test_a_choice_of_sets_has_the_support_that_none_of_them_has_beside_the_other():
     part, _, together = told("dead_time", "dead_time", "actuator_lag", "dry_friction")
     alone, either = together([("dead_time",)]), together([("dead_time",), ("actuator_lag",)])

@@ -11,6 +11,9 @@ from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse, explains
 from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge, mostly_explained
+from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import neutral
+from hsr_pin.identification.hypothesis import Part
 
 from .fabricated import THRESHOLDS, candidate
 
@@ -275,6 +278,14 @@ def test_a_law_that_contains_the_best_is_no_rival_of_it():
     best, wider = candidate("actuator_lag"), candidate("unequal_lag")
     assert rivals(best, BASE, (best, wider), THRESHOLDS, 0, True) == []
     assert rivals(wider, BASE, (best, wider), THRESHOLDS, 0, True) == [("actuator_lag",)]
+
+
+def test_a_size_for_each_level_is_no_rival_of_a_law_that_does_the_same_with_fewer_numbers():
+    apart = candidate(Part("preset_bend", neutral(EFFECTS["preset_bend"]), levels=(1.11, 2.33)))
+    few, more = candidate("torque_bias"), candidate("bending_stop")
+    assert rivals(few, BASE, (few, apart), THRESHOLDS, 0, True) == []
+    assert rivals(few, BASE, (few, candidate("preset_bend")), THRESHOLDS, 0, True) == [("preset_bend",)]
+    assert rivals(more, BASE, (more, apart), THRESHOLDS, 0, True) == [("preset_bend",)]
 
 
 def test_two_readings_of_one_law_are_no_rivals():
