@@ -145,13 +145,14 @@ def _models(diagnosis: Diagnosis) -> list[Model]:
     by_names = {candidate.names: candidate for candidate in ranked(diagnosis.search.tried)}
     shown = [diagnosis.search.best]
     shown += [by_names[names] for names in diagnosis.verdict.alternatives if names != shown[0].names]
-    return [_model(candidate) for candidate in shown]
+    return [_model(candidate, diagnosis.experiment.levels) for candidate in shown]
 
 
-def _model(candidate: Candidate) -> Model:
+def _model(candidate: Candidate, levels: Sequence[float]) -> Model:
     fit = candidate.fit
     doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
-    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), scales(fit), effect_options(fit), doubts)
+    options = effect_options(fit, levels)
+    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), scales(fit), options, doubts)
 
 
 def _named(diagnosis: Diagnosis) -> list[type[Effect]]:

@@ -109,21 +109,22 @@ def scales(fit: Fit) -> str:
     return ", ".join(f"{what} times {number(fit.named[name])}" for name, what in counterparts.items() if name in fit.named)
 
 
-def effect_options(fit: Fit) -> dict[str, str]:
+def effect_options(fit: Fit, levels: Sequence[float]) -> dict[str, str]:
     """The fitted effects as ``hsr-sim`` takes them, ``--effect dry_friction:level=0.05``, by the Keq at which they are so.
 
-    Where one has a size of its own at each level, "1.11 Nm/rad" and so on; else "" alone.
+    Where one has another size at each of the declared levels [Nm/rad], "1.11 Nm/rad" and so on; else "" alone.
     """
-    levels = sorted({keq for part in fit.hypothesis.parts for keq in part.levels})
-    return {f"{keq:g} Nm/rad": _options(fit, keq) for keq in levels} or {"": _options(fit, None)}
+    if not any(part.levels or part.resized for part in fit.hypothesis.parts):
+        return {"": _options(fit, levels[0], 1.0)}
+    return {f"{keq:g} Nm/rad": _options(fit, keq, keq / min(levels)) for keq in sorted(levels)}
 
 
-def _options(fit: Fit, keq: float | None) -> str:
+def _options(fit: Fit, keq: float, level: float) -> str:
     return " ".join(
         f"--effect {effect.name}:"
         + ",".join(
             [f"{fact.name}={getattr(effect, fact.name):.4g}" for fact in effect.parameters()]
             + [f"{name}={value}" for name, value in effect.options]
         )
-        for effect in fit.hypothesis.effects_at(fit.values, keq=keq)
+        for effect in fit.hypothesis.effects_at(fit.values, level, keq)
     )

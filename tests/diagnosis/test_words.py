@@ -73,12 +73,20 @@ def test_a_value_on_its_bound_and_a_large_damping_are_warned_of():
 
 def test_options_for_hsr_sim_are_those_of_each_level_where_sizes_differ_between_levels():
     one = candidate("gravity_tilt").fit
-    (plain,) = effect_options(one).items()
+    (plain,) = effect_options(one, (1.11, 2.33)).items()
     assert plain == ("", f"--effect gravity_tilt:angle={one.named['gravity_tilt.angle']:.4g},frame=world")
     fit = candidate(Part("gravity_tilt", neutral(EFFECTS["gravity_tilt"]), levels=(1.11, 2.33))).fit
     fit = replace(fit, values=fit.values + np.array([0, 0, 0.01, -0.02]))
     sizes = {keq: fit.named[f"gravity_tilt.angle@{keq}"] for keq in (1.11, 2.33)}
     assert sizes[1.11] != sizes[2.33]
-    assert effect_options(fit) == {
+    assert effect_options(fit, (1.11, 2.33)) == {
         f"{keq} Nm/rad": f"--effect gravity_tilt:angle={a:.4g},frame=world" for keq, a in sizes.items()
     }
+
+
+def test_options_for_hsr_sim_are_those_of_each_level_where_a_size_goes_with_it():
+    law = EFFECTS["torque_bias"]
+    fit = candidate(Part("torque_bias", neutral(law), resized=True)).fit
+    soft, stiff = (float(text.partition("bias=")[2]) for text in effect_options(fit, (2.22, 1.11)).values())
+    assert soft == pytest.approx(fit.named["torque_bias.bias"], rel=1e-3) and stiff == pytest.approx(2 * soft, rel=1e-3)
+    assert list(effect_options(fit, (2.22, 1.11))) == ["1.11 Nm/rad", "2.22 Nm/rad"]
