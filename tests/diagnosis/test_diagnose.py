@@ -134,8 +134,8 @@ def test_a_simpler_law_with_the_commands_taken_the_other_way_must_be_no_worse_ev
     assert _Study.needless(study, best, candidate("actuator_lag", gap=1.2e-3), THRESHOLDS)
 
 
-@pytest.mark.parametrize(("names", "turned"), [((), False), (("tip_mass",), False), (("actuator_lag", "tip_mass"), True)])
-def test_commands_are_not_taken_the_other_way_for_a_model_of_more_parts_than_the_best(names, turned, monkeypatch):
+@pytest.mark.parametrize(("names", "turned"), [((), False), (("tip_mass",), True)])
+def test_commands_are_not_taken_the_other_way_for_a_pair_where_no_law_is_worth_having(names, turned, monkeypatch):
     crew = FakeCrew({"": 1e-3, "tip_mass": 1e-3, "actuator_lag": 1e-3, "actuator_lag+tip_mass": 0.0})
     monkeypatch.setattr("hsr_pin.diagnosis.diagnose.otherwise", lambda experiment: ["the other way"])
     monkeypatch.setattr("hsr_pin.diagnosis.diagnose.Crew", lambda *given: crew)
