@@ -1,8 +1,8 @@
 """Fit how the confidence of names is scaled, in hsr_pin/diagnosis/confidence.py, to published runs of the blind check.
 
 python scripts/scale_confidence.py data/blind_928745.json data/blind_350227.json prints, for each of these and for all together,
-which shift and power make their names most likely, and the calibration error of every run as stated and so scaled. Runs of
-versions before 3bd9f60 stated it unscaled; what later ones say is to be scaled further.
+which shift and power make their names most likely, and the calibration error of every run as stated and so scaled. Runs
+up to the eighth (350227) state it unscaled, later ones as it is scaled now.
 """
 
 from __future__ import annotations
