@@ -280,12 +280,6 @@ class Effect(ABC):
         """Whether it acts on the joints or the torque alone, and alike at every place of the arm."""
         return not any(self.acts_through(hook) for hook in ("arm", "stiffness", "damping", "actuation", "touch", "observe"))
 
-    @property
-    def seen_only(self) -> bool:
-        """Whether it changes what the cameras see and never how the arm moves."""
-        moves = ("arm", "stiffness", "damping", "actuation", "late", "respond", "moment", "touch", "update", "tangent")
-        return not any(map(self.acts_through, moves))
-
     def acts_through(self, hook: str) -> bool:
         """Whether this effect overrides a method."""
         return getattr(type(self), hook) is not getattr(Effect, hook)

@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.hypothesis import Hypothesis
@@ -95,45 +94,18 @@ def respond(
 def respond_each(
     experiment: Experiment, hypothesis: Hypothesis, cases: Iterable[Case], dynamics: Dynamics = "compiled"
 ) -> Iterator[Response]:
-    """Likewise for each of some cases; arms that two of them share are made once, and of arms that move alike one is moved."""
-    made: dict[object, tuple[Engine, Columns, Cameras]] = {}
+    """Likewise for each of some cases; arms that two of them share are made once."""
+    made: dict[object, tuple[Engine, Cameras]] = {}
     for case in cases:
         keq = hypothesis.factor("keq_scale", case.run, case.values)
-        few, copies = _unlike(hypothesis, case)
-        shared = hypothesis.declared(experiment, case.run), case.values.tobytes(), keq.tobytes(), copies.tobytes()
+        shared = hypothesis.declared(experiment, case.run), case.values.tobytes(), keq.tobytes()
         if shared not in made:
             columns = hypothesis.columns(experiment, case.run, case.values)
-            moved = columns if few is case else hypothesis.columns(experiment, case.run, few.values)
-            made[shared] = Engine(moved, dynamics), columns, experiment.cameras(columns)
-        yield _respond(experiment, hypothesis, few, copies, *made[shared])
+            made[shared] = Engine(columns, dynamics), experiment.cameras(columns)
+        yield _respond(experiment, hypothesis, case, *made[shared])
 
 
-def _unlike(hypothesis: Hypothesis, case: Case) -> tuple[Case, NDArray[np.intp]]:
-    """A case with one of each of its arms that move alike, the first, and (C,) which of them every arm is.
-
-    Those that are let go from where they are seen start as they are seen.
-    """
-    if case.run.start_pose is not None or len(hypothesis.moving) == len(hypothesis.free):
-        return case, np.arange(len(case.values))
-    given = [case.values[:, hypothesis.moving], case.bent, case.pushed, case.gripped]
-    rows = np.column_stack([each for each in given if each is not None]) + 0j
-    _, first, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    kept, place = first[order], np.argsort(order)
-    few = (None if each is None else each[kept] for each in (case.values, case.bent, case.pushed, case.gripped))
-    return Case(case.run, *few), place[which.ravel()]  # type: ignore[arg-type]
-
-
-def _respond(
-    experiment: Experiment,
-    hypothesis: Hypothesis,
-    case: Case,
-    copies: NDArray[np.intp],
-    engine: Engine,
-    every: Columns,
-    cameras: Cameras,
-) -> Response:
-    """The response of all arms to one case of those that move unlike; ``copies`` (C,) tells which of these each is."""
+def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
     run, values, columns = case.run, case.values, engine.columns
     command = _delivered(run, engine, hypothesis.factor("torque_gain", run, values))
     if case.pushed is not None:
@@ -150,12 +122,12 @@ def _respond(
     method = Integrator(tolerance=min(hypothesis.tolerance, run.tolerance))
     samples = len(run.time) + (run.lead > 0)
     motion = engine.run(engine.loaded(q, v), command, samples, method, found)
-    angles, rates = (at_samples(run, part)[:: run.every][:, copies] for part in (motion.angles, motion.rates))
+    angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
     positions = cameras.positions(angles)
     if np.isfinite(motion.lost).any():
         ends = (np.arange(len(run.time))[:: run.every] + run.lead + 1) * run.step
-        positions[ends[:, None] > motion.lost[copies]] = np.nan
-    return Response(every, cameras, positions, angles, rates)
+        positions[ends[:, None] > motion.lost] = np.nan
+    return Response(columns, cameras, positions, angles, rates)
 
 
 def _delivered(run: Run, engine: Engine, gain: Array) -> Delivered:

@@ -244,12 +244,6 @@ class Hypothesis:
 
         return tuple(with_values(effect, **numbers(effect)) for effect in self.effects)
 
-    @cached_property
-    def moving(self) -> list[int]:
-        """Which of the open parameters change how the arm moves, not only what is seen of it."""
-        seen = {effect.name for effect in self.effects if effect.seen_only}
-        return [k for k, name in enumerate(self.free) if name.partition(".")[0] not in seen]
-
     def acts(self, name: str, run: Run) -> bool:
         """Whether an open parameter plays a part in a run."""
         return _holds_at(name, run.trial.keq)

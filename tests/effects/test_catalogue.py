@@ -10,7 +10,6 @@ from hsr_pin.effects import EFFECTS, effect_named, parse_effect
 from hsr_pin.effects.effect import columns_of, neutral, stack
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.gravity_tilt import GravityTilt
-from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.errors import EffectError
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
@@ -23,11 +22,6 @@ every_kind = pytest.mark.parametrize("kind", EFFECTS.values(), ids=EFFECTS)
 def test_there_are_twenty_five_effects_and_ten_flexible_laws():
     assert (len(EFFECTS), len(FLEXIBLE)) == (25, 10)
     assert not {*EFFECTS} & {*FLEXIBLE}
-
-
-def test_some_laws_change_only_what_is_seen():
-    seen = {name for name, law in (EFFECTS | FLEXIBLE | SPATIAL).items() if neutral(law).seen_only}
-    assert seen == {"marker_offset", "marker_slip", "camera_scale", "length_change", "marker_profile", "markers_beside"}
 
 
 @every_kind

@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.effects import EFFECTS
-from hsr_pin.identification import evaluation
-from hsr_pin.identification.evaluation import (
-    Case,
-    predict,
-    predict_all,
-    predict_with_slopes,
-    residuals,
-    respond,
-    respond_each,
-    rms,
-)
+from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, residuals, respond, rms
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis, Part
@@ -80,35 +70,6 @@ def test_arms_side_by_side_move_as_each_alone(record):
     together = respond(experiment, run, model, points).positions
     for k, point in enumerate(points):
         assert together[:, k] == pytest.approx(respond(experiment, run, model, point[None]).positions[:, 0], abs=2e-5)
-
-
-@pytest.mark.parametrize("command", [0.8, None])
-def test_arms_that_are_only_seen_otherwise_are_moved_once(record, command, monkeypatch):
-    """Not those that are let go from where they are seen."""
-    experiment = prepare(record([(1.11, command)]))
-    (run,) = experiment.runs
-    model = Hypothesis(links=4).with_effects(EFFECTS["marker_offset"](0.0), EFFECTS["dry_friction"](0.05))
-    points = np.array([[1, 1, 0.0, 0.05], [1, 1, 0.01, 0.05], [1.1, 1, 0.01, 0.05], [1, 1, 0.02, 0.05], [1.1, 1, 0.0, 0.07]])
-    moved = []
-    engine = evaluation.Engine
-    monkeypatch.setattr(evaluation, "Engine", lambda columns, dynamics: moved.append(len(columns)) or engine(columns, dynamics))
-    together = respond(experiment, run, model, points)
-    assert moved == [3 if command else 5] and len(together.columns) == 5
-    monkeypatch.setattr(Hypothesis, "moving", [0, 1, 2, 3])
-    apart = respond(experiment, run, model, points)
-    np.testing.assert_array_equal(together.positions, apart.positions)
-    np.testing.assert_array_equal(together.rates, apart.rates)
-    assert np.abs(together.positions[:, 0] - together.positions[:, 3]).max() == pytest.approx(0.02, rel=0.1)
-
-
-def test_arms_that_are_pushed_or_held_otherwise_are_not_moved_once(record):
-    experiment = prepare(record([(1.11, 0.8)]))
-    (run,) = experiment.runs
-    model = Hypothesis(links=4).with_effects(EFFECTS["marker_offset"](0.0))
-    case = Case(run, np.tile(model.start, (3, 1)), pushed=np.array([0.0, 0.1, 0.0]))
-    (found,) = respond_each(experiment, model, [case])
-    assert np.abs(found.positions[:, 0] - found.positions[:, 1]).max() > 0.01
-    np.testing.assert_array_equal(found.positions[:, 0], found.positions[:, 2])
 
 
 def test_the_compiled_loop_predicts_what_the_one_over_pinocchio_does(record):
