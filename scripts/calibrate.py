@@ -3,7 +3,8 @@
 python scripts/calibrate.py ANSWERS RESULTS prints them, and how well the probabilities hold in cross-validation over cases.
 
 ANSWERS is the file of answers of a check (``hsr-blind make``), RESULTS the folder of its verdicts (``hsr-blind run``). One that
-served here is not reported as a result: sealed runs have other seeds.
+served here is not reported as a result: sealed runs have other seeds. After names are fitted anew their shift and power go back
+to 0 and 1, until ``scripts/scale_confidence.py`` finds others for them.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ def rows(answers: Path, results: Path) -> tuple[dict[str, list[Row]], int]:
 
 
 def stated(w: Array, X: Array, frequency: Array) -> Array:
-    """As :func:`hsr_pin.diagnosis.confidence.probability`."""
+    """As :func:`hsr_pin.diagnosis.confidence.probability`, before it is scaled."""
     return np.asarray((1 + frequency) / 2 / (1 + np.exp(-X @ w)))
 
 

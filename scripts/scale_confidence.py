@@ -18,6 +18,7 @@ from scipy.optimize import minimize
 from hsr_pin.blind.kinds import KINDS
 from hsr_pin.blind.reliability import reliability
 from hsr_pin.blind.scoring import scored
+from hsr_pin.diagnosis.confidence import odds, scaled
 
 #: Of each case: whether it is a name, its stated confidence, and whether it was right.
 Claims = list[list[tuple[bool, float, bool]]]
@@ -27,12 +28,6 @@ def claims(file: Path) -> Claims:
     """What was stated, of every case."""
     outcomes = scored(json.loads(file.read_text(encoding="utf-8"))).outcomes
     return [[(claim not in KINDS, value, each.is_so(claim)) for claim, value in each.confidence] for each in outcomes]
-
-
-def odds(stated: float) -> float:
-    """Of a confidence that is rounded to thousandths, their logarithm."""
-    inside = min(max(stated, 1e-3), 1 - 1e-3)
-    return float(np.log(inside / (1 - inside)))
 
 
 def fitted(runs: Sequence[Claims]) -> tuple[float, float]:
@@ -50,11 +45,8 @@ def fitted(runs: Sequence[Claims]) -> tuple[float, float]:
 
 def error(run: Claims, shift: float = 0.0, power: float = 1.0) -> float:
     """Expected calibration error with its names scaled."""
-
-    def scaled(is_name: bool, value: float) -> float:
-        return float(1 / (1 + np.exp(-shift - power * odds(value)))) if is_name else value
-
-    return reliability([[(scaled(is_name, value), right) for is_name, value, right in case] for case in run if case]).error
+    names_scaled = [[(scaled(p, shift, power) if is_name else p, right) for is_name, p, right in case] for case in run if case]
+    return reliability(names_scaled).error
 
 
 def main() -> None:

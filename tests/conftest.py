@@ -1,5 +1,7 @@
 """What every test may ask for."""
 
+import importlib.util
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +27,17 @@ def shared():
     if not folder.is_dir():
         pytest.skip("needs the folder `shared` beside the repository, which is not there")
     return folder
+
+
+@pytest.fixture(scope="module")
+def script(request):
+    """The file of ``scripts/`` that a module of tests names as ``SCRIPT``, imported."""
+    name = request.module.SCRIPT
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).resolve().parents[1] / "scripts" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look there
+    yield spec.loader.exec_module(module) or module
+    del sys.modules[name]
 
 
 @pytest.fixture(scope="session")

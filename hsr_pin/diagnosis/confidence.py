@@ -59,5 +59,15 @@ def features(support: Support) -> tuple[float, ...]:
 def probability(support: Support, coefficients: Coefficients) -> float:
     """From 0 to 1; before it is scaled, half of it only where the best model is never better than the best without the part."""
     total = sum(weight * value for weight, value in zip(coefficients.weights, features(support), strict=True))
-    plain = min(max((1 + support.frequency) / 2 / (1 + exp(-total)), _SURELY), 1 - _SURELY)
-    return 1 / (1 + exp(-coefficients.shift - coefficients.power * log(plain / (1 - plain))))
+    return scaled((1 + support.frequency) / 2 / (1 + exp(-total)), coefficients.shift, coefficients.power)
+
+
+def scaled(stated: float, shift: float, power: float) -> float:
+    """A probability scaled as :class:`Coefficients` say."""
+    return 1 / (1 + exp(-shift - power * odds(stated)))
+
+
+def odds(probability: float) -> float:
+    """Their logarithm, of a probability that is neither nearer to impossible nor to certain than :data:`_SURELY`."""
+    inside = min(max(probability, _SURELY), 1 - _SURELY)
+    return log(inside / (1 - inside))

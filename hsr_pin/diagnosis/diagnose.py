@@ -246,9 +246,8 @@ class _Study:
         if found.search is None:
             return None, False
         best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
-        late = [
-            each for each in late if best.names or len(each.names) == 1
-        ]  # a pair of which neither is worth having takes up noise
+        if not best.names:  # a pair of which neither is worth having takes up noise
+            late = [each for each in late if len(each.names) == 1]
         likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
         crews = [(other, Crew(other, self.executor, self.advance)) for other in otherwise(found.experiment)]
         again = [(other, each) for other, crew in crews for each in crew.finish(list(likely.values()))]

@@ -1,21 +1,11 @@
 """The table of effects in the README is made from the catalogue."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.spatial import SPATIAL
 
-
-@pytest.fixture
-def script():
-    path = Path(__file__).resolve().parents[2] / "scripts" / "effects_table.py"
-    specification = importlib.util.spec_from_file_location("effects_table", path)
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+SCRIPT = "effects_table"
 
 
 @pytest.mark.parametrize("effects", [EFFECTS, SPATIAL], ids=["any arm", "in space"])

@@ -1,24 +1,12 @@
 """The moving picture is an SVG without a script that ends where the motion does."""
 
-import importlib.util
-import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-import pytest
+
+SCRIPT = "moving_picture"
 
 SVG = "{http://www.w3.org/2000/svg}"
-
-
-@pytest.fixture
-def script(monkeypatch):
-    path = Path(__file__).resolve().parents[2] / "scripts" / "moving_picture.py"
-    specification = importlib.util.spec_from_file_location("moving_picture", path)
-    module = importlib.util.module_from_spec(specification)
-    monkeypatch.setitem(sys.modules, "moving_picture", module)  # dataclasses look there
-    specification.loader.exec_module(module)
-    return module
 
 
 def test_arms_and_markers_move_and_stand_at_their_ends(script):

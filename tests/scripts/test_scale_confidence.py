@@ -1,19 +1,9 @@
 """Scaling makes up for a confidence that is stated too low, and leaves one that is right."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-
-@pytest.fixture
-def script():
-    path = Path(__file__).resolve().parents[2] / "scripts" / "scale_confidence.py"
-    specification = importlib.util.spec_from_file_location("scale_confidence", path)
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+SCRIPT = "scale_confidence"
 
 
 @pytest.mark.parametrize(("shift", "power"), [(0.0, 1.0), (1.0, 0.6)])

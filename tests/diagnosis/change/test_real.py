@@ -1,13 +1,10 @@
 """Known changes between recordings of real arms are told: `scripts/real_changes.py` on the shared recordings."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
 from hsr_pin.diagnosis.change.diagnose import diagnose_change
 
-SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "real_changes.py"
+SCRIPT = "real_changes"
 TOLD = {
     "trunk": {"tip_mass"},
     "trunk-same": set(),
@@ -19,10 +16,7 @@ TOLD = {
 
 
 @pytest.fixture(scope="module")
-def cases():
-    spec = importlib.util.spec_from_file_location("real_changes", SCRIPT)
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
+def cases(script):
     return script.CASES
 
 
