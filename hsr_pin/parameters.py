@@ -27,6 +27,7 @@ class Parameter:
         resizes: power of the stiffness level by which an amplitude grows where it does not do as its law says: -1 for a law in
             proportion to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where
             neither makes sense.
+        looks: at so many values, across the bounds, a first look tries a shape parameter.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Parameter:
     amplitude: bool
     description: str
     resizes: int = 0
+    looks: int = 3
 
     def __post_init__(self) -> None:
         if not self.lower <= self.neutral <= self.upper:
@@ -71,9 +73,10 @@ def parameter(
     description: str,
     amplitude: bool = False,
     resizes: int = 0,
+    looks: int = 3,
 ) -> Any:
     """A dataclass field that is a :class:`Parameter`; its default is the neutral value."""
-    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, resizes)
+    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, resizes, looks)
     return dataclasses.field(default=neutral, metadata={"parameter": fact})
 
 

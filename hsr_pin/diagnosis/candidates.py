@@ -28,8 +28,6 @@ _PROBES = (0.5, 8.0, 32.0)
 _SHAPED = (0.25, 2.0)
 #: Starts of the fit of an effect with shape parameters: their landscape has valleys.
 _STARTS = 2
-#: Values of each shape parameter that are probed.
-_GRID = 3
 #: Probes and quick fits look at this many runs at most, and at hardly more samples than this of each.
 _ENOUGH, _SAMPLES = 8, 400
 #: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
@@ -319,7 +317,7 @@ def _holds(fact: Parameter, size: float) -> bool:
 
 def _grid(fact: Parameter) -> list[float]:
     """Values across the bounds, evenly by ratio where they span more than a factor of five."""
-    at = [(k + 0.5) / _GRID for k in range(_GRID)]
+    at = [(k + 0.5) / fact.looks for k in range(fact.looks)]
     if fact.lower > 0 and fact.upper / fact.lower > 5:
         return [fact.lower * math.pow(fact.upper / fact.lower, f) for f in at]
     return [fact.lower + (fact.upper - fact.lower) * f for f in at]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
@@ -12,6 +11,7 @@ import numpy as np
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.rivals import with_doubles, without_companions
+from hsr_pin.diagnosis.screening import BEAM_GLANCES, promising, screened
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
     Thresholds,
@@ -28,23 +28,13 @@ from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
 from hsr_pin.trajectory import Array
 
-#: Of all effects, those that a probe predicts to help most get a quick fit, at most this many ...
-GLANCES = 12
-#: ... more than so many readings of one law only where there is room ...
-READINGS = 3
-#: ... and at least this share of the best's predicted gain.
-PROMISING = 0.03
-#: Two readings of one law whose predicted gains differ by less than this are the same on these recordings.
-ALIKE = 1e-6
-#: A law is tried with a size of its own at each level where that should leave no more than this share of what one size leaves.
-SIZES_APART = 0.7
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
 #: best, and if they take away at least this share of what would be worth having.
 FINISHED, AT_MOST, CLOSE, HOPEFUL = 3, 6, 1.2, 0.5
 #: A quick fit farther from the best than that, at another stiffness or damping by this factor, is tried at those of the best.
 APART = 1.5
-#: Sets carried on to the next rung, and quick fits for each.
-BEAM, BEAM_GLANCES = 3, 5
+#: Sets carried on to the next rung.
+BEAM = 3
 
 #: Of the special cases of a law that is best, so many get a full fit.
 SPECIAL = 2
@@ -145,7 +135,7 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
             continue
         fewer = without(best.fit, part.name)
         base = tried.get(_key(fewer.hypothesis)) or crew.finish([fewer])[0]
-        guessed = _promising([base], inside, crew)[0][:BEAM_GLANCES]
+        guessed = promising([base], inside, crew)[0][:BEAM_GLANCES]
         quick = _from_one_basin([(base.fit, guess) for guess in guessed if _key(guess.hypothesis) not in tried], crew)
         new += crew.finish(laws_first(quick)[:SPECIAL])
     return new
@@ -203,10 +193,9 @@ def _key(hypothesis: Hypothesis) -> Key:
 def _extend(
     beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
-    enough = GLANCES if len(beam) == 1 else BEAM_GLANCES
     chosen: dict[Key, tuple[Fit, Guess]] = {}
-    for base, guesses in zip(beam, _promising(beam, parts, crew), strict=True):
-        for guess in _of_many_laws(guesses)[:enough]:
+    for base, guesses in zip(beam, screened(beam, parts, crew), strict=True):
+        for guess in guesses:
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
     quick = laws_first(_from_one_basin(list(chosen.values()), crew))
@@ -214,34 +203,6 @@ def _extend(
     hopeful = sqrt(max(0.0, so_far**2 - HOPEFUL * thresholds.worth**2))
     limit = min(CLOSE * quick[0].rms, hopeful) if quick else 0.0
     return crew.finish(quick[:FINISHED] + [fitted for fitted in quick[FINISHED:AT_MOST] if fitted.rms < limit])
-
-
-def _promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) -> list[list[Guess]]:
-    """What to add to each of some models, what should help most by a probe first; nothing that would help next to none."""
-    answers = crew.guess_each([(base, [part for part in parts if part.name not in base.names]) for base in bases])
-    ranked = [_told_apart(sorted(guesses, key=lambda guess: -guess.gain)) for guesses in answers]
-    if not any(base.names for base in bases):  # damping hides what is late where it was fitted without any law
-        ranked = [sorted(_no_less_than_special_cases(guesses), key=lambda guess: -guess.gain) for guesses in ranked]
-    return [[guess for guess in guesses if guess.gain >= PROMISING * guesses[0].gain] for guesses in ranked]
-
-
-def _of_many_laws(guesses: Sequence[Guess]) -> list[Guess]:
-    """In their order, but the first few readings of every law before the others: a law of many shall not crowd out others."""
-    seen: Counter[str] = Counter()
-    later: list[bool] = []
-    for guess in guesses:
-        name = guess.hypothesis.parts[-1].name
-        later.append(seen[name] >= READINGS)
-        seen[name] += 1
-    return [guess for _, guess in sorted(zip(later, guesses, strict=True), key=lambda each: each[0])]
-
-
-def _no_less_than_special_cases(guesses: Sequence[Guess]) -> list[Guess]:
-    """Of a law that contains others, as a probe may not show where damping hides what is late, at least their gain."""
-    gains = {part.name: guess.gain for guess in reversed(guesses) if not (part := guess.hypothesis.parts[-1]).levels}
-    laws = ((guess, guess.hypothesis.parts[-1].effect) for guess in guesses)
-    inside = [[gains.get(name, 0.0) for name in law.contains] if law else [] for guess, law in laws]
-    return [replace(guess, gain=max(guess.gain, *known, 0.0)) for guess, known in zip(guesses, inside, strict=True)]
 
 
 def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]:
@@ -297,22 +258,6 @@ def _exchanged(
     return min((best, *new), key=mean_square)
 
 
-def _told_apart(guesses: Sequence[Guess]) -> list[Guess]:
-    """The first of each reading of a law; the others make no difference, as where a law differs for torques that never came.
-
-    Sizes of its own at each level are one only where they are to take away much of what one size for all would leave.
-    """
-    kept: list[Guess] = []
-    for guess in guesses:
-        part = guess.hypothesis.parts[-1]
-        one_size = max((other.gain for other in guesses if part.contains(other.hypothesis.parts[-1])), default=0.0)
-        if part.levels and 1 - guess.gain > SIZES_APART * (1 - one_size):
-            continue
-        if not any(other.hypothesis.parts[-1].name == part.name and abs(other.gain - guess.gain) < ALIKE for other in kept):
-            kept.append(guess)
-    return kept
-
-
 def _pruned(
     best: Candidate, start: Candidate, tried: dict[Key, Candidate], thresholds: Thresholds, crew: Crew, seed: int
 ) -> Candidate:
@@ -358,7 +303,7 @@ def _leads(candidate: Candidate, tried: Iterable[Candidate]) -> bool:
 
 def _patches(best: Candidate, fewer: Candidate, start: Candidate, thresholds: Thresholds) -> bool:
     little = left(fewer) - left(best) < thresholds.substantial * left(start)
-    return little and left(best) > max(thresholds.closed**2, thresholds.substantial * left(fewer))
+    return little and left(best) > max(thresholds.closed**2, thresholds.remnant * left(fewer))
 
 
 def without(fit: Fit, name: str) -> Fit:

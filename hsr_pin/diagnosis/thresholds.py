@@ -30,8 +30,9 @@ class Thresholds:
         unrepeatable: [m] RMS distance of the arm from itself in trials that repeat one another; 0 where none do.
         explained: largest share of the squared gap that may be left when effects are said to explain it ...
         corner: ... and the largest RMS distance, over the one that is too small to ask about.
-        substantial: share of the squared gap that an effect must take away if it leaves more than this share of what the others
-            leave: it may be what is wrong with another effect's law.
+        substantial: share of the squared gap that an effect must take away ...
+        remnant: ... if it leaves more than this share of what the others leave: it may be what is wrong with
+            another effect's law.
     """
 
     noise: float
@@ -41,6 +42,7 @@ class Thresholds:
     explained: float = 0.03
     corner: float = 5.0
     substantial: float = 0.10
+    remnant: float = 0.25
 
     @classmethod
     def of(cls, noise: float, length: float, unrepeatable: float | None = None) -> Thresholds:

@@ -34,7 +34,13 @@ class Restraint(Effect):
         0.0, lower=0.0, upper=1000.0, unit="N/m", scale=20.0, amplitude=True, description="of what holds the tip"
     )
     distance: float = parameter(
-        0.05, lower=0.005, upper=0.3, unit="m", scale=0.02, description="from the line of the straight arm to where it begins"
+        0.05,
+        lower=0.005,
+        upper=0.3,
+        unit="m",
+        scale=0.02,
+        looks=6,  # one that an arm meets with its last few millimetres is met at no distance much smaller or larger
+        description="from the line of the straight arm to where it begins",
     )
     side: str = option("positive", "negative", description="towards which bending it stands")
 
