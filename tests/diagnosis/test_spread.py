@@ -110,9 +110,9 @@ def test_laws_that_have_a_place_weight_or_lateness_are_left_alone(sets):
 
 def test_nothing_is_ruled_out_without_a_clear_shape_or_where_the_gap_is_closed():
     named = Verdict("partly_identified", ("bending_stop",), (), "So.")
-    beside = {"tip": 0.45, "even": 0.5, "bending": 0.6}  # too near
-    little = {"tip": 0.02, "even": 0.18, "bending": 0.3}
-    for found in (None, Spread(UNEVEN.left), Spread(UNEVEN.left, beside), Spread(UNEVEN.left, little)):
+    near = {"tip": 0.48, "even": 0.6, "bending": 0.7}  # though by a tenth
+    little = {"tip": 0.02, "even": 0.1, "bending": 0.3}  # though a fifth of it
+    for found in (None, Spread(UNEVEN.left), Spread(UNEVEN.left, near), Spread(UNEVEN.left, little)):
         assert ruled_out(named, found, PARTS, THRESHOLDS) is named
     assert ruled_out(named, UNEVEN, PARTS, THRESHOLDS) is not named
     closed = Verdict("identified", ("bending_stop",), (), "So.")
