@@ -50,16 +50,26 @@ def idle(candidate: Candidate, base: Candidate, tried: Sequence[Candidate], thre
 def without_companions(
     best: Candidate, base: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int
 ) -> Candidate:
-    """In place of the best what all its rivals share with it, or one of them that is part of it, where that does nearly as much.
+    """In place of the best some of its parts, where they do nearly as much and a rival does as well without each of the others.
 
     Beside a law that is plainly there an arm has many small ones. Where several may be the next one, and it hardly matters which,
-    none of them is worth a name.
+    none of them is worth a name. Nor shall a flexible law that takes away little tell apart what is not without it: it bends to
+    what is wrong with one law more than to what is wrong with another.
     """
-    closes = explains(best, base, thresholds) and not doubtful(best)
-    sets = [set(best.names), *map(set, rivals(best, base, tried, thresholds, seed, closes))]
-    parts = [names for names in (set.intersection(*sets), *sets) if names and names < sets[0]]
+
+    def other(model: Candidate) -> list[set[str]]:
+        closes = explains(model, base, thresholds) and not doubtful(model)
+        return [set(names) for names in rivals(model, base, tried, thresholds, seed, closes)]
+
+    whole, others = set(best.names), other(best)
+    flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
     most = left(best) + COMPANION * (left(base) - left(best))
-    fewer = [each for each in tried if set(each.names) in parts and left(each) <= most]
+
+    def spared(part: str, fewer: Candidate) -> bool:
+        return any(part not in names for names in others) or (part in flexible and bool(other(fewer)))
+
+    smaller = (each for each in tried if each.names and set(each.names) < whole and left(each) <= most)
+    fewer = [each for each in smaller if all(spared(part, each) for part in whole - set(each.names))]
     return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)
 
 

@@ -38,7 +38,7 @@ HALF = 0.5
 #: Where something else is left, alternatives are told if a name of the best has this probability, or a kind this, and no more
 #: than this share of the squared gap is left: of 12 such verdicts in which more was left one had the truth (third sealed run).
 POSSIBLE, LIKELY, LITTLE = 0.75, 0.65, 0.25
-#: No more sets than this are told where none is clearly the best.
+#: Causes that do half as much as the best are told beside those that do as much, up to so many in all.
 FEW = 3
 #: Of the laws of a kind that is certain, those are told that leave no more than this many times the square of what the best
 #: of them leaves.
@@ -248,7 +248,10 @@ def _nameable(sets: Sequence[tuple[str, ...]], found: Search) -> list[tuple[str,
 
 
 def _of_other_kinds(sets: Sequence[tuple[str, ...]], found: Search, thresholds: Thresholds, seed: int) -> list[tuple[str, ...]]:
-    """The best flexible law that does what the best model does and is of a kind that none of the sets has, if there is room."""
+    """The best flexible law, if any, that does what the best model does and is of a kind that none of the sets has.
+
+    However many the sets are: that the cause is one of them is not to be said where it may be that.
+    """
     base, best = found.path[0], found.best
     known = {kind for each in found.tried if each.names in sets for kind in each.kinds}
 
@@ -257,8 +260,7 @@ def _of_other_kinds(sets: Sequence[tuple[str, ...]], found: Search, thresholds: 
         return as_small and matches(each, best, base, thresholds, seed) and not idle(each, base, found.tried, thresholds)
 
     new = (each for each in sorted(found.tried, key=mean_square) if not each.nameable and not known.issuperset(each.kinds))
-    others = (each.names for each in new if fits(each))
-    return list(islice(others, max(0, min(1, FEW - len(sets)))))
+    return list(islice((each.names for each in new if fits(each)), 1))
 
 
 def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:

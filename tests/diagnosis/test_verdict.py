@@ -117,6 +117,8 @@ def test_the_flexible_law_of_another_kind_that_does_as_well_is_an_alternative_wh
     assert verdict(candidate("torque_profile", gap=2.2e-3), soft, **unsure).status == "unexplained"  # clearly worse
     named = verdict(candidate("torque_decay", gap=1.25e-3), other, soft, **unsure)
     assert named.alternatives == (("soft_spot",), ("torque_decay",))  # that kind is told by its name
+    many = [candidate(name, gap=1.22e-3) for name in ("tip_mass", "dry_friction", "viscoelastic")]
+    assert verdict(*many, other, soft, **unsure).alternatives[-1] == ("torque_profile",)  # however many causes do as well
 
 
 def test_a_kind_is_named_where_no_cause_is_certain():
@@ -363,3 +365,26 @@ def test_a_rival_that_is_part_of_the_best_stands_for_it():
     best, other = candidate("torque_bias", "unequal_lag", gap=1.0e-3), candidate("actuator_lag", "preset_bend", gap=1.0e-3)
     part = candidate("unequal_lag", gap=1.1e-3)
     assert without_companions(best, BASE, (BASE, part, best, other), THRESHOLDS, 0) is part
+
+
+def test_of_a_small_companion_is_not_asked_though_the_law_beside_it_has_a_rival_too():
+    best = candidate("added_mass", "stiffness_gradient", gap=0.75e-3)
+    rivals = candidate("added_mass", "soft_spot", gap=0.76e-3), candidate("stiffness_gradient", "tip_mass", gap=0.76e-3)
+    alone = candidate("stiffness_gradient", gap=0.9e-3)
+    assert without_companions(best, BASE, (BASE, alone, best, *rivals), THRESHOLDS, 0) is alone
+
+
+@pytest.mark.parametrize(
+    ("alone", "rival", "ends_at"),
+    [
+        (0.9e-3, 0.89e-3, ("tip_mass",)),  # without the flexible law the other mass does as well
+        (0.9e-3, 2.0e-3, ("marker_profile", "tip_mass")),  # it does not
+        (1.4e-3, 1.39e-3, ("marker_profile", "tip_mass")),  # the flexible law takes a tenth of what both do
+    ],
+)
+def test_a_flexible_law_that_takes_little_tells_no_name_from_another(alone, rival, ends_at):
+    best = candidate("marker_profile", "tip_mass", gap=0.5e-3)
+    tried = BASE, candidate("tip_mass", gap=alone), candidate("added_mass", gap=rival), best
+    assert without_companions(best, BASE, tried, THRESHOLDS, 0).names == ends_at
+    named = candidate("marker_offset", "tip_mass", gap=0.5e-3)
+    assert without_companions(named, BASE, (*tried[:-1], named), THRESHOLDS, 0) is named
