@@ -22,7 +22,7 @@ from hsr_pin.diagnosis.residual_torque import ResidualTorque
 #: Largest share of the squared residual torque that a shape may leave, and how much less than the next it must leave.
 MOST, LESS = 0.35, 0.85
 #: What is missing is not even where a force at the tip takes away at least this share of it more than an even torque does, and
-#: leaves no more than this much of what that leaves: so it was in the three forces, and in none of 18 laws that act evenly, among
+#: leaves no more than this much of what that leaves: so it was in the five forces, and in none of 18 laws that act evenly, among
 #: the cases of the ninth sealed run by which this was set.
 MORE, NEARER = 0.1, 0.75
 #: Less than this counts as this: so well nothing is known.
