@@ -53,22 +53,23 @@ def without_companions(
     """In place of the best some of its parts, where they do nearly as much and a rival does as well without each of the others.
 
     Beside a law that is plainly there an arm has many small ones. Where several may be the next one, and it hardly matters which,
-    none of them is worth a name. Nor shall a flexible law that takes away little tell apart what is not without it: it bends to
-    what is wrong with one law more than to what is wrong with another.
+    none of them is worth a name. Nor shall a flexible law that takes away little tell a name from another of its kind that does
+    as well without it: it bends to what is wrong with one law more than to what is wrong with the other.
     """
 
-    def other(model: Candidate) -> list[set[str]]:
-        closes = explains(model, base, thresholds) and not doubtful(model)
-        return [set(names) for names in rivals(model, base, tried, thresholds, seed, closes)]
+    def rivals_of(model: Candidate) -> list[tuple[str, ...]]:
+        return rivals(model, base, tried, thresholds, seed, explains(model, base, thresholds) and not doubtful(model))
 
-    whole, others = set(best.names), other(best)
+    kinds = {each.names: each.kinds for each in tried}
+    whole, others = set(best.names), [set(names) for names in rivals_of(best)]
     flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
     most = left(best) + COMPANION * (left(base) - left(best))
 
-    def spared(part: str, fewer: Candidate) -> bool:
-        return any(part not in names for names in others) or (part in flexible and bool(other(fewer)))
+    def spared(part: str, some: Candidate) -> bool:
+        alike = part in flexible and any(kinds[names] == some.kinds for names in rivals_of(some))
+        return alike or any(part not in names for names in others)
 
-    smaller = (each for each in tried if each.names and set(each.names) < whole and left(each) <= most)
+    smaller = (each for each in tried if each.names and each.nameable and set(each.names) < whole and left(each) <= most)
     fewer = [each for each in smaller if all(spared(part, each) for part in whole - set(each.names))]
     return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)
 

@@ -281,6 +281,8 @@ def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, threshold
 def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thresholds: Thresholds) -> Verdict:
     """A verdict that names nothing but laws that cannot be what is missing names none, unless they close the gap.
 
+    Nor if it names a contact beside them: which, and whether it is of that law, is not known for want of other answers.
+
     Args:
         verdict: on the models.
         found: how what is missing is spread along the arm.
@@ -291,11 +293,14 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
     if closes or found is None or not found.uneven:
         return verdict
     even = {part.name for part in parts if part.kind in SLOW and (part.effect is None or part.effect.placeless)}
+    contacts = {part.name for part in parts if part.kind == "contact"}
     sets = verdict.alternatives or ((verdict.effects,) if verdict.effects else ())
-    if not sets or not all(even.issuperset(names) for names in sets):
+    wrong = [names for names in sets if even.issuperset(names)]
+    if not wrong or not all(contacts.issuperset(names) for names in sets if names not in wrong):
         return verdict
-    told = sorted({name for names in sets for name in names})
+    told = sorted({name for names in wrong for name in names})
     of_kind = {part.kind for part in parts if part.name in told}
+    first = "No law that was tried can be it" if len(wrong) == len(sets) else "None is certain"
     tip, torque = (f"{100 * found.beside[shape]:.0f} %" for shape in ("tip", "even"))
     return replace(
         verdict,
@@ -304,7 +309,7 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
         alternatives=(),
         kinds=(),
         confidence={name: min(value, RULED_OUT) for name, value in verdict.confidence.items() if name in {*told, *of_kind}},
-        sentence=f"No law that was tried can be it: {' or '.join(told)} comes near at the markers, but acts alike all along "
+        sentence=f"{first}: {' or '.join(told)} comes near at the markers, but acts alike all along "
         f"the arm, and what is missing does not (an even torque leaves {torque} of its square, a force at the tip {tip}).",
     )
 

@@ -100,6 +100,19 @@ def test_laws_that_act_alike_everywhere_are_no_names_for_what_does_not(effects, 
     assert "an even torque leaves 50 % of its square, a force at the tip 20 %" in after.sentence
 
 
+def test_a_contact_beside_laws_that_are_ruled_out_is_not_certain_for_want_of_others():
+    before = Verdict(
+        "ambiguous", (), (("bending_stop",), ("restraint",)), "So.", confidence={"bending_stop": 0.9, "contact": 0.5}
+    )
+    after = ruled_out(before, UNEVEN, PARTS, THRESHOLDS)
+    assert (after.status, after.alternatives, after.confidence) == ("unexplained", (), {"bending_stop": RULED_OUT})
+    assert after.sentence.startswith("None is certain: bending_stop comes near at the markers, but")
+    alone = Verdict("partly_identified", ("restraint",), (), "So.")
+    beside = Verdict("ambiguous", (), (("bending_stop",), ("gravity_tilt",)), "So.")
+    for verdict in (alone, beside):
+        assert ruled_out(verdict, UNEVEN, PARTS, THRESHOLDS) is verdict
+
+
 @pytest.mark.parametrize(
     "sets", [(("gravity_tilt",), ("torque_bias",)), (("stiffness_gradient", "stiffening"),), (("dead_time",),)]
 )

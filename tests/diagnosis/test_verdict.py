@@ -388,3 +388,12 @@ def test_a_flexible_law_that_takes_little_tells_no_name_from_another(alone, riva
     assert without_companions(best, BASE, tried, THRESHOLDS, 0).names == ends_at
     named = candidate("marker_offset", "tip_mass", gap=0.5e-3)
     assert without_companions(named, BASE, (*tried[:-1], named), THRESHOLDS, 0) is named
+    of_another_kind = candidate("backlash", gap=rival)
+    assert without_companions(best, BASE, (*tried[:2], of_another_kind, best), THRESHOLDS, 0) is best
+
+
+def test_a_flexible_law_is_no_answer_in_place_of_a_pair_of_which_a_rival_has_neither():
+    best, rival = candidate("marker_profile", "torque_bias", gap=0.1e-3), candidate("gravity_tilt", "preset_bend", gap=0.1e-3)
+    alone = candidate("marker_profile", gap=0.5e-3), candidate("torque_bias", gap=0.8e-3)
+    assert without_companions(best, BASE, (BASE, *alone, best, rival), THRESHOLDS, 0) is alone[1]
+    assert without_companions(best, BASE, (BASE, *alone[:1], best, rival), THRESHOLDS, 0) is best
