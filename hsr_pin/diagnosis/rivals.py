@@ -52,6 +52,8 @@ def without_companions(
 ) -> Candidate:
     """In place of the best some of its parts, where they do nearly as much and a rival does as well without each of the others.
 
+    They have to explain the recordings themselves, or to be what all rivals share, or a rival.
+
     Beside a law that is plainly there an arm has many small ones. Where several may be the next one, and it hardly matters which,
     none of them is worth a name. Nor shall a flexible law that takes away little tell a name from another of its kind that does
     as well without it: it bends to what is wrong with one law more than to what is wrong with the other.
@@ -64,13 +66,17 @@ def without_companions(
     whole, others = set(best.names), [set(names) for names in rivals_of(best)]
     flexible = {part.name for part in best.fit.hypothesis.parts if part.flexible}
     most = left(best) + COMPANION * (left(base) - left(best))
+    shared = whole.intersection(*others)
+
+    def enough(some: Candidate) -> bool:  # by itself, or for all rivals
+        return explains(some, base, thresholds) or set(some.names) in (shared, *others)
 
     def spared(part: str, some: Candidate) -> bool:
         alike = part in flexible and any(kinds[names] == some.kinds for names in rivals_of(some))
         return alike or any(part not in names for names in others)
 
     smaller = (each for each in tried if each.names and each.nameable and set(each.names) < whole and left(each) <= most)
-    fewer = [each for each in smaller if all(spared(part, each) for part in whole - set(each.names))]
+    fewer = [each for each in smaller if enough(each) and all(spared(part, each) for part in whole - set(each.names))]
     return min(fewer, key=lambda each: (len(each.names), mean_square(each)), default=best)
 
 

@@ -377,23 +377,32 @@ def test_of_a_small_companion_is_not_asked_though_the_law_beside_it_has_a_rival_
 @pytest.mark.parametrize(
     ("alone", "rival", "ends_at"),
     [
-        (0.9e-3, 0.89e-3, ("tip_mass",)),  # without the flexible law the other mass does as well
-        (0.9e-3, 2.0e-3, ("marker_profile", "tip_mass")),  # it does not
+        (0.6e-3, 0.59e-3, ("tip_mass",)),  # without the flexible law the other mass does as well
+        (0.6e-3, 2.0e-3, ("marker_profile", "tip_mass")),  # it does not
+        (0.8e-3, 0.79e-3, ("marker_profile", "tip_mass")),  # too much is left without it
         (1.4e-3, 1.39e-3, ("marker_profile", "tip_mass")),  # the flexible law takes a tenth of what both do
     ],
 )
 def test_a_flexible_law_that_takes_little_tells_no_name_from_another(alone, rival, ends_at):
-    best = candidate("marker_profile", "tip_mass", gap=0.5e-3)
+    best = candidate("marker_profile", "tip_mass", gap=0.3e-3)
     tried = BASE, candidate("tip_mass", gap=alone), candidate("added_mass", gap=rival), best
     assert without_companions(best, BASE, tried, THRESHOLDS, 0).names == ends_at
-    named = candidate("marker_offset", "tip_mass", gap=0.5e-3)
+    named = candidate("marker_offset", "tip_mass", gap=0.3e-3)
     assert without_companions(named, BASE, (*tried[:-1], named), THRESHOLDS, 0) is named
     of_another_kind = candidate("backlash", gap=rival)
     assert without_companions(best, BASE, (*tried[:2], of_another_kind, best), THRESHOLDS, 0) is best
 
 
+def test_a_second_law_without_which_much_is_left_stays_though_which_it_is_is_open():
+    best = candidate("added_mass", "dead_time", gap=0.2e-3)
+    rivals = candidate("mass_scale", "unequal_lag", gap=0.21e-3), candidate("dead_time", "mass_scale", gap=0.21e-3)
+    for alone, ends_at in ((0.8e-3, ("added_mass", "dead_time")), (0.6e-3, ("dead_time",))):
+        tried = BASE, candidate("dead_time", gap=alone), best, *rivals
+        assert without_companions(best, BASE, tried, THRESHOLDS, 0).names == ends_at
+
+
 def test_a_flexible_law_is_no_answer_in_place_of_a_pair_of_which_a_rival_has_neither():
     best, rival = candidate("marker_profile", "torque_bias", gap=0.1e-3), candidate("gravity_tilt", "preset_bend", gap=0.1e-3)
-    alone = candidate("marker_profile", gap=0.5e-3), candidate("torque_bias", gap=0.8e-3)
+    alone = candidate("marker_profile", gap=0.5e-3), candidate("torque_bias", gap=0.6e-3)
     assert without_companions(best, BASE, (BASE, *alone, best, rival), THRESHOLDS, 0) is alone[1]
     assert without_companions(best, BASE, (BASE, *alone[:1], best, rival), THRESHOLDS, 0) is best
