@@ -47,6 +47,14 @@ class Parameter:
         if not (math.isfinite(self.scale) and self.scale > 0):
             raise ValueError(f"{self.name}: scale must be positive, got {self.scale}")
 
+    @property
+    def across(self) -> list[float]:
+        """Values across the bounds at which a first look tries it, evenly by ratio where they span more than a factor of five."""
+        at = [(k + 0.5) / self.looks for k in range(self.looks)]
+        if self.lower > 0 and self.upper / self.lower > 5:
+            return [self.lower * math.pow(self.upper / self.lower, f) for f in at]
+        return [self.lower + (self.upper - self.lower) * f for f in at]
+
 
 def finite(name: str, value: Any, expected: str = "a finite number") -> float:
     """A number that someone gave, as a float.

@@ -6,7 +6,6 @@ A candidate is the arm with fitted stiffness and damping, with effects of the ca
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -300,7 +299,7 @@ def _some_of(experiment: Experiment) -> Experiment:
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:
     """Values of an effect's parameters: a small amplitude, at a few values of each shape parameter."""
-    shapes = [_grid(fact) if not fact.amplitude else [0.0] for fact in facts]
+    shapes = [fact.across if not fact.amplitude else [0.0] for fact in facts]
     shaped = any(not fact.amplitude for fact in facts)
     sizes = [n for n in (_SHAPED if shaped else _PROBES) if n < 1 or all(_holds(fact, n) for fact in facts if fact.amplitude)]
     return [
@@ -313,14 +312,6 @@ def _probes(facts: Sequence[Parameter]) -> list[Array]:
 def _holds(fact: Parameter, size: float) -> bool:
     """Whether an amplitude of so many scales is within the bounds."""
     return fact.neutral + size * fact.scale <= fact.upper
-
-
-def _grid(fact: Parameter) -> list[float]:
-    """Values across the bounds, evenly by ratio where they span more than a factor of five."""
-    at = [(k + 0.5) / fact.looks for k in range(fact.looks)]
-    if fact.lower > 0 and fact.upper / fact.lower > 5:
-        return [fact.lower * math.pow(fact.upper / fact.lower, f) for f in at]
-    return [fact.lower + (fact.upper - fact.lower) * f for f in at]
 
 
 class _Known:

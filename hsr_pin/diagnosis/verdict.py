@@ -300,7 +300,8 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
         return verdict
     told = sorted({name for names in wrong for name in names})
     of_kind = {part.kind for part in parts if part.name in told}
-    first = "No law that was tried can be it" if len(wrong) == len(sets) else "None is certain"
+    standing = " or ".join(" with ".join(names) for names in sets if names not in wrong)
+    first = "None is certain" if standing else "No law that was tried can be it"
     tip, torque = (f"{100 * found.beside[shape]:.0f} %" for shape in ("tip", "even"))
     return replace(
         verdict,
@@ -310,7 +311,8 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
         kinds=(),
         confidence={name: min(value, RULED_OUT) for name, value in verdict.confidence.items() if name in {*told, *of_kind}},
         sentence=f"{first}: {' or '.join(told)} comes near at the markers, but acts alike all along "
-        f"the arm, and what is missing does not (an even torque leaves {torque} of its square, a force at the tip {tip}).",
+        f"the arm, and what is missing does not (an even torque leaves {torque} of its square, a force at the tip {tip})"
+        f"{f'; {standing} may be' if standing else ''}.",
     )
 
 

@@ -107,6 +107,7 @@ def test_a_contact_beside_laws_that_are_ruled_out_is_not_certain_for_want_of_oth
     after = ruled_out(before, UNEVEN, PARTS, THRESHOLDS)
     assert (after.status, after.alternatives, after.confidence) == ("unexplained", (), {"bending_stop": RULED_OUT})
     assert after.sentence.startswith("None is certain: bending_stop comes near at the markers, but")
+    assert after.sentence.endswith("a force at the tip 20 %); restraint may be.")
     alone = Verdict("partly_identified", ("restraint",), (), "So.")
     beside = Verdict("ambiguous", (), (("bending_stop",), ("gravity_tilt",)), "So.")
     for verdict in (alone, beside):

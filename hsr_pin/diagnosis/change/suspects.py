@@ -17,8 +17,6 @@ from hsr_pin.trajectory import Array
 _SIZES, _SHAPED = tuple(0.25 * 2 ** (k / 2) for k in range(12)), (0.3, 1.0, 3.0)
 #: Sizes at which an effect that may go to any side is tried, along each of its axes: what they make adds up.
 _SIDED = (0.5, 2.0, 8.0)
-#: Values of each shape parameter that are tried.
-_GRID = 3
 #: Factors at which stiffness and other numbers of the arm are tried, and damping; and on an effect that is there.
 _FACTORS, _WIDER = (0.6, 0.8, 0.9, 0.95, 1.05, 1.1, 1.25, 1.6, 2.5), (0.3, 0.6, 0.8, 1.25, 1.6, 2.5)
 _GROWTH = (0.0, 0.5, 0.75, 1.25, 1.5, 2.0)
@@ -160,7 +158,7 @@ def _probes(facts: Sequence[Parameter]) -> Array:
     ways = (1.0, -1.0) if all(fact.lower < fact.neutral for fact in facts if fact.amplitude) else (1.0,)
     found: list[tuple[float, ...]] = []
     for size, way in itertools.product(_SHAPED if shaped else _SIZES, ways):
-        at = [[float(fact.neutral + way * size * fact.scale)] if fact.amplitude else _grid(fact) for fact in facts]
+        at = [[float(fact.neutral + way * size * fact.scale)] if fact.amplitude else fact.across for fact in facts]
         if all(fact.lower <= values[0] <= fact.upper for fact, values in zip(facts, at, strict=True)):
             found += itertools.product(*at)
     return np.array(found)
@@ -176,11 +174,3 @@ def _along_axes(facts: Sequence[Parameter], values: Array) -> Array:
     steps = np.multiply.outer(_SIDED, [fact.scale for fact in facts])
     ways = np.where(values + steps <= [fact.upper for fact in facts], steps, -steps)
     return np.asarray(values + ways[:, None] * np.eye(len(facts)))
-
-
-def _grid(fact: Parameter) -> list[float]:
-    """Values across the bounds, evenly by ratio where they span more than a factor of five."""
-    at = (np.arange(_GRID) + 0.5) / _GRID
-    if fact.lower > 0 and fact.upper / fact.lower > 5:
-        return [float(value) for value in fact.lower * (fact.upper / fact.lower) ** at]
-    return [float(value) for value in fact.lower + (fact.upper - fact.lower) * at]
