@@ -10,6 +10,8 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.thresholds import doubtful
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
+from hsr_pin.effects.effect import KINDS
+from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.fit import Fit
 
@@ -53,8 +55,8 @@ def number(value: float) -> str:
 
 
 def sentence(text: str) -> str:
-    """A sentence for people, from one that calls effects by their names in code."""
-    for name in EFFECTS | SPATIAL:
+    """A sentence for people, from one that calls effects and kinds of physics by their names in code."""
+    for name in (*EFFECTS, *SPATIAL, *FLEXIBLE, *KINDS):
         text = text.replace(name, name.replace("_", " "))
     return text[:1].upper() + text[1:]
 

@@ -9,7 +9,7 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Evidence, judge
-from hsr_pin.diagnosis.words import advice, effect_options
+from hsr_pin.diagnosis.words import advice, effect_options, sentence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Part
@@ -90,3 +90,8 @@ def test_options_for_hsr_sim_are_those_of_each_level_where_a_size_goes_with_it()
     soft, stiff = (float(text.partition("bias=")[2]) for text in effect_options(fit, (2.22, 1.11)).values())
     assert soft == pytest.approx(fit.named["torque_bias.bias"], rel=1e-3) and stiff == pytest.approx(2 * soft, rel=1e-3)
     assert list(effect_options(fit, (2.22, 1.11))) == ["1.11 Nm/rad", "2.22 Nm/rad"]
+
+
+def test_a_sentence_for_people_has_no_names_of_code():
+    told = "marker_profile with torque_bias: something of the kind actuation_map, or base_tilt."
+    assert sentence(told) == "Marker profile with torque bias: something of the kind actuation map, or base tilt."
