@@ -179,7 +179,7 @@ class Hypothesis:
         names = tuple(f"{e.name}.{p.name}" for e in effects for p in e.parameters())
         return replace(self, effects=(*self.effects, *effects), free=(*self.free, *names))
 
-    @property
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The effects, and the open numbers of the arm beside stiffness and damping."""
         effects = tuple(Part(e.name, e, e.name in self.resized, self._opens(e), self._levels(e)) for e in self.effects)
