@@ -36,6 +36,20 @@ def screened(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) -> l
     return found
 
 
+def passed_over(base: Candidate, parts: Sequence[Part], looked_at: Sequence[Guess], crew: Crew) -> list[Guess]:
+    """The likeliest reading of every law of which none was looked at, the likeliest law first, whatever a probe says of them.
+
+    A probe takes what a law changes as linear in its size. Where a swing is missed by more than that holds for, it may promise
+    most of laws that are worth nothing, and nothing of play.
+    """
+    seen = {guess.hypothesis.parts[-1].name for guess in looked_at}
+    guesses = crew.guess(base, [part for part in parts if part.name not in seen and not part.levels])
+    best: dict[str, Guess] = {}
+    for guess in sorted(guesses, key=lambda guess: -guess.gain):
+        best.setdefault(guess.hypothesis.parts[-1].name, guess)
+    return list(best.values())
+
+
 def promising(bases: Sequence[Candidate], parts: Sequence[Part], crew: Crew) -> list[list[Guess]]:
     """What to add to each of some models, what should help most by a probe first; nothing that would help next to none."""
     answers = crew.guess_each([(base, [part for part in parts if part.name not in base.names]) for base in bases])

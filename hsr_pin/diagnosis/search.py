@@ -11,7 +11,7 @@ import numpy as np
 from hsr_pin.diagnosis.candidates import Candidate, Guess
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.rivals import with_doubles, without_companions
-from hsr_pin.diagnosis.screening import BEAM_GLANCES, promising, screened
+from hsr_pin.diagnosis.screening import BEAM_GLANCES, passed_over, promising, screened
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
     Thresholds,
@@ -43,7 +43,8 @@ DOUBLES = 3
 
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
-#: Where two effects leave a larger share of the squared gap than this, no third is looked for.
+#: Where two effects leave a larger share of the squared gap than this, no third is looked for; where one does, every law is
+#: looked at that was passed over.
 HOPELESS = 0.5
 
 #: What a model has beside stiffness and damping: name, options and size of each.
@@ -95,8 +96,12 @@ def search(
         if not _is_open(path, thresholds):
             break
         tell(f"effect {rung}: trying {len(parts)} candidates")
-        new = _extend(beam, parts, crew, tried, thresholds)
+        looks = screened(beam, parts, crew)
+        new = _extend(beam, looks, crew, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
+        if rung == 1 and all(left(candidate) > HOPELESS * left(start) for candidate in new):
+            new += _from_neutral_too(_extend(beam, [passed_over(start, parts, looks[0], crew)], crew, tried, thresholds), crew)
+            tried |= {key(candidate): candidate for candidate in new}
         better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)
         good = [c for c in better if worth_having(path[-1], c, thresholds, seed)]
         if rung > len(path):  # a pair of which neither was worth having alone: its word counts where it closes the gap
@@ -191,10 +196,11 @@ def _key(hypothesis: Hypothesis) -> Key:
 
 
 def _extend(
-    beam: Sequence[Candidate], parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
+    beam: Sequence[Candidate], looks: Sequence[Sequence[Guess]], crew: Crew, tried: dict[Key, Candidate], thresholds: Thresholds
 ) -> list[Candidate]:
+    """What is best of models with one law more, of those that were chosen to be looked at beside each."""
     chosen: dict[Key, tuple[Fit, Guess]] = {}
-    for base, guesses in zip(beam, screened(beam, parts, crew), strict=True):
+    for base, guesses in zip(beam, looks, strict=True):
         for guess in guesses:
             if (name := _key(guess.hypothesis)) not in tried:
                 chosen.setdefault(name, (base.fit, guess))
@@ -219,6 +225,12 @@ def _from_one_basin(tasks: Sequence[tuple[Fit, Guess]], crew: Crew) -> list[Fit]
     for fitted in sorted(quick, key=lambda fitted: fitted.rms):
         kept.setdefault(_key(fitted.hypothesis), fitted)
     return list(kept.values())
+
+
+def _from_neutral_too(candidates: Sequence[Candidate], crew: Crew) -> list[Candidate]:
+    """The same models, or as a fit from neutral finds them where that finds better ones."""
+    again = crew.finish([replace(each.fit, values=each.fit.hypothesis.start) for each in candidates])
+    return [min(pair, key=lambda each: each.fit.rms) for pair in zip(candidates, again, strict=True)]
 
 
 def _elsewhere(fitted: Fit, best: Fit) -> bool:
@@ -253,7 +265,7 @@ def _exchanged(
     One that was good alone may be a stand-in beside the other, whose partner was never tried with it.
     """
     fewer = [tried[_key(without(best.fit, name).hypothesis)] for name in best.names]
-    new = _extend(fewer, parts, crew, tried, thresholds)
+    new = _extend(fewer, screened(fewer, parts, crew), crew, tried, thresholds)
     tried |= {key(candidate): candidate for candidate in new}
     return min((best, *new), key=mean_square)
 

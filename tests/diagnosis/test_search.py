@@ -34,10 +34,17 @@ def test_the_one_effect_that_closes_the_gap_is_found():
 
 
 def test_a_law_that_a_probe_does_not_show_is_tried_where_one_that_it_contains_is_promising():
-    gaps = {"": GAP, "actuator_lag": 3e-3, "unequal_lag": 0.0}
+    gaps = {"": GAP, "actuator_lag": 2.5e-3, "unequal_lag": 0.0}
     assert searched(FakeCrew(gaps, unseen=("unequal_lag",)), max_effects=1).best.names == ("unequal_lag",)
-    other = {"": GAP, "tip_mass": 3e-3, "unequal_lag": 0.0}
+    other = {"": GAP, "tip_mass": 2.5e-3, "unequal_lag": 0.0}
     assert searched(FakeCrew(other, unseen=("unequal_lag",)), max_effects=1).best.names == ("tip_mass",)
+
+
+@pytest.mark.parametrize(("other", "found"), [(0.75 * GAP, "backlash"), (0.65 * GAP, "tip_mass")])
+@pytest.mark.parametrize("stuck", [{}, {"backlash": 0.9 * GAP}], ids=["at once", "from neutral"])
+def test_laws_that_a_probe_does_not_show_are_looked_at_where_none_that_it_shows_takes_half(other, found, stuck):
+    crew = FakeCrew({"": GAP, "tip_mass": other, "backlash": 0.0}, unseen=("backlash",), stuck=stuck)
+    assert searched(crew, max_effects=1).best.names == (found,)
 
 
 def test_beside_another_law_it_takes_no_place_of_those_that_a_probe_shows():
