@@ -21,6 +21,7 @@
 - ``report``: a diagnosis as one HTML page
 - ``residual_torque``: the torque along the arm that the model lacks
 - ``rivals``: what explains as much as the best, and which of its parts do not matter
+- ``screening``: of all that could be added, the little that a quick fit is spent on
 - ``search``: effects added one at a time, several sets side by side
 - ``smooth``: motion smoothed and differentiated; ranks
 - ``spread``: how what is missing is spread along the arm

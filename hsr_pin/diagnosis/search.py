@@ -43,9 +43,10 @@ DOUBLES = 3
 
 #: Of a gap that is explained, this many times what is too small to ask about is no reason to look for more.
 CORNER = 2.0
-#: Where two effects leave a larger share of the squared gap than this, no third is looked for; where one does, every law is
-#: looked at that was passed over.
+#: Where two effects leave a larger share of the squared gap than this, no third is looked for.
 HOPELESS = 0.5
+#: Where every law that was fitted leaves a larger share than this, those are looked at that were passed over.
+MOST = 0.75
 
 #: What a model has beside stiffness and damping: name, options and size of each.
 Key = tuple[tuple[object, ...], ...]
@@ -99,7 +100,7 @@ def search(
         looks = screened(beam, parts, crew)
         new = _extend(beam, looks, crew, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
-        if rung == 1 and all(left(candidate) > HOPELESS * left(start) for candidate in new):
+        if rung == 1 and all(left(candidate) > MOST * left(start) for candidate in new):
             new += _from_neutral_too(_extend(beam, [passed_over(start, parts, looks[0], crew)], crew, tried, thresholds), crew)
             tried |= {key(candidate): candidate for candidate in new}
         better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)
