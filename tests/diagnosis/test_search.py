@@ -34,9 +34,9 @@ def test_the_one_effect_that_closes_the_gap_is_found():
 
 
 def test_a_law_that_a_probe_does_not_show_is_tried_where_one_that_it_contains_is_promising():
-    gaps = {"": GAP, "actuator_lag": 2.5e-3, "unequal_lag": 0.0}
+    gaps = {"": GAP, "actuator_lag": 3e-3, "unequal_lag": 0.0}
     assert searched(FakeCrew(gaps, unseen=("unequal_lag",)), max_effects=1).best.names == ("unequal_lag",)
-    other = {"": GAP, "tip_mass": 2.5e-3, "unequal_lag": 0.0}
+    other = {"": GAP, "tip_mass": 3e-3, "unequal_lag": 0.0}
     assert searched(FakeCrew(other, unseen=("unequal_lag",)), max_effects=1).best.names == ("tip_mass",)
 
 
