@@ -383,6 +383,13 @@ def test_a_marker_that_slipped_is_seen_where_the_backbone_is_at_its_own_place():
         assert off.max() < 1e-4 < np.linalg.norm(seen(marks) - seen(where), axis=-1).max()  # the arc, to first order
 
 
+def test_no_distance_of_a_restraint_is_far_from_one_that_a_first_look_tries():
+    # an arm that meets it with its last few millimetres shows nothing of one much nearer or farther
+    (distance,) = (fact for fact in EFFECTS["restraint"].parameters() if fact.name == "distance")
+    for there in np.geomspace(distance.lower, distance.upper, 40):
+        assert min(max(there / tried, tried / there) for tried in distance.across) < 1.5
+
+
 @pytest.mark.parametrize("side", ["positive", "negative"])
 def test_a_restraint_holds_the_tip_back_by_the_lever_of_its_force(side):
     sign = 1.0 if side == "positive" else -1.0
