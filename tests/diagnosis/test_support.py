@@ -115,6 +115,13 @@ def test_whatever_speaks_less_for_a_law_makes_it_less_probable(field, worse):
         assert 0 <= probability(replace(STRONG, **{field: worse}), coefficients) <= 1
 
 
+def test_a_kind_that_was_right_more_often_than_others_is_more_probable_and_its_names_are_not():
+    fair = replace(STRONG, margin=1.5, clear=10.0, lead=0.4)
+    damping, elastic = (replace(fair, kind=kind) for kind in ("damping", "elastic"))
+    assert probability(damping, KIND) > probability(elastic, KIND) + 0.05
+    assert probability(damping, NAME) == probability(elastic, NAME)
+
+
 def test_a_law_that_has_one_of_the_choice_for_a_special_case_is_no_rival_of_it_and_the_clearest_of_them_counts():
     part, _, together = told("dead_time", "dead_time", "actuator_lag", "lag_cascade", "dry_friction")
     _, found = models()
