@@ -128,12 +128,16 @@ def diagnose(
         found = study.of(experiment)
         other, needless = study.turned(found)
         if other is None:
-            return found
+            return study.in_other_forms(found)
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-    one, two = (each.search.best if each.search else None for each in (found, again))
-    kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
-    return found if kept else again
+        one, two = (each.search.best if each.search else None for each in (found, again))
+        kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
+        return study.in_other_forms(found if kept else again)
+
+
+#: Open commands are taken another way only where this leaves stiffness and damping alone at most so many times the error.
+FORM = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,6 +260,26 @@ class _Study:
                 return other, False
         simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
         return next((other for other, each in simpler if self.needless(best, each, found.thresholds)), None), True
+
+    def in_other_forms(self, found: Diagnosis) -> Diagnosis:
+        """Of recordings that nothing explains, what explains them with open commands taken another way, where something does.
+
+        Which way fits the arm alone best need not be so: an arm with play may fit better where commands come too early. Nothing
+        that is late is taken from there, for the way itself may make it so.
+        """
+        if found.verdict.status != "unexplained" or found.search is None:
+            return found
+        base, best = found.search.path[0], found.search.best
+        for other in otherwise(found.experiment):
+            alone = fit(other, base.fit.hypothesis, start=base.fit.values)
+            if alone.rms > FORM * base.fit.rms:
+                continue
+            self.tell("the commands taken the other way")
+            again = self.of(other, settled=True)
+            told = again.search.best if again.search and again.verdict.status != "unexplained" else None
+            if told and "actuation_time" not in told.kinds and clearly_worse(best, told, found.thresholds, self.seed):
+                return again
+        return found
 
     def needless(self, best: Candidate, other: Candidate, thresholds: Thresholds) -> bool:
         """Whether what a model has is not needed, by another of the commands taken the other way.

@@ -45,7 +45,7 @@ DOUBLES = 3
 CORNER = 2.0
 #: Where two effects leave a larger share of the squared gap than this, no third is looked for.
 HOPELESS = 0.5
-#: Where every law that was fitted leaves a larger share than this, those are looked at that were passed over.
+#: Where no law that was fitted is worth having and leaves less than this share, those are looked at that were passed over.
 MOST = 0.75
 
 #: What a model has beside stiffness and damping: name, options and size of each.
@@ -100,7 +100,7 @@ def search(
         looks = screened(beam, parts, crew)
         new = _extend(beam, looks, crew, tried, thresholds)
         tried |= {key(candidate): candidate for candidate in new}
-        if rung == 1 and all(left(candidate) > MOST * left(start) for candidate in new):
+        if rung == 1 and not any(left(c) <= MOST * left(start) and worth_having(start, c, thresholds, seed) for c in new):
             new += _from_neutral_too(_extend(beam, [passed_over(start, parts, looks[0], crew)], crew, tried, thresholds), crew)
             tried |= {key(candidate): candidate for candidate in new}
         better = sorted((c for c in new if mean_square(c) < mean_square(path[-1])), key=mean_square)

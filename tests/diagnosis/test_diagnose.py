@@ -147,6 +147,34 @@ def test_commands_are_not_taken_the_other_way_for_a_pair_where_no_law_is_worth_h
     assert _Study.turned(study, found)[0] == ("the other way" if turned else None)
 
 
+@pytest.mark.parametrize(
+    ("told", "status", "alone", "taken"),
+    [
+        (candidate("backlash", gap=1e-4), "ambiguous", 1.4, True),
+        (candidate("backlash", gap=1e-4), "unexplained", 1.4, False),
+        (candidate("backlash", gap=0.9e-3), "ambiguous", 1.4, False),
+        (candidate("actuator_lag", gap=1e-4), "identified", 1.4, False),
+        (candidate("backlash", gap=1e-4), "ambiguous", 1.6, False),
+    ],
+    ids=["play that shows there", "nothing there either", "hardly better", "late for the way itself", "much worse alone"],
+)
+def test_what_nothing_explains_is_looked_at_with_the_commands_taken_another_way(told, status, alone, taken, monkeypatch):
+    def diagnosis(best, status):
+        return SimpleNamespace(
+            search=Search((base, best), ()), verdict=SimpleNamespace(status=status), experiment=None, thresholds=THRESHOLDS
+        )
+
+    base = candidate(gap=1e-3)
+    again = diagnosis(told, status)
+    study = SimpleNamespace(seed=0, tell=lambda line: None, of=lambda experiment, settled: again)
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.otherwise", lambda experiment: ["the other way"])
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.fit", lambda *given, **start: SimpleNamespace(rms=alone * base.fit.rms))
+    found = diagnosis(base, "unexplained")
+    assert _Study.in_other_forms(study, found) is (again if taken else found)
+    explained = diagnosis(base, "partly_identified")
+    assert _Study.in_other_forms(study, explained) is explained
+
+
 @pytest.mark.parametrize(("trials", "asked"), [(TRIALS, True), (TRIALS[:4], False), (TRIALS[:3], False)])
 def test_sizes_at_each_level_are_asked_for_where_each_can_be_checked_on_a_trial_that_is_held_out(trials, asked):
     parts = catalogue(list(EFFECTS.values()), prepare(made(trials=trials, links=4)))

@@ -47,6 +47,14 @@ def test_laws_that_a_probe_does_not_show_are_looked_at_where_none_that_it_shows_
     assert searched(crew, max_effects=1).best.names == (found,)
 
 
+def test_nor_does_one_keep_them_from_a_look_that_takes_more_and_is_not_worth_having():
+    scattered = (0.3 * GAP,) * 4 + (1.4 * GAP,) * 2  # 0.71 of the squared gap, and worse in two trials
+    even = (np.sqrt(np.mean(np.square(scattered))),) * 6
+    for other, found in ((scattered, "backlash"), (even, "tip_mass")):
+        crew = FakeCrew({"": GAP, "tip_mass": other, "backlash": 0.0}, unseen=("backlash",))
+        assert searched(crew, max_effects=1).best.names == (found,)
+
+
 def test_beside_another_law_it_takes_no_place_of_those_that_a_probe_shows():
     gaps = {"": GAP, "dry_friction": 3e-3, "dry_friction+actuator_lag": 1e-3, "dry_friction+unequal_lag": 0.0}
     crew = FakeCrew(gaps, unseen=("unequal_lag",))
