@@ -1,0 +1,102 @@
+"""Print, as Markdown, what two real recordings show without a model of the arm, and what a model is therefore not to be asked.
+
+Usage: scripts/real_limits.py [folder of recordings]. Default: ../shared/recordings beside the repository. Takes a few seconds.
+
+Of the beam: with which damping ratio it swings without a payload and with one. Of a spring and a viscous damper the ratio goes
+with the frequency, where a payload alone makes it slower. Of the pneumatic arm: how late its supply is, by pressures that were
+measured beside those that were commanded, as a delay with a time constant for filling and one for venting.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from hsr_pin.diagnosis.fingerprint.decay import Swing, decay
+from hsr_pin.identification.experiment import prepare
+from hsr_pin.recordings.read import read_dataset
+
+ROOT = Path(__file__).resolve().parent.parent
+#: Cycles are told apart as large and small at this amplitude [rad].
+SMALL = 0.02
+#: Of the supply: step of its simulation [s], chambers that bend the arm in its plane, and where a fit starts (rise, fall, delay).
+STEP, CHAMBERS, START = 0.01, ("1A", "1B", "2A", "2B"), (0.3, 1.0, 0.2)
+
+
+def beam_rows(swings: tuple[Swing, ...]) -> Iterator[str]:
+    """A line of a table for each payload: cycles, frequency, damping ratio of large and small ones, and as a viscous damper's."""
+    payloads = sorted({swing.group[1] for swing in swings})
+    first: tuple[float, float] | None = None
+    for payload in payloads:
+        own = [swing for swing in swings if swing.group[1] == payload]
+        frequency = float(np.median([swing.frequency for swing in own]))
+        large, small = ([s.damping for s in own if (s.amplitude > SMALL) is big] for big in (True, False))
+        ratio, of_small = float(np.median(large)), float(np.median(small))
+        first = first or (frequency, ratio)
+        viscous = first[1] * frequency / first[0]
+        yield f"| {1e3 * payload:.0f} g | {len(own)} | {frequency:.2f} Hz | {ratio:.3f} | {of_small:.3f} | {viscous:.3f} |"
+
+
+def supplied(time: np.ndarray, command: np.ndarray, rise: float, fall: float, delay: float) -> np.ndarray:
+    """(T,) what becomes of a command that comes late, with a time constant for each way."""
+    grid = np.arange(time[0], time[-1] + STEP, STEP)
+    wanted = np.interp(grid - delay, time, command)
+    here, values = wanted[0], np.empty_like(wanted)
+    shares = {way: 1 - np.exp(-STEP / max(constant, 0.1 * STEP)) for way, constant in ((True, rise), (False, fall))}
+    for k, value in enumerate(wanted):
+        here += (value - here) * shares[value > here]
+        values[k] = here
+    return np.interp(time, grid, values)
+
+
+def supply(trials: list[dict[str, np.ndarray]]) -> tuple[float, float, float, float, float]:
+    """Rise, fall, delay [s], and the RMS [bar] that they leave of the measured pressures and that a supply without them would."""
+
+    def missed(values: np.ndarray) -> np.ndarray:
+        rows = []
+        for trial in trials:
+            for chamber in CHAMBERS:
+                model = supplied(trial["t"], trial[f"command{chamber}"], *values)
+                seen = trial[f"measured{chamber}"]
+                columns = np.stack([np.ones_like(model), model], axis=1)  # sensors are off by a constant and a factor
+                rows.append(seen - columns @ np.linalg.lstsq(columns, seen, rcond=None)[0])
+        return np.concatenate(rows)
+
+    found = least_squares(missed, START, bounds=([0, 0, 0], [5, 10, 2]), diff_step=1e-2)
+    rise, fall, delay = map(float, found.x)
+    left, none = (float(np.sqrt(np.mean(missed(values) ** 2))) for values in (found.x, np.zeros(3)))
+    return rise, fall, delay, left, none
+
+
+def pressures(folder: Path) -> list[dict[str, np.ndarray]]:
+    """Of each trial the columns of its pressures [bar], and its times [s]."""
+    trials = []
+    for file in sorted(folder.glob("*.csv")):
+        with file.open(encoding="utf-8") as text:
+            rows = list(csv.DictReader(text))
+        trials.append({name: np.array([float(row[name]) for row in rows]) for name in rows[0]})
+    return trials
+
+
+def main() -> None:
+    """Print both."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT.parent / "shared" / "recordings"
+    swings = decay(prepare(read_dataset(folder / "real-beam")))
+    print("| payload | cycles | frequency | damping ratio, large cycles | small cycles | of a damper as without payload |")
+    print("|---" * 6 + "|")
+    for line in beam_rows(swings.swings if swings else ()):
+        print(line)
+    rise, fall, delay, left, none = supply(pressures(folder / "real-pneumatic" / "pressures"))
+    print(
+        f"\nMeasured pressures come {delay:.2f} s after those commanded, filling with a time constant of {rise:.2f} s, "
+        f"venting with {fall:.2f} s ({left:.3f} bar RMS are left of {none:.3f})."
+    )
+
+
+if __name__ == "__main__":
+    main()
