@@ -31,6 +31,9 @@ _SURE, _SMALLEST = 12.0, 0.02
 _CYCLES, _RANGE = 5, 2.0
 #: Damping changes with amplitude if doubling it changes the damping ratio by more than this share; frequency likewise.
 _DAMPING, _FREQUENCY = 0.12, 0.015
+#: A payload slows the swing to this share of its frequency, or less, before damping ratios are held against one another, over so
+#: many cycles; of a damper's it is more than chance by this many standard errors.
+_SLOWED, _ENOUGH, _CERTAIN = 0.8, 5, 3.0
 #: Sign of the change of damping and of frequency with amplitude -> what it points to.
 _MEANING = {
     (1, 0): "damping that grows with speed, or hysteresis that slips in large cycles only",
@@ -62,6 +65,37 @@ class Swing(NamedTuple):
     damping: float
 
 
+class Loaded(NamedTuple):
+    """Cycles of like amplitudes without a payload, or with a light one, and with a heavier one, whose damping no damper can do.
+
+    Attributes:
+        light, heavy: [kg].
+        frequencies: [Hz] medians of both.
+        ratios: damping ratios, medians of both.
+    """
+
+    light: float
+    heavy: float
+    frequencies: tuple[float, float]
+    ratios: tuple[float, float]
+
+    @property
+    def damper(self) -> float:
+        """Damping ratio with the heavier payload of a viscous damper that has the other's without: it goes with the frequency."""
+        return self.ratios[0] * self.frequencies[1] / self.frequencies[0]
+
+    @property
+    def sentence(self) -> str:
+        """What it points to."""
+        light, heavy = (f"{1e3 * mass:.0f} g" for mass in (self.light, self.heavy))
+        fast, slow, before, after = map(said, (*self.frequencies, *self.ratios))
+        return (
+            f" With {heavy} at the tip in place of {light} it swings at {slow} Hz, not {fast}, and the damping ratio of like "
+            f"cycles is {after}, not {before}, where a viscous damper's falls to {said(self.damper)}: this points to relaxation, "
+            "or friction."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Decay(Print):
     """Frequency and damping over amplitude.
@@ -70,11 +104,13 @@ class Decay(Print):
         swings: cycles.
         damping_trend: by what share of its mean the damping ratio grows where the amplitude doubles.
         frequency_trend: the same of the frequency.
+        loaded: where a payload slows the arm, and its damping ratio does not fall as a viscous damper's.
     """
 
     swings: tuple[Swing, ...]
     damping_trend: Estimate
     frequency_trend: Estimate
+    loaded: Loaded | None = None
     name: ClassVar[str] = "decay"
     title: ClassVar[str] = "Free decay: damping and frequency over amplitude"
 
@@ -115,17 +151,18 @@ class Decay(Print):
             changes.append(f"the damping ratio changes by {said(100 * self.damping_trend.value)} %")
         if self.hardens:
             changes.append(f"the frequency {'' if changes else 'changes '}by {said(100 * self.frequency_trend.value)} %")
+        after = self.loaded.sentence if self.loaded else ""
         if not changes:
-            return f"{text}, whatever the amplitude: as a spring and a viscous damper would."
-        return (
-            f"{text}; where the amplitude doubles {' and '.join(changes)}: this points to {_MEANING[self.damps, self.hardens]}."
-        )
+            return f"{text}, whatever the amplitude{'' if after else ': as a spring and a viscous damper would'}.{after}"
+        meaning = _MEANING[self.damps, self.hardens]
+        return f"{text}; where the amplitude doubles {' and '.join(changes)}: this points to {meaning}.{after}"
 
     def numbers(self) -> dict[str, Any]:
         return {
             "swings": [{**swing._asdict(), "group": list(swing.group)} for swing in self.swings],
             "damping_trend": self.damping_trend,
             "frequency_trend": self.frequency_trend,
+            "loaded": {**self.loaded._asdict(), "damper": self.loaded.damper} if self.loaded else None,
         }
 
     def draw(self, axes: Axes) -> None:
@@ -171,7 +208,31 @@ def decay(experiment: Experiment) -> Decay | None:
     swings = [swing for swing in swings if swing.damping > -0.05]
     if not swings:
         return None
-    return Decay(tuple(swings), *(_trend(swings, [getattr(s, name) for s in swings]) for name in ("damping", "frequency")))
+    damping, frequency = (_trend(swings, [getattr(s, name) for s in swings]) for name in ("damping", "frequency"))
+    falls = experiment.dataset.mount != "upright"  # there a payload takes from what brings the arm back
+    return Decay(tuple(swings), damping, frequency, _loaded(swings) if falls else None)
+
+
+def _loaded(swings: list[Swing]) -> Loaded | None:
+    """Two payloads of one stiffness and command, of which the heavier has a damping ratio that is clearly no damper's."""
+    alike: dict[tuple[float, float], dict[float, list[Swing]]] = {}
+    for swing in swings:
+        keq, payload, command = swing.group
+        alike.setdefault((keq, command), {}).setdefault(payload, []).append(swing)
+    for of_payload in alike.values():
+        light, heavy = min(of_payload), max(of_payload)
+        least = max(min(swing.amplitude for swing in of_payload[mass]) for mass in (light, heavy))
+        most = min(max(swing.amplitude for swing in of_payload[mass]) for mass in (light, heavy))
+        both = [[swing for swing in of_payload[mass] if least <= swing.amplitude <= most] for mass in (light, heavy)]
+        if light == heavy or min(map(len, both)) < _ENOUGH:
+            continue
+        fast, slow = [float(np.median([swing.frequency for swing in cycles])) for cycles in both]
+        before, after = [np.array([swing.damping for swing in cycles]) for cycles in both]
+        found = Loaded(light, heavy, (fast, slow), (float(np.median(before)), float(np.median(after))))
+        chance = np.hypot(before.std() / np.sqrt(len(before)) * slow / fast, after.std() / np.sqrt(len(after)))
+        if slow <= _SLOWED * fast and found.ratios[1] - found.damper > max(_CERTAIN * float(chance), _DAMPING * found.damper):
+            return found
+    return None
 
 
 def turning_points(time: Array, angle: Array, motion: Bending) -> tuple[Array, Array]:

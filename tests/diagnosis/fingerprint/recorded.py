@@ -58,7 +58,19 @@ def _recorded(scenarios, effects, noise, has_input):
     return prepare(Dataset("recorded", LENGTH, 0.15, 0.04, "hanging", tuple(trials)))
 
 
-def arcs(*bendings, torques=None, step=STEP, noise=0.0, stretch=0.0, sideways=None, markers=(0.5, 1.0), t_start=0.0, seed=0):
+def arcs(
+    *bendings,
+    torques=None,
+    step=STEP,
+    noise=0.0,
+    stretch=0.0,
+    sideways=None,
+    markers=(0.5, 1.0),
+    t_start=0.0,
+    seed=0,
+    payloads=None,
+    mount="hanging",
+):
     """An experiment of hanging arms that are bent as arcs, by so much (T,) [rad] in each trial: no arm, no law.
 
     Args:
@@ -71,6 +83,8 @@ def arcs(*bendings, torques=None, step=STEP, noise=0.0, stretch=0.0, sideways=No
         markers: arc lengths over the arm's.
         t_start: [s] of releases.
         seed: of the noise.
+        payloads: [kg] at the tip, for each trial.
+        mount: of the arm.
     """
     generator = np.random.default_rng(seed)
     trials = []
@@ -89,8 +103,10 @@ def arcs(*bendings, torques=None, step=STEP, noise=0.0, stretch=0.0, sideways=No
             places,
             torque=None if torques is None else torques[number],
         )
-        trials.append(Trial(f"trial_{number + 1}", recording, 1.0, 0.05, t_start=t_start if torques is None else None))
-    return prepare(Dataset("arcs", LENGTH, 0.15, 0.04, "hanging", tuple(trials)))
+        payload = 0.0 if payloads is None else payloads[number]
+        start = t_start if torques is None else None
+        trials.append(Trial(f"trial_{number + 1}", recording, 1.0, 0.05, t_start=start, tip_mass=payload))
+    return prepare(Dataset("arcs", LENGTH, 0.15, 0.04, mount, tuple(trials)))
 
 
 def swing(amplitude, frequency, ratio, duration=4.0, rest=0.0, held=0.0):

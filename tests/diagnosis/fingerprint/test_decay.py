@@ -52,3 +52,27 @@ def test_what_changes_with_amplitude_is_pointed_to(force, kind):
 
 def test_nothing_that_swings_is_no_decay():
     assert decay(arcs(0.5 * np.exp(-np.arange(300) / 40))) is None
+
+
+def with_payload(ratio, mount="hanging"):
+    """Free decays at 2 Hz with a damping ratio of 0.05, and with a payload at 1.2 Hz with another."""
+    motions = [swing(angle, 2.0, 0.05) for angle in (0.5, 0.7)] + [swing(angle, 1.2, ratio, duration=6.0) for angle in (0.5, 0.7)]
+    return decay(arcs(*motions, noise=2e-5, payloads=(0.0, 0.0, 0.05, 0.05), mount=mount))
+
+
+def test_a_damping_ratio_that_a_payload_does_not_lower_is_no_viscous_dampers():
+    found = with_payload(0.05)
+    assert (found.loaded.light, found.loaded.heavy) == (0.0, 0.05)
+    assert found.loaded.frequencies == pytest.approx((2.0, 1.2), rel=0.01)
+    assert found.loaded.ratios == pytest.approx((0.05, 0.05), rel=0.05)
+    assert found.loaded.damper == pytest.approx(0.03, rel=0.05)
+    assert "this points to relaxation, or friction" in found.sentence and "viscous damper would" not in found.sentence
+    assert found.to_json()["loaded"]["damper"] == found.loaded.damper
+
+
+@pytest.mark.parametrize(
+    ("ratio", "mount"), [(0.03, "hanging"), (0.05, "upright")], ids=["as a damper's", "gravity takes stiffness"]
+)
+def test_a_damping_ratio_that_falls_with_the_frequency_or_may_for_gravity_tells_nothing(ratio, mount):
+    found = with_payload(ratio, mount)
+    assert found.loaded is None and "relaxation" not in found.sentence
