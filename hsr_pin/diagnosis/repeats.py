@@ -341,8 +341,14 @@ def _rest_scatter(runs: Sequence[Run]) -> float:
     if runs[0].start_pose is None:
         rests = np.array([run.rest for run in runs])
     else:
-        rests = np.array([np.nanmedian(run.measured[-max(5, round(_END * len(run.time))) :], axis=0) for run in runs])
+        rests = np.array([_at_end(run.measured[-max(5, round(_END * len(run.time))) :]) for run in runs])
     return _scatter(rests[:, :, runs[0].axes])
+
+
+def _at_end(places: Array) -> Array:
+    """(M, 3) [m] median of the places (T, M, 3) that are seen; NaN of a marker that is not."""
+    seen = np.isfinite(places).any(axis=0)
+    return np.where(seen, np.nanmedian(np.where(seen, places, 0.0), axis=0), np.nan)
 
 
 def _start_scatter(runs: Sequence[Run]) -> float:

@@ -120,6 +120,14 @@ def test_gaps_cost_only_what_they_hide():
     assert repeats(experiment).in_plane == pytest.approx(whole, rel=0.1)
 
 
+def test_a_marker_that_is_hidden_where_a_release_comes_to_rest_tells_nothing_of_that():
+    experiment = arcs(*(swing(angle, 2.0, 0.1) for angle in (0.5, 0.5, 0.5)), noise=1e-4)
+    for run in experiment.runs:
+        run.measured.flags.writeable = True
+        run.measured[-60:, 1] = np.nan
+    assert repeats(experiment).rest < 1e-3  # of the other
+
+
 def test_it_is_plain_json():
     written = json.loads(json.dumps(repeats(commanded([followed(), followed()])).to_json(), allow_nan=False))
     assert written["groups"][0]["trials"] == ["trial_1", "trial_2"]
