@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import sqrt
@@ -26,6 +26,7 @@ from hsr_pin.diagnosis.thresholds import (
     open_share,
 )
 from hsr_pin.effects.effect import KINDS
+from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.identification.hypothesis import PLAIN, SESSION, Part
 
 #: A name, or a kind, is certain from this probability on.
@@ -218,16 +219,16 @@ def _graded(
         return said("ambiguous", f"{known}these recordings cannot tell apart: {listed}.", sets, effects)
     if sure or of_kind:
         beside = [k for k in of_kind if k not in {part.kind for part in best.fit.hypothesis.parts if part.name in sure}]
-        others = _nameable(sets, found) if len(sets) > 1 else _nearest(beside, sure, found, thresholds) if beside else []
+        near = _nearest(beside, sure, found, thresholds) if beside else []
+        others = _told(_nameable(sets, found), of_kind, sure, found) if len(sets) > 1 else near
         kind = f"something of the kind {_listed(beside)} ({'; '.join(KINDS[k] for k in beside)})" if beside else ""
         what = ", and ".join(filter(None, (_listed(sure) if sure else "", kind)))
         verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
-        near = ""
-        if others and len(sets) == 1:
-            near = f" Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest."
-        return said("partly_identified", f"{what} {verb} certain{but}{tail}.{near}", others, effects)
+        own = [names for names in others if beside and FLEXIBLE.keys().isdisjoint(names)]
+        closest = f" Of the laws that have a name {_or(own)} {'come' if len(own) > 1 else 'comes'} closest." if own else ""
+        return said("partly_identified", f"{what} {verb} certain{but}{tail}.{closest}", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
     sets += _of_other_kinds(sets, found, thresholds, evidence.seed)
     one_of_them = probability(evidence.together(sets), NAME) >= CERTAIN  # though none of them is sure
@@ -273,9 +274,23 @@ def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, threshold
         told = any(set(other.names) <= set(each.names) for other in near)
         if fits and enough and not told and not idle(each, base, found.tried, thresholds):
             near.append(each)
-    closest = [each for each in near if left(each) <= NEAR * max(left(near[0]), thresholds.closed**2)]
-    told_of = [[part.name for part in each.fit.hypothesis.parts if part.kind in kinds or part.name in sure] for each in closest]
-    return list(dict.fromkeys(tuple(sorted(names)) for names in told_of))[:FEW]
+    closest = [each.names for each in near if left(each) <= NEAR * max(left(near[0]), thresholds.closed**2)]
+    return _parts_of(closest, kinds, sure, found)[:FEW]
+
+
+def _told(sets: Sequence[tuple[str, ...]], kinds: Sequence[str], sure: Sequence[str], found: Search) -> list[tuple[str, ...]]:
+    """Of each of some sets what is sure, of a certain kind, or in all of them; nothing where that is but what is sure."""
+    own = _parts_of(sets, kinds, {*sure, *set.intersection(*map(set, sets))}, found)
+    return [names for names in own if names != tuple(sure) and not any(set(other) < set(names) for other in own)]
+
+
+def _parts_of(
+    sets: Iterable[tuple[str, ...]], kinds: Sequence[str], names: Collection[str], found: Search
+) -> list[tuple[str, ...]]:
+    """Of each of some sets what is of these kinds, or one of these names; each once."""
+    kind_of = {part.name: part.kind for each in (*found.path, *found.tried) for part in each.fit.hypothesis.parts}
+    own = (tuple(name for name in each if name in names or kind_of[name] in kinds) for each in sets)
+    return list(dict.fromkeys(filter(None, own)))
 
 
 def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thresholds: Thresholds) -> Verdict:

@@ -154,6 +154,35 @@ def test_of_a_kind_that_is_certain_the_laws_with_a_name_that_come_closest_are_to
     assert (beside.kinds, beside.alternatives) == (("elastic",), (("stiffening",),))  # the mass is not sure, nor is its kind
 
 
+def test_companions_that_are_open_are_no_causes_beside_a_kind_that_is_certain():
+    weak = ("viscoelastic", "creep", "tip_mass", "mass_gravity", "quadratic_damping", "torque_bias", "actuation_map")
+    rivals = (candidate("damping_gradient", "torque_bias", gap=2.01e-3), candidate("quadratic_damping", "tip_mass", gap=2.005e-3))
+    found = verdict(*rivals, candidate("quadratic_damping", "viscoelastic", gap=2e-3), weak=weak)
+    assert (found.status, found.effects, found.kinds) == ("partly_identified", (), ("damping",))
+    assert found.alternatives == (("quadratic_damping",), ("damping_gradient",))
+    assert found.sentence.endswith("Of the laws that have a name quadratic_damping, or damping_gradient come closest.")
+
+
+def test_a_companion_that_all_alternatives_share_stays_though_its_kind_is_not_certain():
+    weak = ("unequal_lag", "actuation_time", "marker_offset")
+    rival = candidate("length_change", "unequal_lag", gap=2.01e-3)
+    found = verdict(rival, candidate("marker_offset", "unequal_lag", gap=2e-3), weak=weak)
+    assert (found.effects, found.kinds) == ((), ("measurement",))
+    assert found.alternatives == (("marker_offset", "unequal_lag"), ("length_change", "unequal_lag"))
+
+
+def test_what_is_certain_is_no_alternative_to_itself_beside_other_companions():
+    rival = candidate("stiffening", "torque_bias", gap=2.01e-3)
+    weak = ("tip_mass", "mass_gravity")
+    found = verdict(rival, candidate("stiffening", "tip_mass", gap=2e-3), weak=weak)
+    assert (found.status, found.effects, found.kinds, found.alternatives) == (
+        "partly_identified",
+        ("stiffening",),
+        ("elastic",),
+        (),
+    )
+
+
 def test_the_flexible_law_of_a_kind_is_no_alternative():
     found = verdict(
         candidate("bending_stop", gap=2e-3), candidate("stiffening", gap=2.01e-3), candidate("elastic_curve", gap=1.9e-3)
