@@ -28,10 +28,10 @@ def chosen(dataset: Dataset, wanted: Callable[[Trial], bool]) -> Dataset:
     return replace(dataset, trials=tuple(filter(wanted, dataset.trials)))
 
 
-def trunk(recordings: Path, mass: float, first: int = 0) -> Dataset:
-    """Six releases, every other one, with this payload [kg]."""
+def trunk(recordings: Path, mass: float, first: int = 0, arm: float | None = None) -> Dataset:
+    """Six releases, every other one, with this payload [kg]; of an arm of another mass [kg] than the one that is declared."""
     dataset = chosen(read_dataset(recordings / "real-trunk"), lambda trial: abs(trial.tip_mass - mass) < 0.01)
-    return replace(dataset, trials=dataset.trials[first::2][:6])
+    return replace(dataset, trials=dataset.trials[first::2][:6], mass=arm or dataset.mass)
 
 
 def beam(recordings: Path, mass: float) -> Dataset:
@@ -49,6 +49,12 @@ def day(recordings: Path, number: int) -> Dataset:
 Case = tuple[str, Callable[[Path], Dataset], Callable[[Path], Dataset], float]
 CASES: dict[str, Case] = {
     "trunk": ("300 g declared as 200 g", lambda at: declare_payload(trunk(at, 0.3), 0.1), partial(trunk, mass=0.2), 0.1),
+    "trunk-lighter": (
+        "the same, the arm 0.3 kg in place of the 0.5 kg that are a guess",
+        lambda at: declare_payload(trunk(at, 0.3, arm=0.3), 0.1),
+        partial(trunk, mass=0.2, arm=0.3),
+        0.1,
+    ),
     "trunk-same": ("nothing, other releases", partial(trunk, mass=0.2, first=1), partial(trunk, mass=0.2), 0.1),
     "beam": ("52 g not declared", lambda at: declare_payload(beam(at, 0.052), 0.052), partial(beam, mass=0.0), 0.0),
     "pneumatic-same": ("nothing, another day", partial(day, number=5), partial(day, number=4), 0.0),
