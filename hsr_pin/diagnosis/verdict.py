@@ -26,7 +26,6 @@ from hsr_pin.diagnosis.thresholds import (
     open_share,
 )
 from hsr_pin.effects.effect import KINDS
-from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.identification.hypothesis import PLAIN, SESSION, Part
 
 #: A name, or a kind, is certain from this probability on.
@@ -226,8 +225,8 @@ def _graded(
         verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
-        own = [names for names in others if beside and FLEXIBLE.keys().isdisjoint(names)]
-        closest = f" Of the laws that have a name {_or(own)} {'come' if len(own) > 1 else 'comes'} closest." if own else ""
+        come = "come" if len(others) > 1 else "comes"
+        closest = f" Of the laws that have a name {_or(others)} {come} closest." if others and beside else ""
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.{closest}", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
     sets += _of_other_kinds(sets, found, thresholds, evidence.seed)
