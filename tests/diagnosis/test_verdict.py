@@ -172,15 +172,24 @@ def test_a_companion_that_all_alternatives_share_stays_though_its_kind_is_not_ce
 
 
 def test_what_is_certain_is_no_alternative_to_itself_beside_other_companions():
-    rival = candidate("stiffening", "torque_bias", gap=2.01e-3)
-    weak = ("tip_mass", "mass_gravity")
-    found = verdict(rival, candidate("stiffening", "tip_mass", gap=2e-3), weak=weak)
+    best, weak = candidate("stiffening", "tip_mass", gap=2e-3), ("tip_mass", "mass_gravity")
+    found = verdict(candidate("stiffening", "torque_bias", gap=2.01e-3), best, weak=weak)
     assert (found.status, found.effects, found.kinds, found.alternatives) == (
         "partly_identified",
         ("stiffening",),
         ("elastic",),
         (),
     )
+    more = candidate("backlash", "stiffening", gap=2.01e-3)  # nor with more of its kind, which another does without
+    assert verdict(more, best, weak=weak).alternatives == ()
+
+
+def test_of_a_certain_name_with_companions_of_its_kind_none_is_said_to_come_closest():
+    rival = candidate("soft_spot", "stiffening", gap=2.01e-3)
+    found = verdict(rival, candidate("backlash", "stiffening", gap=2e-3), weak=("backlash",))
+    assert (found.effects, found.kinds) == (("stiffening",), ("elastic",))
+    assert found.alternatives == (("backlash", "stiffening"), ("soft_spot", "stiffening"))
+    assert "closest" not in found.sentence
 
 
 def test_the_flexible_law_of_a_kind_is_no_alternative():
