@@ -18,7 +18,7 @@ from hsr_pin.trajectory import Array
 ROOT = Path(__file__).resolve().parent.parent
 HEADER = (
     "| dataset | fitted to | predicted | parameters | tip RMS fitted | tip RMS predicted | as declared | "
-    "all markers, predicted | rests aligned |\n" + "|---" * 9 + "|\n"
+    "all markers, predicted | scatter of rests taken out |\n" + "|---" * 9 + "|\n"
 )
 #: Samples at the end of a release in which it is at rest.
 REST = 30
@@ -61,8 +61,9 @@ def found_in(folder: Path, case: Case) -> Identification:
 
 
 def aligned(missed: Sequence[Array]) -> list[Array]:
-    """For each trial (T, M, A) [m] what is missed apart from where it comes to rest, which differs from trial to trial."""
-    return [each - np.nanmean(each[-REST:], axis=0) for each in missed]
+    """For each trial (T, M, A) [m] what is missed apart from where it rests in place of where all of them do in the mean."""
+    rests = [np.nanmean(each[-REST:], axis=0) for each in missed]
+    return [each - (rest - np.mean(rests, axis=0)) for each, rest in zip(missed, rests, strict=True)]
 
 
 def row(case: Case, found: Identification) -> str:

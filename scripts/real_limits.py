@@ -1,45 +1,28 @@
-"""Print, as Markdown, what two real recordings show without a model of the arm, and what a model is therefore not to be asked.
+"""Print what two real recordings show without a model of the arm, and what a model is therefore not to be asked.
 
 Usage: scripts/real_limits.py [folder of recordings]. Default: ../shared/recordings beside the repository. Takes a few seconds.
 
-Of the beam: with which damping ratio it swings without a payload and with one. Of a spring and a viscous damper the ratio goes
-with the frequency, where a payload alone makes it slower. Of the pneumatic arm: how late its supply is, by pressures that were
-measured beside those that were commanded, as a delay with a time constant for filling and one for venting.
+Of the beam: how it swings, with a payload and without, as a report tells it among its fingerprints. Of the pneumatic arm: how
+late its supply is, by pressures that were measured beside those that were commanded, as a delay with a time constant for filling
+and one for venting (the law of ``unequal_lag``).
 """
 
 from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from hsr_pin.diagnosis.fingerprint.decay import Swing, decay
+from hsr_pin.diagnosis.fingerprint.decay import decay
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
-#: Cycles are told apart as large and small at this amplitude [rad].
-SMALL = 0.02
 #: Of the supply: step of its simulation [s], chambers that bend the arm in its plane, and where a fit starts (rise, fall, delay).
 STEP, CHAMBERS, START = 0.01, ("1A", "1B", "2A", "2B"), (0.3, 1.0, 0.2)
-
-
-def beam_rows(swings: tuple[Swing, ...]) -> Iterator[str]:
-    """A line of a table for each payload: cycles, frequency, damping ratio of large and small ones, and as a viscous damper's."""
-    payloads = sorted({swing.group[1] for swing in swings})
-    first: tuple[float, float] | None = None
-    for payload in payloads:
-        own = [swing for swing in swings if swing.group[1] == payload]
-        frequency = float(np.median([swing.frequency for swing in own]))
-        large, small = ([s.damping for s in own if (s.amplitude > SMALL) is big] for big in (True, False))
-        ratio, of_small = float(np.median(large)), float(np.median(small))
-        first = first or (frequency, ratio)
-        viscous = first[1] * frequency / first[0]
-        yield f"| {1e3 * payload:.0f} g | {len(own)} | {frequency:.2f} Hz | {ratio:.3f} | {of_small:.3f} | {viscous:.3f} |"
 
 
 def supplied(time: np.ndarray, command: np.ndarray, rise: float, fall: float, delay: float) -> np.ndarray:
@@ -87,10 +70,7 @@ def main() -> None:
     """Print both."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT.parent / "shared" / "recordings"
     swings = decay(prepare(read_dataset(folder / "real-beam")))
-    print("| payload | cycles | frequency | damping ratio, large cycles | small cycles | of a damper as without payload |")
-    print("|---" * 6 + "|")
-    for line in beam_rows(swings.swings if swings else ()):
-        print(line)
+    print(swings.sentence if swings else "The beam does not swing.")
     rise, fall, delay, left, none = supply(pressures(folder / "real-pneumatic" / "pressures"))
     print(
         f"\nMeasured pressures come {delay:.2f} s after those commanded, filling with a time constant of {rise:.2f} s, "

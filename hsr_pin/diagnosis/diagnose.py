@@ -37,6 +37,9 @@ from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
+#: Open commands are taken another way only where this leaves stiffness and damping alone at most so many times the error.
+FORM = 1.5
+
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
@@ -131,13 +134,9 @@ def diagnose(
             return study.in_other_forms(found)
         tell("the commands taken the other way")
         again = study.of(other, settled=True)
-        one, two = (each.search.best if each.search else None for each in (found, again))
-        kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
-        return study.in_other_forms(found if kept else again)
-
-
-#: Open commands are taken another way only where this leaves stiffness and damping alone at most so many times the error.
-FORM = 1.5
+    one, two = (each.search.best if each.search else None for each in (found, again))
+    kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
+    return found if kept else again
 
 
 @dataclass(frozen=True, eq=False)

@@ -219,22 +219,21 @@ def _graded(
     if sure or of_kind:
         beside = [k for k in of_kind if k not in {part.kind for part in best.fit.hypothesis.parts if part.name in sure}]
         near = _nearest(beside, sure, found, thresholds) if beside else []
-        others = _told(_nameable(sets, found), of_kind, sure, found) if len(sets) > 1 else near
+        others = _told(_nameable(sets, found), of_kind, common, sure, found) if len(sets) > 1 else near
         kind = f"something of the kind {_listed(beside)} ({'; '.join(KINDS[k] for k in beside)})" if beside else ""
         what = ", and ".join(filter(None, (_listed(sure) if sure else "", kind)))
         verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
         but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
-        come = "come" if len(others) > 1 else "comes"
-        closest = f" Of the laws that have a name {_or(others)} {come} closest." if others and beside else ""
-        return said("partly_identified", f"{what} {verb} certain{but}{tail}.{closest}", others, effects)
+        if others and beside:
+            tail += f". Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest"
+        return said("partly_identified", f"{what} {verb} certain{but}{tail}.", others, effects)
     sets = _nameable(_wider(sets, found, thresholds), found)
     sets += _of_other_kinds(sets, found, thresholds, evidence.seed)
     one_of_them = probability(evidence.together(sets), NAME) >= CERTAIN  # though none of them is sure
     likely = one_of_them or max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
-        listed = _or(sets)
-        return said("ambiguous", f"These recordings cannot tell apart: {listed}; {_mm(remains.rms)} is left.", sets)
+        return said("ambiguous", f"These recordings cannot tell apart: {_or(sets)}; {_mm(remains.rms)} is left.", sets)
     hint = "no effect of the catalogue takes away a fifth of it"
     if 1 - remains.share >= WORTH_A_WORD:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"
@@ -277,10 +276,12 @@ def _nearest(kinds: Sequence[str], sure: Sequence[str], found: Search, threshold
     return _parts_of(closest, kinds, sure, found)[:FEW]
 
 
-def _told(sets: Sequence[tuple[str, ...]], kinds: Sequence[str], sure: Sequence[str], found: Search) -> list[tuple[str, ...]]:
-    """Of each of some sets what is sure, of a certain kind, or in all of them; nothing where that is but what is sure."""
-    own = _parts_of(sets, kinds, {*sure, *set.intersection(*map(set, sets))}, found)
-    return [names for names in own if names != tuple(sure) and not any(set(other) < set(names) for other in own)]
+def _told(
+    sets: Sequence[tuple[str, ...]], kinds: Sequence[str], common: Collection[str], sure: tuple[str, ...], found: Search
+) -> list[tuple[str, ...]]:
+    """Of each of some sets what is of a certain kind or common to all that do as well; nothing where that is but what is sure."""
+    own = _parts_of(sets, kinds, common, found)
+    return [names for names in own if names != sure and not any(set(other) < set(names) for other in own)]
 
 
 def _parts_of(

@@ -171,6 +171,13 @@ def test_a_companion_that_all_alternatives_share_stays_though_its_kind_is_not_ce
     assert found.alternatives == (("marker_offset", "unequal_lag"), ("length_change", "unequal_lag"))
 
 
+def test_nor_is_a_companion_of_the_one_alternative_that_has_a_name_a_cause():
+    best = candidate("friction_spectrum", "marker_profile", gap=2e-3)
+    found = verdict(candidate("hysteresis", "soft_spot", gap=2.01e-3), best, weak=("marker_profile", "measurement"))
+    assert (found.effects, found.kinds, found.alternatives) == ((), ("friction",), (("hysteresis",),))
+    assert found.sentence.endswith("Of the laws that have a name hysteresis comes closest.")
+
+
 def test_what_is_certain_is_no_alternative_to_itself_beside_other_companions():
     best, weak = candidate("stiffening", "tip_mass", gap=2e-3), ("tip_mass", "mass_gravity")
     found = verdict(candidate("stiffening", "torque_bias", gap=2.01e-3), best, weak=weak)

@@ -1,22 +1,9 @@
-"""Damping ratios by payload beside a viscous damper's, and a supply that is late, found again."""
+"""What makes a supply late is found again, and a beam that no damper damps."""
 
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.fingerprint.decay import Swing
-
 SCRIPT = "real_limits"
-
-
-def test_a_viscous_dampers_ratio_goes_with_the_frequency(script):
-    swings = tuple(
-        Swing("trial", (1.0, payload, 0.0), amplitude, frequency, ratio)
-        for payload, frequency, ratio in ((0.0, 8.0, 0.06), (0.05, 4.0, 0.05))
-        for amplitude, ratio in ((0.1, ratio), (0.05, ratio), (0.01, 2 * ratio))
-    )
-    light, heavy = script.beam_rows(swings)
-    assert light == "| 0 g | 3 | 8.00 Hz | 0.060 | 0.120 | 0.060 |"
-    assert heavy == "| 50 g | 3 | 4.00 Hz | 0.050 | 0.100 | 0.030 |"
 
 
 def test_what_makes_a_supply_late_is_found_again(script):
@@ -40,4 +27,4 @@ def test_both_are_told_of_the_recordings(script, shared, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", ["real_limits.py", str(shared / "recordings")])
     script.main()
     printed = capsys.readouterr().out
-    assert printed.count("\n|") == 3 and "| 52 g |" in printed and "Measured pressures come" in printed
+    assert "With 52 g at the tip" in printed and "a viscous damper's falls to" in printed and "Measured pressures come" in printed
