@@ -27,6 +27,7 @@
 - ``spread``: how what is missing is spread along the arm
 - ``support``: what speaks for each part and kind
 - ``thresholds``: when a model is better, as good, or good enough
+- ``traces``: what traces of a gap add to a verdict
 - ``verdict``: what may be said
 - ``where``: maps along the arm, time, operating range and trials
 - ``words``: names and numbers as a person would say them

@@ -21,7 +21,8 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, tolerated, worth_having
-from hsr_pin.diagnosis.verdict import Evidence, Trace, Verdict, beside, judge, mostly_explained, ruled_out, with_traces
+from hsr_pin.diagnosis.traces import Trace, beside, mostly_explained, ruled_out, with_traces
+from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
 from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws

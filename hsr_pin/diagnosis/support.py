@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.evidence import frequency_of_gain, squares, structure
-from hsr_pin.diagnosis.thresholds import Thresholds, doubtful, open_share, tolerated
+from hsr_pin.diagnosis.thresholds import SURE, Thresholds, doubtful, open_share, tolerated
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN
@@ -91,9 +91,11 @@ def supports(
         as_small = (other for other in tried if len(other.names) <= len(best.names) and not other.bends_more(best))
         without = [base, *(other for other in as_small if lacks(other))]
         ranked = sorted(without, key=lambda other: squares(other.heldout).mean)
-        rival = next(other for other in ranked if other is base or not doubtful(other))  # what is in doubt itself is no rival
-        gain = squares(rival.heldout).mean - squares(best.heldout).mean
         own = parts or [part.name for part in best.fit.hypothesis.parts if name in (part.name, part.kind)]
+        surest = max(clear[each] for each in own)
+        least = min(SURE, surest)  # what is in more doubt itself is no rival
+        rival = next(other for other in ranked if other is base or not doubtful(other, least))
+        gain = squares(rival.heldout).mean - squares(best.heldout).mean
         known = [drifts[each] for each in own if np.isfinite(drifts[each])]
         return Support(
             name=name,
@@ -103,7 +105,7 @@ def supports(
             margin=gain / limit,
             frequency=frequency_of_gain(best.heldout, rival.heldout, seed),
             drift=float(np.mean(known)) if known else float("nan"),
-            clear=max(clear[each] for each in own),
+            clear=surest,
             rest=rest,
             shown=shows(kind, shown),
         )

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
 from math import sqrt
-from typing import Protocol
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.confidence import KIND, NAME, probability
 from hsr_pin.diagnosis.rivals import idle, rivals
 from hsr_pin.diagnosis.search import Search
-from hsr_pin.diagnosis.spread import Spread
 from hsr_pin.diagnosis.support import Support, Together
 from hsr_pin.diagnosis.thresholds import (
     FACTOR,
@@ -26,7 +24,7 @@ from hsr_pin.diagnosis.thresholds import (
     open_share,
 )
 from hsr_pin.effects.effect import KINDS
-from hsr_pin.identification.hypothesis import PLAIN, SESSION, Part
+from hsr_pin.identification.hypothesis import PLAIN, SESSION
 
 #: A name, or a kind, is certain from this probability on.
 CERTAIN, CERTAIN_KIND = 0.85, 0.75
@@ -47,14 +45,6 @@ NEAR = 4.0
 WORTH_A_WORD = 0.2
 #: A gap that no effect is worth having for is called structure only when it is this much larger than one too small to ask about.
 STRUCTURE = 2.0
-
-#: Confidence in a kind that a trace alone tells: 45 of 49 were right (fourth to eighth sealed run), by Laplace's rule.
-TRACED = 0.9
-
-#: Kinds of laws that are held against it; what is over in an instant is smoothed too much to tell.
-SLOW = ("elastic", "friction", "creep", "actuation_map")
-#: Confidence in names that it rules out, by Laplace's rule: of 7 in the sixth and seventh run none was right.
-RULED_OUT = 0.11
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
@@ -107,18 +97,6 @@ class Verdict:
     confidence: Mapping[str, float] = field(default_factory=dict)
     left: Left | None = None
     support: tuple[Support, ...] = ()
-
-
-class Trace(Protocol):
-    """What a gap shows of its cause without a law for it."""
-
-    @property
-    def kind(self) -> str:
-        """Of physics; empty if it tells none."""
-
-    @property
-    def sentence(self) -> str:
-        """As a person would say it."""
 
 
 @dataclass(frozen=True)
@@ -291,80 +269,6 @@ def _parts_of(
     kind_of = {part.name: part.kind for each in (*found.path, *found.tried) for part in each.fit.hypothesis.parts}
     own = (tuple(name for name in each if name in names or kind_of[name] in kinds) for each in sets)
     return list(dict.fromkeys(filter(None, own)))
-
-
-def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thresholds: Thresholds) -> Verdict:
-    """A verdict that names nothing but laws that cannot be what is missing names none, unless they close the gap.
-
-    Nor if it names a contact beside them: which, and whether it is of that law, is not known for want of other answers.
-
-    Args:
-        verdict: on the models.
-        found: how what is missing is spread along the arm.
-        parts: every law that was tried.
-        thresholds: what counts.
-    """
-    closes = verdict.status == "identified" or (verdict.left is not None and verdict.left.rms <= thresholds.closed)
-    if closes or found is None or not found.uneven:
-        return verdict
-    even = {part.name for part in parts if part.kind in SLOW and (part.effect is None or part.effect.placeless)}
-    contacts = {part.name for part in parts if part.kind == "contact"}
-    sets = verdict.alternatives or ((verdict.effects,) if verdict.effects else ())
-    wrong = [names for names in sets if even.issuperset(names)]
-    if not wrong or not all(contacts.issuperset(names) for names in sets if names not in wrong):
-        return verdict
-    told = sorted({name for names in wrong for name in names})
-    of_kind = {part.kind for part in parts if part.name in told}
-    standing = " or ".join(" with ".join(names) for names in sets if names not in wrong)
-    first = "None is certain" if standing else "No law that was tried can be it"
-    tip, torque = (f"{100 * found.beside[shape]:.0f} %" for shape in ("tip", "even"))
-    return replace(
-        verdict,
-        status="unexplained",
-        effects=(),
-        alternatives=(),
-        kinds=(),
-        confidence={name: min(value, RULED_OUT) for name, value in verdict.confidence.items() if name in {*told, *of_kind}},
-        sentence=f"{first}: {' or '.join(told)} comes near at the markers, but acts alike all along "
-        f"the arm, and what is missing does not (an even torque leaves {torque} of its square, a force at the tip {tip})"
-        f"{f'; {standing} may be' if standing else ''}.",
-    )
-
-
-def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
-    """An unexplained gap is of the kind that the first of its traces tells."""
-    if verdict.status != "unexplained":
-        return verdict  # before any trace is looked for
-    told = next((trace for trace in traces if trace is not None and trace.kind), None)
-    if told is None:
-        return verdict
-    certain = f"something of the kind {told.kind} ({KINDS[told.kind]}) is certain, in a form that has no name here"
-    return replace(
-        verdict,
-        status="partly_identified",
-        kinds=(told.kind,),
-        confidence={**verdict.confidence, told.kind: TRACED},
-        sentence=f"{certain}: {told.sentence}. {verdict.sentence}",
-    )
-
-
-def mostly_explained(found: Search, thresholds: Thresholds) -> bool:
-    """Whether some model takes away most of the gap, certain or not: the gap's shape is then no sign of something else."""
-    return any(open_share(each, found.path[0], thresholds) < HALF for each in found.tried)
-
-
-def beside(verdict: Verdict, trace: Trace | None) -> Verdict:
-    """With what was seen, and mended, before any model was asked."""
-    if trace is None or not trace.kind:
-        return verdict
-    nothing = verdict.status in ("no_gap", "parameters", "unexplained")
-    return replace(
-        verdict,
-        status="partly_identified" if nothing else verdict.status,
-        kinds=tuple(sorted({*verdict.kinds, trace.kind})),
-        confidence={**verdict.confidence, trace.kind: max(TRACED, verdict.confidence.get(trace.kind, 0.0))},
-        sentence=f"{verdict.sentence} Certain too, of the kind {trace.kind}: {trace.sentence}.",
-    )
 
 
 def _wider(sets: list[tuple[str, ...]], found: Search, thresholds: Thresholds) -> list[tuple[str, ...]]:

@@ -41,6 +41,9 @@ PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drif
 ACTING = tuple(name for name in PLAIN if name not in SESSION)
 #: Trials from which on a change over the session may be asked for.
 TRIALS = 4
+#: Kinds whose sizes may differ from one set-up of an arm to the next: how it is mounted and loaded, supplied and seen. What it
+#: is made of stays, or goes with the stiffness level.
+SET_UP = ("actuation_map", "mass_gravity", "measurement")
 #: Links of the chain that is fitted: its tip is within 0.05 % of the length of the continuous arm's.
 LINKS = 16
 #: Error of a step in fits [m at the tip].
@@ -95,7 +98,8 @@ class Part:
 def readings(kind: type[Effect], *, space: bool = False, levels: int = 1, each: Sequence[float] = ()) -> list[Part]:
     """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell.
 
-    Where there are levels (declared Keq [Nm/rad]) that tell a size ``each``, laws of a single number have that reading too.
+    Where there are levels (declared Keq [Nm/rad]) that tell a size ``each``, laws of a single number have that reading too, if
+    it is of the kinds of :data:`SET_UP`.
     """
     effects = [neutral(kind, **options) for options in kind.variants()]
     return [
@@ -112,7 +116,7 @@ def _sizes(kind: type[Effect], opens: str, levels: int, each: tuple[float, ...])
     found: list[tuple[bool, tuple[float, ...]]] = [(False, ())]
     if levels > 1 and _resizes(kind, opens):
         found.append((True, ()))
-    if each and len(kind.parameters()) == 1 and not kind.flexible:
+    if each and kind.kind in SET_UP and len(kind.parameters()) == 1 and not kind.flexible:
         found.append((False, each))
     return found
 

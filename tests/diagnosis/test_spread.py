@@ -7,7 +7,8 @@ import pytest
 
 from hsr_pin.diagnosis.residual_torque import ResidualTorque
 from hsr_pin.diagnosis.spread import Spread, spread
-from hsr_pin.diagnosis.verdict import RULED_OUT, Left, Verdict, ruled_out, with_traces
+from hsr_pin.diagnosis.traces import RULED_OUT, ruled_out, with_traces
+from hsr_pin.diagnosis.verdict import Left, Verdict
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.identification.hypothesis import Part, readings
@@ -112,6 +113,31 @@ def test_a_contact_beside_laws_that_are_ruled_out_is_not_certain_for_want_of_oth
     beside = Verdict("ambiguous", (), (("bending_stop",), ("gravity_tilt",)), "So.")
     for verdict in (alone, beside):
         assert ruled_out(verdict, UNEVEN, PARTS, THRESHOLDS) is verdict
+
+
+@pytest.mark.parametrize("sets", [(("stiffness_gradient", "hysteresis"),), (("soft_spot",), ("torque_decay", "torque_curve"))])
+def test_nor_are_laws_along_the_arm_where_a_force_at_the_tip_leaves_little_by_itself(sets):
+    force = Spread({"tip": 0.05, "even": 0.29, "bending": 0.3}, {"tip": 0.03, "even": 0.32, "bending": 0.33})
+    before = Verdict("ambiguous", (), sets, "So.", ("elastic",), {"elastic": 0.8, "friction": 0.2})
+    after = ruled_out(before, force, PARTS, THRESHOLDS)
+    assert (after.status, after.alternatives, after.kinds, after.confidence["elastic"]) == ("unexplained", (), (), RULED_OUT)
+    assert "as by a force at the tip (this leaves 5 % of its square" in after.sentence and "alike" not in after.sentence
+    assert ruled_out(before, UNEVEN, PARTS, THRESHOLDS) is before  # of a stiffness along the arm too, beside another stiffness
+
+
+def test_a_contact_of_several_is_named_only_where_a_force_at_the_tip_is_seen():
+    unseen = Spread({"tip": 0.61, "even": 0.66, "bending": 0.64}, {"tip": 0.55, "even": 0.65, "bending": 0.65})
+    open_ = Verdict("ambiguous", (), (("restraint",), ("gravity_tilt",)), "So.", confidence={"restraint": 0.8})
+    after = ruled_out(open_, unseen, PARTS, THRESHOLDS)
+    assert (after.status, after.alternatives, after.confidence) == ("unexplained", (), {"restraint": RULED_OUT})
+    assert after.sentence.startswith(
+        "None is certain: restraint or gravity_tilt comes near at the markers, but where restraint acts"
+    )
+    certain, later = replace(open_, kinds=("contact",)), replace(open_, alternatives=open_.alternatives[::-1])
+    for same in (certain, later, replace(open_, status="partly_identified"), replace(open_, left=Left(1e-5, 0.01, 0.24))):
+        assert ruled_out(same, unseen, PARTS, THRESHOLDS) is same
+    for seen in (None, UNEVEN, Spread(unseen.left)):
+        assert ruled_out(open_, seen, PARTS, THRESHOLDS) is open_
 
 
 @pytest.mark.parametrize(

@@ -89,6 +89,24 @@ def test_a_law_that_needs_a_size_for_each_level_to_do_what_one_size_of_another_d
     assert part.frequency < 1.0 and part.share == 0.0
 
 
+def hazy(candidate, clear):
+    """A model with one effect of a size that is so many standard errors from none."""
+    (before,) = clearness(candidate.fit).values()
+    own = np.array([clear / before if "." in name else 1.0 for name in candidate.fit.hypothesis.free])
+    return replace(candidate, fit=replace(candidate.fit, slopes=tuple(slopes * own for slopes in candidate.fit.slopes)))
+
+
+@pytest.mark.parametrize(("clear", "counts"), [(60.0, False), (5.0, False), (3.0, True)])
+def test_a_rival_in_doubt_counts_where_the_law_is_in_more_doubt_itself(clear, counts):
+    experiment, found = models()
+    best = hazy(found["actuator_lag"], clear)
+    rival = hazy(replace(found["dead_time"], heldout=best.heldout), 4.0)
+    thresholds = Thresholds.of(experiment.noise_rms, experiment.dataset.length)
+    (part,), _, _ = supports(experiment, best, found["base"], [rival], thresholds, 0, ())
+    assert part.clear == pytest.approx(clear, rel=0.1)
+    assert (part.share == 0.0) is counts
+
+
 def test_a_choice_of_sets_has_the_support_that_none_of_them_has_beside_the_other():
     part, _, together = told("dead_time", "dead_time", "actuator_lag", "dry_friction")
     alone, either = together([("dead_time",)]), together([("dead_time",), ("actuator_lag",)])

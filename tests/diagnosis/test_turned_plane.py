@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import diagnose
-from hsr_pin.diagnosis.verdict import Verdict, beside
+from hsr_pin.diagnosis.traces import beside
+from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.identify import identify
 from hsr_pin.identification.plane import in_its_plane, plane_of

@@ -10,7 +10,8 @@ from hsr_pin.diagnosis.rivals import rivals, without_companions
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse, explains
-from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge, mostly_explained
+from hsr_pin.diagnosis.traces import mostly_explained
+from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Part

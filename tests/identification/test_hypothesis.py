@@ -83,7 +83,8 @@ def test_a_law_of_a_single_number_may_have_one_for_each_level():
     }
     odd = readings(EFFECTS["torque_bias"], levels=2, each=(1.2345678, 2.33))[-1]
     assert Hypothesis().with_part(odd).parts[-1].reading == odd.reading  # names have six digits
-    assert own("bending_stop") == own("unequal_lag") == own("torque_map") == []
+    assert own("bending_stop") == own("unequal_lag") == own("torque_map") == []  # of several numbers
+    assert own("stiffness_gradient") == own("quadratic_damping") == own("dry_friction") == []  # what the arm is made of
     assert not [part for part in readings(EFFECTS["torque_bias"], levels=2) if part.levels]
 
 

@@ -1,0 +1,137 @@
+"""What traces of a gap add to a verdict on models: a kind where no model explains it, and laws that cannot be what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from hsr_pin.diagnosis.search import Search
+from hsr_pin.diagnosis.spread import Spread
+from hsr_pin.diagnosis.thresholds import Thresholds, open_share
+from hsr_pin.diagnosis.verdict import HALF, Verdict
+from hsr_pin.effects.effect import KINDS
+from hsr_pin.identification.hypothesis import Part
+
+#: Confidence in a kind that a trace alone tells: 45 of 49 were right (fourth to eighth sealed run), by Laplace's rule.
+TRACED = 0.9
+
+#: Kinds of laws that are held against it; what is over in an instant is smoothed too much to tell.
+SLOW = ("elastic", "friction", "creep", "actuation_map")
+#: Confidence in names that it rules out, by Laplace's rule: of 7 in the sixth and seventh run none was right.
+RULED_OUT = 0.11
+
+
+class Trace(Protocol):
+    """What a gap shows of its cause without a law for it."""
+
+    @property
+    def kind(self) -> str:
+        """Of physics; empty if it tells none."""
+
+    @property
+    def sentence(self) -> str:
+        """As a person would say it."""
+
+
+def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thresholds: Thresholds) -> Verdict:
+    """A verdict that names nothing but laws that cannot be what is missing names none, unless they close the gap.
+
+    Nor if it names a contact beside them: which, and whether it is of that law, is not known for want of other answers. Nor if
+    a contact comes first of several, and what is missing is not seen to be spread as by a force at the tip.
+
+    Args:
+        verdict: on the models.
+        found: how what is missing is spread along the arm.
+        parts: every law that was tried.
+        thresholds: what counts.
+    """
+    closes = verdict.status == "identified" or (verdict.left is not None and verdict.left.rms <= thresholds.closed)
+    if closes or found is None or not found.beside:
+        return verdict
+    contacts = {part.name for part in parts if part.kind == "contact"}
+    sets = verdict.alternatives or ((verdict.effects,) if verdict.effects else ())
+    if not found.uneven:
+        if verdict.status != "ambiguous" or verdict.effects or verdict.kinds or not contacts.intersection(sets[0]):
+            return verdict
+        told = sorted({name for names in sets for name in names})
+        why = f"where {_listed(sets[0])} acts, at the tip, is not seen in how what is missing is spread along the arm"
+        return _unnamed(
+            verdict, told, parts, f"None is certain: {_or(sets)} comes near at the markers, but {why}{_shares(found)}."
+        )
+    impossible = {part.name for part in parts if part.kind in SLOW and (_placeless(part) or (found.kind and _shaped(part)))}
+    wrong = [names for names in sets if impossible.issuperset(names)]
+    standing = [names for names in sets if names not in wrong]
+    if not wrong or not all(contacts.issuperset(names) for names in standing):
+        return verdict
+    told = sorted({name for names in wrong for name in names})
+    even = {part.name for part in parts if _placeless(part)}.issuperset(told)
+    first = "None is certain" if standing else "No law that was tried can be it"
+    why = f"acts alike all along the arm, and what is missing does not{_shares(found)}" if even else found.sentence
+    open_ = f"; {_or(standing)} may be" if standing else ""
+    return _unnamed(verdict, told, parts, f"{first}: {' or '.join(told)} comes near at the markers, but {why}{open_}.")
+
+
+def _placeless(part: Part) -> bool:
+    return part.effect is None or part.effect.placeless
+
+
+def _shaped(part: Part) -> bool:
+    """Whether it is another stiffness, or another share of the torque, from place to place of the arm."""
+    return part.effect is not None and any(part.effect.acts_through(hook) for hook in ("stiffness", "actuation"))
+
+
+def _unnamed(verdict: Verdict, told: Sequence[str], parts: Sequence[Part], sentence: str) -> Verdict:
+    """A verdict without these names, their kinds, and any other."""
+    out = {*told, *(part.kind for part in parts if part.name in told)}
+    confidence = {name: min(value, RULED_OUT) for name, value in verdict.confidence.items() if name in out}
+    return replace(verdict, status="unexplained", effects=(), alternatives=(), kinds=(), confidence=confidence, sentence=sentence)
+
+
+def _shares(found: Spread) -> str:
+    tip, torque = (f"{100 * found.beside[shape]:.0f} %" for shape in ("tip", "even"))
+    return f" (an even torque leaves {torque} of its square, a force at the tip {tip})"
+
+
+def _or(sets: Iterable[tuple[str, ...]]) -> str:
+    return " or ".join(map(_listed, sets))
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return " with ".join(names)
+
+
+def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
+    """An unexplained gap is of the kind that the first of its traces tells."""
+    if verdict.status != "unexplained":
+        return verdict  # before any trace is looked for
+    told = next((trace for trace in traces if trace is not None and trace.kind), None)
+    if told is None:
+        return verdict
+    certain = f"something of the kind {told.kind} ({KINDS[told.kind]}) is certain, in a form that has no name here"
+    return replace(
+        verdict,
+        status="partly_identified",
+        kinds=(told.kind,),
+        confidence={**verdict.confidence, told.kind: TRACED},
+        sentence=f"{certain}: {told.sentence}. {verdict.sentence}",
+    )
+
+
+def mostly_explained(found: Search, thresholds: Thresholds) -> bool:
+    """Whether some model takes away most of the gap, certain or not: the gap's shape is then no sign of something else."""
+    return any(open_share(each, found.path[0], thresholds) < HALF for each in found.tried)
+
+
+def beside(verdict: Verdict, trace: Trace | None) -> Verdict:
+    """With what was seen, and mended, before any model was asked."""
+    if trace is None or not trace.kind:
+        return verdict
+    nothing = verdict.status in ("no_gap", "parameters", "unexplained")
+    return replace(
+        verdict,
+        status="partly_identified" if nothing else verdict.status,
+        kinds=tuple(sorted({*verdict.kinds, trace.kind})),
+        confidence={**verdict.confidence, trace.kind: max(TRACED, verdict.confidence.get(trace.kind, 0.0))},
+        sentence=f"{verdict.sentence} Certain too, of the kind {trace.kind}: {trace.sentence}.",
+    )
