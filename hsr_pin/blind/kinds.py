@@ -71,7 +71,6 @@ _OF: dict[str, tuple[str, ...]] = {
     "wall": ("contact",),
     "warming_arm": ("creep", "elastic"),  # stiffness falls, with time
     # Flexible laws: they stand for their kind, and are no names of causes.
-    "bias_profile": ("actuation_map",),
     "creep_spectrum": ("creep",),
     "damping_curve": ("damping",),
     "damping_profile": ("damping",),
@@ -107,7 +106,6 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
 
 #: Laws that stand for their kind.
 FLEXIBLE = (
-    "bias_profile",
     "creep_spectrum",
     "damping_curve",
     "damping_profile",

@@ -5,7 +5,6 @@ be named and its curve drawn, but no effect.
 """
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.effects.flexible.bias_profile import BiasProfile
 from hsr_pin.effects.flexible.creep_spectrum import CreepSpectrum
 from hsr_pin.effects.flexible.damping_curve import DampingCurve
 from hsr_pin.effects.flexible.damping_profile import DampingProfile
@@ -29,7 +28,6 @@ FLEXIBLE: dict[str, type[Effect]] = {
         LagCascade,
         TorqueCurve,
         TorqueProfile,
-        BiasProfile,
         MarkerProfile,
     )
 }
