@@ -7,6 +7,7 @@ others may be added.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -106,6 +107,7 @@ def _where(where: Where | None) -> dict[str, Any]:
             "frequency_hz": None,
             "defect": None,
             "spread": None,
+            "spread_beside_arm": None,
             "base": None,
         }
     centre, *interval = (None,) if where.defect is None else map(_number, where.defect)
@@ -117,9 +119,14 @@ def _where(where: Where | None) -> dict[str, Any]:
         "sentence": where.sentence,
         "frequency_hz": None if where.frequency is None else _number(where.frequency),
         "defect": None if where.defect is None else {"centre": centre, "ci95": interval},
-        "spread": None if where.spread is None else {shape: _number(share) for shape, share in where.spread.left.items()},
+        "spread": _shares(where.spread.left) if where.spread else None,
+        "spread_beside_arm": _shares(where.spread.beside) if where.spread and where.spread.beside else None,
         "base": None if where.base is None else {"foretold": _number(where.base.foretold)},
     }
+
+
+def _shares(left: Mapping[str, float]) -> dict[str, Any]:
+    return {shape: _number(share) for shape, share in left.items()}
 
 
 def _map(chart: Map) -> dict[str, Any]:

@@ -67,6 +67,7 @@ SCHEMA = {
         "frequency_hz": MAYBE,
         "defect": (dict, type(None)),
         "spread": (dict, type(None)),
+        "spread_beside_arm": (dict, type(None)),
         "base": (dict, type(None)),
     },
     "next_experiment": [{"name": str, "separation": MAYBE}],
