@@ -107,13 +107,6 @@ def search(
         good = [c for c in better if worth_having(path[-1], c, thresholds, seed)]
         if rung > len(path):  # a pair of which neither was worth having alone: its word counts where it closes the gap
             good = [c for c in good if explains(c, start, thresholds)]
-            halves = _other_halves(better, beam, crew, tried, HOPELESS * left(start)) if not good else []
-            if halves:
-                new = _extend(halves, screened(halves, parts, crew), crew, tried, thresholds)
-                tried |= {key(candidate): candidate for candidate in new}
-                better = sorted((*better, *new), key=mean_square)
-                good = [c for c in new if worth_having(start, c, thresholds, seed) and explains(c, start, thresholds)]
-                good.sort(key=mean_square)
         if good:
             path.append(good[0])
         elif rung > 1 or not better:
@@ -136,24 +129,6 @@ def search(
         if best is general:
             break
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
-
-
-def _other_halves(
-    pairs: Sequence[Candidate], beam: Sequence[Candidate], crew: Crew, tried: dict[Key, Candidate], most: float
-) -> list[Candidate]:
-    """Of pairs that leave no more than this [m^2] the laws that stood beside those of the beam only, each alone.
-
-    A beam of laws that are worth nothing alone may hold neither half of the true pair.
-    """
-    halves: dict[Key, Fit] = {}
-    for pair in pairs:
-        for name in pair.names if left(pair) <= most else ():
-            alone = without(pair.fit, name)
-            if not any(alone.hypothesis.parts[0].name in each.names for each in beam):
-                halves.setdefault(_key(alone.hypothesis), alone)
-    new = crew.finish([alone for name, alone in halves.items() if name not in tried])
-    tried |= {key(each): each for each in new}
-    return [tried[name] for name in halves][:BEAM]
 
 
 def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: dict[Key, Candidate]) -> list[Candidate]:

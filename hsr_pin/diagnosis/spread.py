@@ -52,9 +52,12 @@ class Spread:
 
     @property
     def uneven(self) -> bool:
-        """Whether no law that acts alike at every place of the arm can be what is missing: a force at the tip is nearer to it."""
+        """Whether no law that acts alike at every place of the arm can be what is missing: a force at the tip is nearer to it.
+
+        Where stiffness and damping leave nothing beyond noise the shapes alone tell.
+        """
         if not self.beside:
-            return False
+            return bool(self.kind)
         tip, even = self.beside["tip"], self.beside["even"]
         return even - tip >= MORE and tip <= NEARER * even
 

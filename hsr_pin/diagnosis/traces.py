@@ -47,12 +47,13 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
         thresholds: what counts.
     """
     closes = verdict.status == "identified" or (verdict.left is not None and verdict.left.rms <= thresholds.closed)
-    if closes or found is None or not found.beside:
+    if closes or found is None:
         return verdict
     contacts = {part.name for part in parts if part.kind == "contact"}
     sets = verdict.alternatives or ((verdict.effects,) if verdict.effects else ())
     if not found.uneven:
-        if verdict.status != "ambiguous" or verdict.effects or verdict.kinds or not contacts.intersection(sets[0]):
+        open_choice = verdict.status == "ambiguous" and not verdict.effects and not verdict.kinds
+        if not (found.beside and open_choice and contacts.intersection(sets[0])):
             return verdict
         told = sorted({name for names in sets for name in names})
         why = f"where {_listed(sets[0])} acts, at the tip, is not seen in how what is missing is spread along the arm"
@@ -89,7 +90,7 @@ def _unnamed(verdict: Verdict, told: Sequence[str], parts: Sequence[Part], sente
 
 
 def _shares(found: Spread) -> str:
-    tip, torque = (f"{100 * found.beside[shape]:.0f} %" for shape in ("tip", "even"))
+    tip, torque = (f"{100 * (found.beside or found.left)[shape]:.0f} %" for shape in ("tip", "even"))
     return f" (an even torque leaves {torque} of its square, a force at the tip {tip})"
 
 

@@ -171,7 +171,7 @@ def _graded(
     rest = open_share(best, found.path[0], thresholds)
     led = {each.name for each in (*evidence.parts, *evidence.kinds) if each.margin >= LED}
     sure = tuple(sorted(name for name in common & led - flexible if rest <= HALF and names[name] >= CERTAIN))
-    of_kind = tuple(sorted(kind for kind in led if kinds.get(kind, 0.0) >= CERTAIN_KIND and _in_all(kind, sets, found.tried)))
+    of_kind = tuple(sorted(k for k in led if kinds.get(k, 0.0) >= CERTAIN_KIND and _in_all(k, sets, found.tried)))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
     def said(status: str, sentence: str, alternatives: Sequence[tuple[str, ...]] = (), named: tuple[str, ...] = ()) -> Verdict:

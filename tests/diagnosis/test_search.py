@@ -158,16 +158,6 @@ def test_a_pair_is_found_where_neither_is_worth_having_alone_and_no_third_is_loo
     assert names(searched(crew, max_effects=1).path) == [()]
 
 
-@pytest.mark.parametrize(("stand_in", "path"), [(0.6, [(), ("torque_bias",), ("backlash", "torque_bias")]), (0.8, [()])])
-def test_a_pair_is_found_though_the_beam_holds_neither_half_where_one_of_them_shows_beside_a_stand_in(stand_in, path):
-    little = (GAP**2 - 0.8 * THRESHOLDS.worth**2) ** 0.5
-    alone = {"": GAP, "preset_bend": little, "gravity_tilt": 1.0001 * little, "marker_offset": 1.0002 * little}
-    pairs = {"torque_bias": 1.0003 * little, "backlash+preset_bend": stand_in * GAP, "backlash+torque_bias": 0.0}
-    crew = FakeCrew(alone | pairs)
-    assert names(searched(crew).path) == path
-    assert ("backlash" in crew.finished) is (len(path) > 1)
-
-
 def test_what_is_worth_having_grows_with_noise_and_with_the_arm():
     assert Thresholds.of(1e-3, LENGTH).worth > Thresholds.of(1e-6, LENGTH).worth
     assert Thresholds.of(1e-6, 2 * LENGTH).worth == 2 * Thresholds.of(1e-6, LENGTH).worth

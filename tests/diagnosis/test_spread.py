@@ -115,6 +115,14 @@ def test_a_contact_beside_laws_that_are_ruled_out_is_not_certain_for_want_of_oth
         assert ruled_out(verdict, UNEVEN, PARTS, THRESHOLDS) is verdict
 
 
+def test_where_stiffness_and_damping_leave_nothing_the_shapes_alone_tell():
+    named = Verdict("ambiguous", (), (("stiffening",), ("torque_map",)), "So.")
+    force, other = ({"tip": 0.14, "even": even, "bending": 0.27} for even in (0.32, 0.15))
+    after = ruled_out(named, Spread(force), PARTS, THRESHOLDS)
+    assert after.status == "unexplained" and "leaves 32 % of its square, a force at the tip 14 %" in after.sentence
+    assert ruled_out(named, Spread(other), PARTS, THRESHOLDS) is named
+
+
 @pytest.mark.parametrize("sets", [(("stiffness_gradient", "hysteresis"),), (("soft_spot",), ("torque_decay", "torque_curve"))])
 def test_nor_are_laws_along_the_arm_where_a_force_at_the_tip_leaves_little_by_itself(sets):
     force = Spread({"tip": 0.05, "even": 0.29, "bending": 0.3}, {"tip": 0.03, "even": 0.32, "bending": 0.33})
@@ -136,7 +144,7 @@ def test_a_contact_of_several_is_named_only_where_a_force_at_the_tip_is_seen():
     certain, later = replace(open_, kinds=("contact",)), replace(open_, alternatives=open_.alternatives[::-1])
     for same in (certain, later, replace(open_, status="partly_identified"), replace(open_, left=Left(1e-5, 0.01, 0.24))):
         assert ruled_out(same, unseen, PARTS, THRESHOLDS) is same
-    for seen in (None, UNEVEN, Spread(unseen.left)):
+    for seen in (None, UNEVEN, Spread(unseen.left)):  # nothing is left beside stiffness and damping, by which to tell
         assert ruled_out(open_, seen, PARTS, THRESHOLDS) is open_
 
 
