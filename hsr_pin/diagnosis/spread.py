@@ -54,11 +54,10 @@ class Spread:
     def uneven(self) -> bool:
         """Whether no law that acts alike at every place of the arm can be what is missing: a force at the tip is nearer to it.
 
-        Where stiffness and damping leave nothing beyond noise the shapes alone tell.
+        By itself, where stiffness and damping leave nothing beyond noise.
         """
-        if not self.beside:
-            return bool(self.kind)
-        tip, even = self.beside["tip"], self.beside["even"]
+        shares = self.beside or self.left
+        tip, even = shares["tip"], shares["even"]
         return even - tip >= MORE and tip <= NEARER * even
 
     @property

@@ -68,9 +68,11 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
     told = sorted({name for names in wrong for name in names})
     even = {part.name for part in parts if _placeless(part)}.issuperset(told)
     first = "None is certain" if standing else "No law that was tried can be it"
-    why = f"acts alike all along the arm, and what is missing does not{_shares(found)}" if even else found.sentence
+    acts = "alike all along the arm, and what is missing does not" if even else "along the arm, and what is missing at its tip"
     open_ = f"; {_or(standing)} may be" if standing else ""
-    return _unnamed(verdict, told, parts, f"{first}: {' or '.join(told)} comes near at the markers, but {why}{open_}.")
+    return _unnamed(
+        verdict, told, parts, f"{first}: {' or '.join(told)} comes near at the markers, but acts {acts}{_shares(found)}{open_}."
+    )
 
 
 def _placeless(part: Part) -> bool:

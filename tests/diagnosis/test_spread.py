@@ -129,7 +129,7 @@ def test_nor_are_laws_along_the_arm_where_a_force_at_the_tip_leaves_little_by_it
     before = Verdict("ambiguous", (), sets, "So.", ("elastic",), {"elastic": 0.8, "friction": 0.2})
     after = ruled_out(before, force, PARTS, THRESHOLDS)
     assert (after.status, after.alternatives, after.kinds, after.confidence["elastic"]) == ("unexplained", (), (), RULED_OUT)
-    assert "as by a force at the tip (this leaves 5 % of its square" in after.sentence and "alike" not in after.sentence
+    assert "but acts along the arm, and what is missing at its tip (an even torque leaves 32 %" in after.sentence
     assert ruled_out(before, UNEVEN, PARTS, THRESHOLDS) is before  # of a stiffness along the arm too, beside another stiffness
 
 
