@@ -137,6 +137,22 @@ def test_a_crew_guesses_once_for_the_same_model_and_parts(released):
     assert executor.tasks > done
 
 
+def test_fits_that_take_longest_begin_first_and_candidates_come_as_they_were_asked_for(released):
+    class Noting(Executor):
+        begun = ()
+
+        def submit(self, function, /, *arguments, **named):
+            self.begun += ([part.name for part in arguments[1].hypothesis.parts],)
+            return Serial().submit(function, *arguments, **named)
+
+    experiment, executor = prepare(released), Noting()
+    models = [Hypothesis(links=6).with_part(Part(name, EFFECTS[name]())) for name in ("tip_mass", "dry_friction", "soft_spot")]
+    starts = [fit(experiment, model, quick=True) for model in models]
+    answers = Crew(experiment, executor).finish(starts)
+    assert executor.begun == (["dry_friction"], ["soft_spot"], ["tip_mass"])
+    assert [answer.fit.hypothesis for answer in answers] == models
+
+
 def test_a_diagnosis_on_a_cluster_is_that_of_this_process(heavy_tip, cluster):
     asked = {"effects": ["tip_mass", "dead_time"], "max_effects": 1, "links": 6}
     alone, spread = (to_json(diagnose(heavy_tip, **asked, **where)) for where in ({"jobs": 1}, {"cluster": cluster}))
