@@ -56,9 +56,9 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
         if not (found.beside and open_choice and contacts.intersection(sets[0])):
             return verdict
         told = sorted({name for names in sets for name in names})
-        why = f"where {_listed(sets[0])} acts, at the tip, is not seen in how what is missing is spread along the arm"
+        why = f"where {_either(sets[:1])} acts, at the tip, is not seen in how what is missing is spread along the arm"
         return _unnamed(
-            verdict, told, parts, f"None is certain: {_or(sets)} comes near at the markers, but {why}{_shares(found)}."
+            verdict, told, parts, f"None is certain: {_either(sets)} comes near at the markers, but {why}{_shares(found)}."
         )
     impossible = {part.name for part in parts if part.kind in SLOW and (_placeless(part) or (found.kind and _shaped(part)))}
     wrong = [names for names in sets if impossible.issuperset(names)]
@@ -69,7 +69,7 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
     even = {part.name for part in parts if _placeless(part)}.issuperset(told)
     first = "None is certain" if standing else "No law that was tried can be it"
     acts = "alike all along the arm, and what is missing does not" if even else "along the arm, and what is missing at its tip"
-    open_ = f"; {_or(standing)} may be" if standing else ""
+    open_ = f"; {_either(standing)} may be" if standing else ""
     return _unnamed(
         verdict, told, parts, f"{first}: {' or '.join(told)} comes near at the markers, but acts {acts}{_shares(found)}{open_}."
     )
@@ -96,12 +96,8 @@ def _shares(found: Spread) -> str:
     return f" (an even torque leaves {torque} of its square, a force at the tip {tip})"
 
 
-def _or(sets: Iterable[tuple[str, ...]]) -> str:
-    return " or ".join(map(_listed, sets))
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return " with ".join(names)
+def _either(sets: Iterable[tuple[str, ...]]) -> str:
+    return " or ".join(map(" with ".join, sets))
 
 
 def with_traces(verdict: Verdict, traces: Iterable[Trace | None]) -> Verdict:
