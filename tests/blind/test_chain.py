@@ -143,3 +143,10 @@ def test_a_plant_that_grows_longer_has_diverged():
     engine = Stretched(arm, np.full(6, KEQ), np.full(6, C), 1e-3)
     with pytest.raises(SimulationFailure, match="diverged"):
         March(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3, planar).run(np.linspace(0.0, arm.length, 7))
+
+
+def test_a_plant_that_curls_through_itself_is_refused_and_one_that_curls_far_is_not():
+    plant = ChainPlant(8, 1e-3, WEIGHTLESS)
+    assert plant.simulate(constant(1.9 * np.pi * KEQ, 0.1)).angle[-1, -1] == pytest.approx(1.9 * np.pi, abs=0.02)
+    with pytest.raises(SimulationFailure, match=r"more than a turn at t = 0\.00 s"):
+        plant.simulate(constant(2.1 * np.pi * KEQ, 0.1))

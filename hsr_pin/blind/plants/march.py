@@ -22,6 +22,7 @@ from .program import RATE, Trial
 SETTLE_BLOCK, SETTLE_LONGEST = 0.25, 10.0  # s
 SETTLED = 1e-5  # m/s, speed of the tip below which the arm is at rest
 SLACK = 0.02  # of the length: the rod stretches a little; what is farther from the base has diverged
+TURN = 2 * np.pi  # rad of bending, base to tip: beyond it the arm would pass through itself
 
 
 AnyMotion = TypeVar("AnyMotion")
@@ -145,11 +146,12 @@ class March(Generic[AnyMotion]):
         """The motion at the nodes' arc lengths s (N,) [m], at each sample of the trial."""
         self._settle()
         per_sample = round(1 / RATE / self.dt)
-        frames = [self.engine.nodes()]
+        frames, bent = [self.engine.nodes()], [self._bent()]
         for k in range(self.tau.size):
             self._step(k * self.dt, self.tau[k].item(), float(self.push[k]))
             if (k + 1) % per_sample == 0:
                 frames.append(self.engine.nodes())
+                bent.append(self._bent())
         t = np.arange(len(frames)) / RATE
         motion = self._motion(t, s, frames)
         away = reduce(np.hypot, np.stack([frame.position for frame in frames], axis=1))
@@ -157,7 +159,14 @@ class March(Generic[AnyMotion]):
         if not sane.all():
             first = float(t[np.argmin(sane.all(axis=1))])
             raise SimulationFailure(f"the plant diverged before t = {first:.2f} s", motion)
+        if (round_ := np.asarray(bent) > TURN).any():
+            first = float(t[np.argmax(round_)])
+            raise SimulationFailure(f"the plant bends by more than a turn at t = {first:.2f} s, as no arm can", motion)
         return motion
+
+    def _bent(self) -> float:
+        """From base to tip [rad]."""
+        return float(abs(np.mean(self.engine.read()[0])))
 
     def _settle(self) -> None:
         steps = round(SETTLE_BLOCK / self.dt)
