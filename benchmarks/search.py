@@ -17,6 +17,8 @@ SUBSTEPS = tuple(dict.fromkeys(round(1.05**k) for k in range(200)))
 TOLERANCES = tuple(10.0 ** (-k / 4) for k in range(4, 44))
 #: No single run of a search may take longer [s].
 PATIENCE = 4.0
+#: What a turn of a solver takes at least [s].
+TURN = 0.02
 _LONGEST_STRIDE = 14  # rungs: half the step
 #: Makes a solver from a rung of a ladder of settings.
 Make: TypeAlias = Callable[[Any], Solver]
@@ -42,14 +44,18 @@ def cheapest(families: Iterable[Make], ladder: Sequence[float], accurate: Callab
 
 
 def medians(runs: Mapping[str, Callable[[], object]], repeats: int = 21, budget: float = 12.0) -> dict[str, float]:
-    """Median time [s] of each of several runs, taken in turns: ``repeats`` times, or (at least 3) what ``budget`` [s] allows."""
+    """Median time [s] of each of several runs, taken in turns: ``repeats`` times, or (at least 3) what ``budget`` [s] allows.
+
+    A turn is as many runs as ``TURN`` [s] holds, at least one, and counts with their mean: single runs of some 0.1 ms would be
+    timed in caches that the solver before them has filled.
+    """
     times: dict[str, list[float]] = {name: [] for name in runs}
     begin = perf_counter()
     for repeat in range(repeats):
         if repeat >= 3 and perf_counter() - begin > budget:
             break
         for name, run in runs.items():
-            times[name].append(_seconds(run))
+            times[name].append(_seconds_each(run))
     return {name: float(np.median(taken)) for name, taken in times.items()}
 
 
@@ -74,6 +80,15 @@ def _coarsest(make: Make, ladder: Sequence[float], accurate: Callable[[Array], b
         else:
             low = middle
     return solver
+
+
+def _seconds_each(run: Callable[[], object]) -> float:
+    """Mean of as many as a turn holds."""
+    count, elapsed = 0, 0.0
+    while elapsed < TURN:
+        elapsed += _seconds(run)
+        count += 1
+    return elapsed / count
 
 
 def _seconds(run: Callable[[], object]) -> float:
