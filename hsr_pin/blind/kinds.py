@@ -43,6 +43,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "marker_offset": ("measurement",),
     "markers_beside": ("measurement",),
     "marker_slip": ("measurement",),
+    "partial_bias": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "preset_bend": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
@@ -95,7 +96,7 @@ _AS_GOOD: dict[str, tuple[str, ...]] = {
     "added_mass": ("mass_scale",),  # evenly spread, it is a heavier arm
     "mass_scale": ("added_mass",),
     "torque_bias:drifting": ("preset_bend",),
-    "torque_bias:partial": ("preset_bend",),
+    "torque_bias:partial": ("preset_bend", "partial_bias"),
     "torque_bias": ("preset_bend",),
     "bend_at_rest": ("torque_offset",),  # at one stiffness
     "torque_offset": ("bend_at_rest",),
