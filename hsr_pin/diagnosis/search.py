@@ -26,6 +26,7 @@ from hsr_pin.diagnosis.thresholds import (
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
+from hsr_pin.identification.uncertainty import alike
 from hsr_pin.trajectory import Array
 
 #: The best of these get a full fit: the first few in any case; more, up to a limit, if their RMS is within this factor of the
@@ -128,6 +129,7 @@ def search(
         general, best = best, _simplest(best, start, list(tried.values()), thresholds, seed)
         if best is general:
             break
+    best = _in_its_cases(best, start, parts, crew, tried, thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 
@@ -145,6 +147,37 @@ def _special_cases(best: Candidate, parts: Sequence[Part], crew: Crew, tried: di
         quick = _from_one_basin([(base.fit, guess) for guess in guessed if _key(guess.hypothesis) not in tried], crew)
         new += crew.finish(laws_first(quick)[:SPECIAL])
     return new
+
+
+def _in_its_cases(
+    best: Candidate,
+    start: Candidate,
+    parts: Sequence[Part],
+    crew: Crew,
+    tried: dict[Key, Candidate],
+    thresholds: Thresholds,
+    seed: int,
+) -> Candidate:
+    """In place of the best, where a law's numbers may be no others than its special cases have together, the model with those.
+
+    A lag that is as long one way as the other, and late, is a lag and a delay.
+    """
+    for law in best.fit.hypothesis.parts:
+        names = set(law.effect.contains) - set(best.names) if law.effect and alike(best.fit, law) else set()
+        if len(names) < 2:
+            continue
+        fit = without(best.fit, law.name)
+        for name in sorted(names):
+            base = tried.get(_key(fit.hypothesis)) or crew.finish([fit])[0]
+            guessed = promising([base], [part for part in parts if part.name == name and not part.levels], crew)[0]
+            if not guessed:
+                break
+            fit = min(crew.glance([(base.fit, guess) for guess in guessed]), key=lambda each: each.rms)
+        else:
+            other = tried.setdefault(_key(fit.hypothesis), crew.finish([fit])[0])
+            if matches(other, best, start, thresholds, seed):
+                return other
+    return best
 
 
 def _simplest(best: Candidate, start: Candidate, tried: Sequence[Candidate], thresholds: Thresholds, seed: int) -> Candidate:

@@ -20,6 +20,7 @@ from hsr_pin.effects.hysteresis import Hysteresis
 from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.marker_slip import MarkerSlip
+from hsr_pin.effects.partial_bias import PartialBias
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.restraint import Restraint
@@ -54,6 +55,7 @@ EFFECTS: dict[str, type[Effect]] = {
         UnequalLag,
         DeadTime,
         TorqueBias,
+        PartialBias,
         TorqueMap,
         TorqueDecay,
         GravityTilt,

@@ -60,6 +60,7 @@ class Bending(NamedTuple):
         rate: [rad/s] its rate.
         keq: [Nm/rad] bending stiffness of the whole arm.
         stiffness: stiffness there, relative to keq.
+        place: arc length of the middle of the stretch that the joint stands for, over that of the arm: 0 to 1.
         memory: the law's internal state, one entry for each of its ``states``.
     """
 
@@ -67,7 +68,13 @@ class Bending(NamedTuple):
     rate: Any
     keq: Any
     stiffness: Any
+    place: Any
     memory: tuple[Any, ...]
+
+
+def middles(links: int) -> Array:
+    """(N,) places of N joints, as laws see them."""
+    return (np.arange(links) + 0.5) / links
 
 
 class Places(Protocol):

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import PLAIN
+from hsr_pin.identification.hypothesis import PLAIN, Part
 from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
@@ -101,6 +101,13 @@ def clearness(fit: Fit) -> dict[str, float]:
         name: float(np.sqrt(max(0.0, away[k] @ np.linalg.pinv(sure.correlation[np.ix_(k, k)], hermitian=True) @ away[k])))
         for name, k in own.items()
     }
+
+
+def alike(fit: Fit, part: Part) -> bool:
+    """Whether the numbers that set a law apart from its special cases may all be the same, by their 95 % intervals."""
+    unlike = [f"{part.name}.{name}" for name in part.effect.unlike] if part.effect else []
+    interval = uncertainty(fit).interval[[list(fit.named).index(name) for name in unlike]]
+    return bool(unlike) and float(interval[:, 0].max()) <= float(interval[:, 1].min())
 
 
 def _memory(residual: Array) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Bending, Effect
+from hsr_pin.effects.effect import Bending, Effect, middles
 from hsr_pin.errors import InputError
 from hsr_pin.robot.chain import chain_of
 from hsr_pin.simulation.columns import Columns
@@ -116,7 +116,7 @@ def _stored(columns: Columns, law: Effect, q: Array) -> Array:
     """(T,) [J] the work of a law's moment, at rest, on the way from the straight arm to q (T, N), in space complex."""
     total, links = np.zeros(len(q)), columns.links
     for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
-        bending = Bending(point * links * q, 0.0 * q, columns.arms.keq[:, None], columns.arrays.profile, ())
+        bending = Bending(point * links * q, 0.0 * q, columns.arms.keq[:, None], columns.arrays.profile, middles(links), ())
         resisting = law.moment(law.p, bending)
         if law.acts_through("touch"):
             resisting = resisting + touched(law, point * q, columns.arrays.reach)

@@ -32,7 +32,7 @@ def {name}({arguments}):
 _MOMENT = """
         for i in range(N):
             k = b * N + i
-            moment[k] += 1.0 * law(p, Bending(N * q[k], N * v[k], keq[b], profile[k], ({memory})))
+            moment[k] += 1.0 * law(p, Bending(N * q[k], N * v[k], keq[b], profile[k], (i + 0.5) / N, ({memory})))
 """
 
 _TOUCH = """

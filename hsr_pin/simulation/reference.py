@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.effects.effect import Bending, Effect, columns_of
+from hsr_pin.effects.effect import Bending, Effect, columns_of, middles
 from hsr_pin.simulation import kernel
 from hsr_pin.simulation.kernel import ROWS
 from hsr_pin.trajectory import Array
@@ -68,7 +68,7 @@ def resist(system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array)
     links, first = q.shape[1], 0
     for effect in system.effects:
         memory = tuple(z[first : first + effect.states])
-        bending = Bending(links * q, links * v, system.arrays.keq[:, None], system.arrays.profile, memory)
+        bending = Bending(links * q, links * v, system.arrays.keq[:, None], system.arrays.profile, middles(links), memory)
         moment += effect.moment(_columns(effect.p), bending)
         if effect.acts_through("touch"):
             moment += touched(effect, q, system.arrays.reach)

@@ -40,6 +40,16 @@ def test_a_law_that_a_probe_does_not_show_is_tried_where_one_that_it_contains_is
     assert searched(FakeCrew(other, unseen=("unequal_lag",)), max_effects=1).best.names == ("tip_mass",)
 
 
+@pytest.mark.parametrize("together", [0.0, 0.5e-3])
+def test_a_law_whose_numbers_may_be_those_of_its_special_cases_together_gives_way_to_them(together, monkeypatch):
+    gaps = {"": GAP, "tip_mass": 3e-3, "actuator_lag": 2.5e-3, "unequal_lag": 2e-3, "tip_mass+unequal_lag": 0.0}
+    crew = FakeCrew(gaps | {"tip_mass+actuator_lag": 1e-3, "tip_mass+actuator_lag+dead_time": together})
+    both = ("actuator_lag", "dead_time", "tip_mass")  # whose rise and fall are the same, as all that was fabricated is
+    assert searched(crew, max_effects=2).best.names == (("tip_mass", "unequal_lag") if together else both)
+    monkeypatch.setattr("hsr_pin.diagnosis.search.alike", lambda fit, part: False)
+    assert searched(crew, max_effects=2).best.names == ("tip_mass", "unequal_lag")
+
+
 @pytest.mark.parametrize(("other", "found"), [(0.9 * GAP, "backlash"), (0.85 * GAP, "tip_mass")])
 @pytest.mark.parametrize("stuck", [{}, {"backlash": 0.95 * GAP}], ids=["at once", "from neutral"])
 def test_laws_that_a_probe_does_not_show_are_looked_at_where_none_that_it_shows_takes_a_quarter(other, found, stuck):

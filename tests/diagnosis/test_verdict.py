@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse, explains
 from hsr_pin.diagnosis.traces import mostly_explained
-from hsr_pin.diagnosis.verdict import CERTAIN, STATUSES, Evidence, judge
+from hsr_pin.diagnosis.verdict import CERTAIN, CERTAIN_KIND, STATUSES, Evidence, judge
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Part
@@ -289,6 +289,34 @@ def test_what_all_alternatives_share_is_certain():
     assert (found.status, found.effects) == ("ambiguous", ("tip_mass",))
     assert found.alternatives == (("dry_friction", "tip_mass"), ("hysteresis", "tip_mass"))
     assert found.sentence.startswith("tip_mass is certain")
+
+
+@pytest.mark.parametrize("second", ["mass_gravity", "friction"])
+def test_of_alternatives_that_close_the_gap_only_that_is_told_of_which_name_or_kind_is_certain(second):
+    tried = candidate("hysteresis", "tip_mass", gap=0.01e-3), candidate("dry_friction", "tip_mass")
+    masses = {"tip_mass", "mass_gravity"}
+    weak = masses if second == "mass_gravity" else {"dry_friction", "friction"}
+    found = verdict(*tried, weak=weak)
+    if weak == masses:
+        assert (found.status, found.alternatives) == ("ambiguous", (("dry_friction",), ("hysteresis",)))
+        assert found.kinds == ("friction",) and "beside it is something smaller" in found.sentence
+    else:
+        assert (found.status, found.effects, found.alternatives) == ("partly_identified", ("tip_mass",), ())
+        assert found.kinds == ("mass_gravity",) and found.sentence.startswith(
+            "tip_mass is certain; with dry_friction and tip_mass"
+        )
+    both = verdict(*tried, weak=masses | {"dry_friction", "friction"})
+    assert both.alternatives == (("dry_friction", "tip_mass"), ("hysteresis", "tip_mass"))
+
+
+@pytest.mark.parametrize(("clear", "certain"), [(30.0, False), (1e3, True)])
+def test_a_free_curve_of_the_torque_stands_for_its_kind_only_where_it_is_all_but_certain(clear, certain):
+    one = candidate("torque_curve", gap=2e-3)
+    shown = Support("torque_curve", "actuation_map", 0.9, 0.9, 8.0, 1.0, 0.3, clear, 0.25)
+    evidence = Evidence(36e-6, (shown,), (replace(shown, name="actuation_map"),), lambda sets: shown, LENGTH, None, None, 0)
+    found = judge(Search((BASE, one), (BASE, one)), THRESHOLDS, evidence)
+    assert found.confidence["actuation_map"] > CERTAIN_KIND and (found.confidence["actuation_map"] > 0.9) is certain
+    assert found.kinds == (("actuation_map",) if certain else ())
 
 
 def test_a_rival_that_is_clearly_worse_leaves_the_name_clear():

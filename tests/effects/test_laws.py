@@ -25,7 +25,7 @@ def moment(effect, angle, rate=0.0, memory=None, stiffness=1.0):
     """[N m] over Keq, for angles of any shape."""
     angle = np.atleast_1d(np.asarray(angle, dtype=float))
     memory = (0 * angle,) * effect.states if memory is None else memory
-    return effect.moment(effect.p, Bending(angle, rate + 0 * angle, KEQ, stiffness, memory)) / KEQ
+    return effect.moment(effect.p, Bending(angle, rate + 0 * angle, KEQ, stiffness, 0.5, memory)) / KEQ
 
 
 def updated(effect, memory, start, end, elapsed):

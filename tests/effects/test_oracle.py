@@ -79,6 +79,7 @@ EXAMPLES = [
         "lag_cascade:first=0.05,second=0.03,delay=0.02",
         "marker_profile:across=0.004,taper=-0.003,lift=0.005,slide=0.004",
         "torque_curve:even=0.1,odd=0.2,cubic=0.1",
+        "partial_bias:bias=0.1,start=0.4",
     )
 ]
 PASSIVE = [effect for effect in EXAMPLES if effect.passive]
@@ -155,7 +156,7 @@ def dissipates_on_closed_paths(effect):
         for start, end in itertools.pairwise(path):
             before, rate = memory, (end - start) / step
             memory = tuple(effect.update(effect.p, k, z, start, end, step) for k, z in enumerate(memory))
-            ends = [Bending(angle, rate, 1.0, 1.0, z) for angle, z in ((start, before), (end, memory))]
+            ends = [Bending(angle, rate, 1.0, 1.0, 0.5, z) for angle, z in ((start, before), (end, memory))]
             part = (end - start) * sum(effect.moment(effect.p, bending) for bending in ends) / 2
             work, turnover = work + part, turnover + abs(part)
         assert work > -1e-4 * turnover

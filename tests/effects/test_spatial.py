@@ -111,11 +111,11 @@ def test_along_x_it_is_the_law_of_the_plane(plane, space):
 
 def test_an_arm_that_is_stiffer_one_way_bends_less_that_way():
     law = parse_effect("unequal_stiffness:along_x=0.2")
-    along, across = (law.moment(law.p, Bending(way, 0.0, 2.0, 1.0, ())) for way in (1.0 + 0j, 1j))
+    along, across = (law.moment(law.p, Bending(way, 0.0, 2.0, 1.0, 0.5, ())) for way in (1.0 + 0j, 1j))
     assert (along, across) == (pytest.approx(0.4), pytest.approx(-0.4j))
     half = parse_effect("unequal_stiffness:diagonal=0.2")
     way = np.exp(0.25j * np.pi)
-    assert half.moment(half.p, Bending(way, 0.0, 2.0, 1.0, ())) == pytest.approx(0.4 * way)
+    assert half.moment(half.p, Bending(way, 0.0, 2.0, 1.0, 0.5, ())) == pytest.approx(0.4 * way)
 
 
 def test_a_weak_chamber_lacks_where_it_pulls_and_nowhere_else():

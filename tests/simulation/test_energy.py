@@ -83,7 +83,7 @@ def test_what_an_elastic_law_stores_is_its_moment_along_the_way(text):
     motion = Trajectory(scale, (), np.zeros((len(scale), 0, 3)), joint_angles=q, joint_rates=0 * q)
     arm = ArmSpecification(links=3)
     stored = [energy(Scenario(arm, scale, 0 * scale, effects=laws), motion).stored for laws in ((law,), ())]
-    moment = arm.keq * law.moment(law.p, Bending(3 * q, 0 * q, 1.0, 1.0, ())) @ pose
+    moment = arm.keq * law.moment(law.p, Bending(3 * q, 0 * q, 1.0, 1.0, 0.5, ())) @ pose
     work = np.append(0.0, np.cumsum((moment[1:] + moment[:-1]) / 2 * np.diff(scale)))
     np.testing.assert_allclose(stored[0] - stored[1], work, rtol=0, atol=2e-3 * np.abs(work).max())
 
