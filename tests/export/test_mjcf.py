@@ -62,6 +62,7 @@ EXPRESSED = (
         text
         for text in (
             "preset_bend:angle=0.3",
+            "partial_bias:bias=0.1,start=0.4",
             "unequal_lag:rise=0.08,fall=0.03,delay=0.01",
             "unequal_lag:rise=0.08,fall=0.03,fills=positive",
         )
@@ -73,6 +74,7 @@ TOGETHER = ("torque_map:quadratic=0.15", "actuator_lag:time_constant=0.06", "dea
 LOST = {"length_change", "marker_slip", "camera_scale", "restraint"}
 #: Those that no element of MuJoCo stands for.
 BY_LAW = {
+    "partial_bias:bias=0.1,start=0.4",
     "unequal_lag:rise=0.08,fall=0.03,delay=0.01",
     "unequal_lag:rise=0.08,fall=0.03,fills=positive",
     "actuator_lag:time_constant=0.06,order=second",
