@@ -15,6 +15,8 @@ from hsr_pin.trajectory import Array
 WEAK = 1e-3
 #: No direction counts as weaker than this: derivatives by differences are not more exact. Nor, where nothing moves, than that.
 _BLIND, _NOTHING = 1e-8, 1e-100
+#: Numbers that differ by less than twice this share are nearly the same.
+ALIKE = 0.025
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +106,12 @@ def clearness(fit: Fit) -> dict[str, float]:
 
 
 def alike(fit: Fit, part: Part) -> bool:
-    """Whether the numbers that set a law apart from its special cases may all be the same, by their 95 % intervals."""
+    """Whether the numbers that set a law apart from its special cases may be all the same, or nearly, by their 95 % intervals."""
     unlike = [f"{part.name}.{name}" for name in part.effect.unlike] if part.effect else []
-    interval = uncertainty(fit).interval[[list(fit.named).index(name) for name in unlike]]
-    return bool(unlike) and float(interval[:, 0].max()) <= float(interval[:, 1].min())
+    places = [list(fit.named).index(name) for name in unlike]
+    low, high = uncertainty(fit).interval[places].T
+    near = ALIKE * np.abs(fit.values[places])
+    return bool(unlike) and float((low - near).max()) <= float((high + near).min())
 
 
 def _memory(residual: Array) -> int:
