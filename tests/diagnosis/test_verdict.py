@@ -309,14 +309,19 @@ def test_of_alternatives_that_close_the_gap_only_that_is_told_of_which_name_or_k
     assert both.alternatives == (("dry_friction", "tip_mass"), ("hysteresis", "tip_mass"))
 
 
-@pytest.mark.parametrize(("clear", "certain"), [(30.0, False), (1e3, True)])
-def test_a_free_curve_of_the_torque_stands_for_its_kind_only_where_it_is_all_but_certain(clear, certain):
-    one = candidate("torque_curve", gap=2e-3)
-    shown = Support("torque_curve", "actuation_map", 0.9, 0.9, 8.0, 1.0, 0.3, clear, 0.25)
-    evidence = Evidence(36e-6, (shown,), (replace(shown, name="actuation_map"),), lambda sets: shown, LENGTH, None, None, 0)
-    found = judge(Search((BASE, one), (BASE, one)), THRESHOLDS, evidence)
-    assert found.confidence["actuation_map"] > CERTAIN_KIND and (found.confidence["actuation_map"] > 0.9) is certain
-    assert found.kinds == (("actuation_map",) if certain else ())
+@pytest.mark.parametrize(("lead", "clear", "certain"), [(0.1, 30.0, False), (0.2, 30.0, True), (0.1, 300.0, True)])
+def test_a_kind_that_takes_little_away_beside_another_is_certain_from_more_on(lead, clear, certain):
+    second = Support("damping", "damping", lead, lead, 3.0, 1.0, 0.3, clear, 0.1)
+    best = candidate("damping_curve", "tip_mass", gap=1.2e-3)
+    first = [replace(support(name, "mass_gravity"), rest=0.1) for name in ("tip_mass", "mass_gravity")]
+    evidence = Evidence(
+        36e-6, (first[0], replace(second, name="damping_curve")), (first[1], second), lambda sets: second, LENGTH, None, None, 0
+    )
+    found = judge(Search((BASE, best), (BASE, best)), THRESHOLDS, evidence)
+    assert found.confidence["damping"] > CERTAIN_KIND and (found.confidence["damping"] > CERTAIN) is (clear > 100)
+    assert ("damping" in found.kinds) is certain and "mass_gravity" in found.kinds
+    alone = replace(evidence, kinds=(second,))
+    assert "damping" in judge(Search((BASE, best), (BASE, best)), THRESHOLDS, alone).kinds
 
 
 def test_a_rival_that_is_clearly_worse_leaves_the_name_clear():
