@@ -211,7 +211,8 @@ def _graded(
         what = ", and ".join(filter(None, (_listed(sure) if sure else "", kind)))
         verb = "are" if len(sure) + bool(beside) > 1 else "is"
         tail = f": {goes}" if sure == best.names else f"; with {_listed(best.names)} {goes}"
-        but = ", though something else is left" if not closes else ", in a form that has no name here" if flexible else ""
+        nameless = any(part.flexible and part.kind in beside for part in best.fit.hypothesis.parts)
+        but = ", though something else is left" if not closes else ", in a form that has no name here" if nameless else ""
         if others and beside:
             tail += f". Of the laws that have a name {_or(others)} {'come' if len(others) > 1 else 'comes'} closest"
         return said("partly_identified", f"{what} {verb} certain{but}{tail}.", others, effects)

@@ -320,6 +320,8 @@ def test_a_kind_that_takes_little_away_beside_another_is_certain_from_more_on(le
     found = judge(Search((BASE, best), (BASE, best)), THRESHOLDS, evidence)
     assert found.confidence["damping"] > CERTAIN_KIND and (found.confidence["damping"] > CERTAIN) is (clear > 100)
     assert ("damping" in found.kinds) is certain and "mass_gravity" in found.kinds
+    closed = candidate("damping_curve", "tip_mass")
+    assert ("in a form" in judge(Search((BASE, closed), (BASE, closed)), THRESHOLDS, evidence).sentence) is certain
     alone = replace(evidence, kinds=(second,))
     assert "damping" in judge(Search((BASE, best), (BASE, best)), THRESHOLDS, alone).kinds
 
