@@ -21,7 +21,7 @@ from hsr_pin.diagnosis.repeats import Repeats, repeats
 from hsr_pin.diagnosis.search import Search, search, without
 from hsr_pin.diagnosis.support import supports
 from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, tolerated, worth_having
-from hsr_pin.diagnosis.traces import Trace, beside, mostly_explained, ruled_out, with_traces
+from hsr_pin.diagnosis.traces import Trace, beside, if_foretold, mostly_explained, ruled_out, with_traces
 from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
 from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
@@ -186,8 +186,8 @@ class _Study:
             verdict = Verdict("insufficient", (), (), lacking)
             rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
             proposals = propose(experiment, rivals)
-            rungs = ladder(first, thresholds.noise, seed)
-            return Diagnosis(experiment, verdict, rungs, None, thresholds, tuple(nominal), None, proposals, prints, own)
+            lower = ladder(first, thresholds.noise, seed)
+            return Diagnosis(experiment, verdict, lower, None, thresholds, tuple(nominal), None, proposals, prints, own)
         if not any(slopes.any() for slopes in base_fit.slopes):
             raise IdentificationError(
                 "model",
@@ -227,11 +227,14 @@ class _Study:
             lambda: where.spread if not explained else None,
             lambda: pulsation(experiment, base_fit, seed),
         )
-        verdict = beside(with_traces(verdict, (look() for look in looks)), self.plane)
+        traced, rungs = with_traces(verdict, (look() for look in looks)), _rungs(base, found, aside)
+        if aside and traced is verdict:
+            traced = if_foretold(verdict, rungs[0][2], rungs[-1][2], found.best.names)
+        verdict = beside(traced, self.plane)
         return Diagnosis(
             experiment,
             verdict,
-            ladder([*first, *_rungs(base, found, aside)], thresholds.noise, seed, itself),
+            ladder([*first, *rungs], thresholds.noise, seed, itself),
             found,
             thresholds,
             tuple(nominal),

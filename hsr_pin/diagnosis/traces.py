@@ -6,12 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from hsr_pin.diagnosis.evidence import squares
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.spread import Spread
 from hsr_pin.diagnosis.thresholds import Thresholds, open_share
 from hsr_pin.diagnosis.verdict import HALF, Verdict
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.hypothesis import Part
+from hsr_pin.trajectory import Array
 
 #: Confidence in a kind that a trace alone tells: 45 of 49 were right (fourth to eighth sealed run), by Laplace's rule.
 TRACED = 0.9
@@ -75,6 +77,26 @@ def ruled_out(verdict: Verdict, found: Spread | None, parts: Sequence[Part], thr
     )
 
 
+def if_foretold(verdict: Verdict, alone: Sequence[Array], best: Sequence[Array], names: Sequence[str]) -> Verdict:
+    """A verdict names nothing where the trials set aside are foretold no better with it than by stiffness and damping alone.
+
+    Args:
+        verdict: on the models.
+        alone: for each trial set aside (T, M, 2) [m] what stiffness and damping leave.
+        best: what the best model leaves.
+        names: of what that has.
+    """
+    less, more = (squares(each).mean ** 0.5 for each in (alone, best))
+    if more < less or not (verdict.effects or verdict.alternatives or verdict.kinds):
+        return verdict
+    sentence = (
+        f"None is certain: {_either([names])} comes nearest on the trials that were fitted, but foretells those set aside"
+        f" no better ({1e3 * more:.2f} mm) than stiffness and damping alone do ({1e3 * less:.2f} mm)."
+    )
+    confidence = {name: min(value, RULED_OUT) for name, value in verdict.confidence.items()}
+    return replace(verdict, status="unexplained", effects=(), alternatives=(), kinds=(), confidence=confidence, sentence=sentence)
+
+
 def _placeless(part: Part) -> bool:
     return part.effect is None or part.effect.placeless
 
@@ -96,7 +118,7 @@ def _shares(found: Spread) -> str:
     return f" (an even torque leaves {torque} of its square, a force at the tip {tip})"
 
 
-def _either(sets: Iterable[tuple[str, ...]]) -> str:
+def _either(sets: Iterable[Sequence[str]]) -> str:
     return " or ".join(map(" with ".join, sets))
 
 

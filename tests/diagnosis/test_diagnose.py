@@ -89,6 +89,18 @@ def test_trials_set_aside_change_the_ladder_and_nothing_else():
     assert second.ladder[-2].rms == pytest.approx(0.01, rel=0.05)
 
 
+def test_what_foretells_trials_set_aside_no_better_is_not_named():
+    biased, plain = made("torque_bias:bias=0.1"), made()
+    mixed = replace(biased, trials=(*biased.trials[:-1], plain.trials[-1]))
+    one, other = (named(each, effects=["torque_bias"], max_effects=1, test=("trial_06",)) for each in (biased, mixed))
+    assert (one.verdict.status, one.verdict.effects) == ("identified", ("torque_bias",))
+    assert (other.verdict.status, other.verdict.effects, other.verdict.kinds) == ("unexplained", (), ())
+    assert other.ladder[-2].rms > other.ladder[-3].rms
+    less, worse = (f"({1e3 * rung.rms:.2f} mm)" for rung in other.ladder[-3:-1])
+    assert f"foretells those set aside no better {worse} than stiffness and damping alone do {less}." in other.verdict.sentence
+    assert max(other.verdict.confidence.values()) < 0.2 < min(one.verdict.confidence.values())
+
+
 def test_spikes_do_not_decide():
     clean = made("actuator_lag:time_constant=0.08")
     generator = np.random.default_rng(5)
