@@ -231,12 +231,14 @@ def _graded(
 def _plainly_there(sets: list[tuple[str, ...]], certain: Collection[str], found: Search) -> list[tuple[str, ...]]:
     """Of sets that close the gap what is certain in each by name or kind; the sets as they are, where that is nothing in one.
 
+    Or is part of what it is in another: of what is open there, some is of a kind that is certain for another's sake.
     Where nothing is left a second law that is there shows as plainly as the first. One of which neither name nor kind does is
     what is wrong with the form of the first, or one of the small things that every arm has.
     """
     kind_of = _kinds(found)
     plain = [tuple(name for name in each if name in certain or kind_of[name] in certain) for each in sets]
-    return list(dict.fromkeys(plain)) if all(plain) else sets
+    nested = any(set(one) < set(other) for one in plain for other in plain)
+    return list(dict.fromkeys(plain)) if all(plain) and not nested else sets
 
 
 def _nameable(sets: Sequence[tuple[str, ...]], found: Search) -> list[tuple[str, ...]]:

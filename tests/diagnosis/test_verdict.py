@@ -305,6 +305,9 @@ def test_of_alternatives_that_close_the_gap_only_that_is_told_of_which_name_or_k
         assert found.kinds == ("mass_gravity",) and found.sentence.startswith(
             "tip_mass is certain; with dry_friction and tip_mass"
         )
+    beside = candidate("backlash", "bending_stop", gap=0.01e-3), candidate("bending_stop", "torque_bias")
+    nested = verdict(*beside, weak={"torque_bias", "actuation_map"})
+    assert nested.alternatives == (("bending_stop", "torque_bias"), ("backlash", "bending_stop"))
     both = verdict(*tried, weak=masses | {"dry_friction", "friction"})
     assert both.alternatives == (("dry_friction", "tip_mass"), ("hysteresis", "tip_mass"))
 
