@@ -227,10 +227,10 @@ class _Study:
             lambda: where.spread if not explained else None,
             lambda: pulsation(experiment, base_fit, seed),
         )
-        traced, rungs = with_traces(verdict, (look() for look in looks)), _rungs(base, found, aside)
-        if aside and traced is verdict:
-            traced = if_foretold(verdict, rungs[0][2], rungs[-1][2], found.best.names)
-        verdict = beside(traced, self.plane)
+        rungs, told = _rungs(base, found, aside), verdict
+        if aside:
+            told = if_foretold(verdict, rungs[0][2], rungs[-1][2], found.best.names)
+        verdict = beside(told if told is not verdict else with_traces(verdict, (look() for look in looks)), self.plane)
         return Diagnosis(
             experiment,
             verdict,

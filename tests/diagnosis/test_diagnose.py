@@ -89,7 +89,7 @@ def test_trials_set_aside_change_the_ladder_and_nothing_else():
     assert second.ladder[-2].rms == pytest.approx(0.01, rel=0.05)
 
 
-def test_what_foretells_trials_set_aside_no_better_is_not_named():
+def test_what_foretells_trials_set_aside_no_better_is_not_named(monkeypatch):
     biased, plain = made("torque_bias:bias=0.1"), made()
     mixed = replace(biased, trials=(*biased.trials[:-1], plain.trials[-1]))
     one, other = (named(each, effects=["torque_bias"], max_effects=1, test=("trial_06",)) for each in (biased, mixed))
@@ -99,6 +99,11 @@ def test_what_foretells_trials_set_aside_no_better_is_not_named():
     less, worse = (f"({1e3 * rung.rms:.2f} mm)" for rung in other.ladder[-3:-1])
     assert f"foretells those set aside no better {worse} than stiffness and damping alone do {less}." in other.verdict.sentence
     assert max(other.verdict.confidence.values()) < 0.2 < min(one.verdict.confidence.values())
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.pulsation", lambda *_: SimpleNamespace(kind="elastic", sentence="it pulses"))
+    again = named(mixed, effects=["torque_bias"], max_effects=1, test=("trial_06",))
+    assert again.verdict == other.verdict  # what models said was wrong, which is no sign of anything else
+    outer = named(made(outside.PulsingStiffness(depth=0.4)), effects=["torque_bias"], max_effects=1, test=("trial_06",))
+    assert (outer.verdict.status, outer.verdict.kinds) == ("partly_identified", ("elastic",))
 
 
 def test_spikes_do_not_decide():

@@ -7,13 +7,13 @@ import pytest
 
 from hsr_pin.diagnosis.residual_torque import ResidualTorque
 from hsr_pin.diagnosis.spread import Spread, spread
-from hsr_pin.diagnosis.traces import RULED_OUT, ruled_out, with_traces
+from hsr_pin.diagnosis.traces import RULED_OUT, if_foretold, ruled_out, with_traces
 from hsr_pin.diagnosis.verdict import Left, Verdict
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.identification.hypothesis import Part, readings
 
-from .fabricated import THRESHOLDS
+from .fabricated import THRESHOLDS, heldout
 
 TIME = np.arange(300) * 0.01
 #: A force and a torque that nothing commanded, and an arm that bends most at its tip.
@@ -113,6 +113,14 @@ def test_a_contact_beside_laws_that_are_ruled_out_is_not_certain_for_want_of_oth
     beside = Verdict("ambiguous", (), (("bending_stop",), ("gravity_tilt",)), "So.")
     for verdict in (alone, beside):
         assert ruled_out(verdict, UNEVEN, PARTS, THRESHOLDS) is verdict
+
+
+def test_a_verdict_without_names_stays_whatever_trials_set_aside_say():
+    best, alone = (heldout(gap) for gap in (2e-3, 1e-3))
+    none, some = Verdict("no_gap", (), (), "So."), Verdict("ambiguous", (), (("tip_mass",), ("added_mass",)), "So.")
+    assert if_foretold(none, alone, best, ("tip_mass",)) is none
+    assert if_foretold(some, best, alone, ("tip_mass",)) is some
+    assert if_foretold(some, alone, best, ("tip_mass",)).alternatives == ()
 
 
 def test_where_stiffness_and_damping_leave_nothing_the_shapes_alone_tell():

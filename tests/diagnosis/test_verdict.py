@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.support import Support
 from hsr_pin.diagnosis.thresholds import clearly_worse, explains
 from hsr_pin.diagnosis.traces import mostly_explained
-from hsr_pin.diagnosis.verdict import CERTAIN, CERTAIN_KIND, STATUSES, Evidence, judge
+from hsr_pin.diagnosis.verdict import CERTAIN, CERTAIN_KIND, STATUSES, Evidence, _plainly_there, judge
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Part
@@ -258,7 +258,7 @@ def test_two_effects_that_explain_alike_are_ambiguous_the_better_first():
     found = verdict(candidate("hysteresis", gap=0.02e-3), candidate("dry_friction"))
     assert (found.status, found.effects) == ("ambiguous", ())
     assert found.alternatives == (("dry_friction",), ("hysteresis",))
-    assert "dry_friction, or hysteresis" in found.sentence
+    assert found.sentence.endswith("dry_friction, or hysteresis.")
 
 
 def test_alternatives_are_listed_from_the_best_to_the_worst():
@@ -306,6 +306,8 @@ def test_of_alternatives_that_close_the_gap_only_that_is_told_of_which_name_or_k
             "tip_mass is certain; with dry_friction and tip_mass"
         )
     beside = candidate("backlash", "bending_stop", gap=0.01e-3), candidate("bending_stop", "torque_bias")
+    by_name = _plainly_there([each.names for each in tried], {"tip_mass"}, Search((BASE, tried[1]), (BASE, *tried)))
+    assert by_name == [("tip_mass",)]  # whatever is known of its kind
     nested = verdict(*beside, weak={"torque_bias", "actuation_map"})
     assert nested.alternatives == (("bending_stop", "torque_bias"), ("backlash", "bending_stop"))
     both = verdict(*tried, weak=masses | {"dry_friction", "friction"})

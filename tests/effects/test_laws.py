@@ -405,3 +405,10 @@ def test_a_restraint_holds_the_tip_back_by_the_lever_of_its_force(side):
     resisting[:] = 0.0
     reference.resist(system, -bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
     assert not resisting.any()
+
+
+def test_a_partial_bias_is_there_beyond_its_start_half_there_at_it_and_not_before():
+    law = parse_effect("partial_bias:bias=0.3,start=0.6")
+    for place, share in ((0.1, 0.0), (0.55, 1 / (1 + math.e)), (0.6, 0.5), (0.95, 1.0)):
+        bending = Bending(np.array([-0.4, 0.0, 0.7]), 2.0, KEQ, 1.0, place, ())
+        np.testing.assert_allclose(law.moment(law.p, bending), -0.3 * share, rtol=0, atol=0.3 * 1e-3)

@@ -74,7 +74,14 @@ def test_energies_are_those_of_pinocchio():
 
 
 @pytest.mark.parametrize(
-    "text", ["stiffening:cubic=2", "bending_stop:ratio=8,angle=0.3", "backlash:gap=0.3", "preset_bend:angle=0.3"]
+    "text",
+    [
+        "stiffening:cubic=2",
+        "bending_stop:ratio=8,angle=0.3",
+        "backlash:gap=0.3",
+        "preset_bend:angle=0.3",
+        "partial_bias:bias=0.2,start=0.6",
+    ],
 )
 def test_what_an_elastic_law_stores_is_its_moment_along_the_way(text):
     law, scale = parse_effect(text), np.linspace(0, 1, 20001)
@@ -83,7 +90,7 @@ def test_what_an_elastic_law_stores_is_its_moment_along_the_way(text):
     motion = Trajectory(scale, (), np.zeros((len(scale), 0, 3)), joint_angles=q, joint_rates=0 * q)
     arm = ArmSpecification(links=3)
     stored = [energy(Scenario(arm, scale, 0 * scale, effects=laws), motion).stored for laws in ((law,), ())]
-    moment = arm.keq * law.moment(law.p, Bending(3 * q, 0 * q, 1.0, 1.0, 0.5, ())) @ pose
+    moment = law.moment(law.p, Bending(3 * q, 0 * q, arm.keq, 1.0, np.array([1, 3, 5]) / 6, ())) @ pose
     work = np.append(0.0, np.cumsum((moment[1:] + moment[:-1]) / 2 * np.diff(scale)))
     np.testing.assert_allclose(stored[0] - stored[1], work, rtol=0, atol=2e-3 * np.abs(work).max())
 
