@@ -129,7 +129,8 @@ def search(
         general, best = best, _simplest(best, start, list(tried.values()), thresholds, seed)
         if best is general:
             break
-    best = _in_its_cases(best, start, parts, crew, tried, thresholds, seed)
+    if len(best.names) < max_effects:
+        best = _in_its_cases(best, start, parts, crew, tried, thresholds, seed)
     return Search(_nested(best, start, list(tried.values())), tuple(tried.values()))
 
 

@@ -179,7 +179,7 @@ def _graded(
     rest = open_share(best, found.path[0], thresholds)
     led = {each.name for each in (*evidence.parts, *evidence.kinds) if each.margin >= LED}
     sure = tuple(sorted(name for name in common & led - flexible if rest <= HALF and names[name] >= CERTAIN))
-    of_kind = tuple(sorted(k for k in led & plain & kinds.keys() if _in_all(k, sets, found)))
+    of_kind = tuple(sorted({k for k in led & plain & kinds.keys() if _in_all(k, sets, found)} | {_kinds(found)[n] for n in sure}))
     confidence = {name: round(value, 3) for name, value in (names | kinds).items() if name not in flexible}
 
     def said(status: str, sentence: str, alternatives: Sequence[tuple[str, ...]] = (), named: tuple[str, ...] = ()) -> Verdict:

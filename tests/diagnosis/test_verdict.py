@@ -331,6 +331,16 @@ def test_a_kind_that_takes_little_away_beside_another_is_certain_from_more_on(le
     assert "damping" in judge(Search((BASE, best), (BASE, best)), THRESHOLDS, alone).kinds
 
 
+def test_the_kind_of_a_certain_name_is_certain():
+    best = candidate("damping_gradient", "tip_mass")
+    sure = support("tip_mass", "mass_gravity"), support("damping_gradient", "damping")
+    weak = Support("damping", "damping", 0.1, 0.1, 3.0, 1.0, 0.3, 30.0, 0.1)  # beside another kind less than certain by itself
+    evidence = Evidence(36e-6, sure, (support("mass_gravity", "mass_gravity"), weak), lambda sets: sure[0], LENGTH, None, None, 0)
+    found = judge(Search((BASE, best), (BASE, best)), THRESHOLDS, evidence)
+    assert (found.status, found.kinds) == ("identified", ("damping", "mass_gravity"))
+    assert found.confidence["damping"] < CERTAIN
+
+
 def test_a_rival_that_is_clearly_worse_leaves_the_name_clear():
     assert verdict(candidate("hysteresis", gap=0.5e-3), candidate("dry_friction")).status == "identified"
 
