@@ -77,7 +77,8 @@ def conditions() -> str:
     libraries = ", ".join(f"{name} {found}" for name in _LIBRARIES if (found := _version(name)))
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     machine = f"{cores} cores ({platform.machine()}), {platform.system()}, Python {platform.python_version()}"
-    return f"Medians of runs taken in turns (short ones again and again for 20 ms), on {date.today():%d %B %Y}: {machine}, {libraries}."
+    how = "Medians of runs taken in turns (short ones again and again for 20 ms)"
+    return f"{how}, on {date.today():%d %B %Y}: {machine}, {libraries}."
 
 
 def _version(library: str) -> str:
