@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import atexit
 import os
+import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from signal import SIG_DFL, SIGINT, SIGTERM, default_int_handler, getsignal, signal
-from threading import current_thread, main_thread
+from threading import Timer, current_thread, main_thread
 from typing import NoReturn
 
 import click
@@ -20,6 +20,8 @@ from hsr_pin.errors import HsrError, one_line
 BAD_INPUT = 2
 #: Exit code of a command that was interrupted (128 + SIGINT, as shells have it).
 INTERRUPTED = 130
+#: After which time a signal that Python has dropped is sent again [s].
+AGAIN = 0.01
 
 
 def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
@@ -105,16 +107,35 @@ def _interruptible() -> Iterator[None]:
 
     So is SIGTERM: what is half done is taken away, and workers end before this process does.
     """
-    wanted = {SIGINT: default_int_handler, SIGTERM: _end} if current_thread() is main_thread() else {}
-    handlers = {number: handler for number, handler in wanted.items() if getsignal(number) is SIG_DFL}
+    wanted = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _end} if current_thread() is main_thread() else {}
+    handlers = {number: handler for number, handler in wanted.items() if signal.getsignal(number) is signal.SIG_DFL}
     for number, handler in handlers.items():
-        signal(number, handler)
+        signal.signal(number, handler)
+    told, sys.unraisablehook = sys.unraisablehook, _heard
     try:
         yield
     finally:
+        sys.unraisablehook = told
         for number in handlers:
-            signal(number, SIG_DFL)
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _end(number: int, _: object) -> None:
     raise SystemExit(128 + number)
+
+
+def _heard(lost: sys.UnraisableHookArgs) -> None:
+    """Send a signal again that came while Python called back (a module's lock was freed, an object deleted): it drops those."""
+    number = {KeyboardInterrupt: signal.SIGINT, SystemExit: signal.SIGTERM}.get(lost.exc_type)
+    if number is None:
+        sys.__unraisablehook__(lost)
+    else:
+        Timer(AGAIN, _send, [number]).start()
+
+
+def _send(number: int) -> None:
+    """Send this process a signal so that its main thread wakes up (Windows has no signals between threads)."""
+    if sys.platform == "win32":
+        signal.raise_signal(number)
+    elif (thread := main_thread().ident) is not None:
+        signal.pthread_kill(thread, number)

@@ -187,6 +187,25 @@ def test_ctrl_c_while_a_command_is_loaded_leaves_no_traceback(script, tmp_path):
         assert process.returncode in (0, 130, -signal.SIGINT)
 
 
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 128 + signal.SIGTERM)])
+def test_a_signal_that_comes_while_python_calls_back_is_not_lost(number, code):
+    """Python drops what is raised there, and says "Exception ignored in" (seen where a lock of its imports was freed)."""
+    program = (
+        "import click, signal, sys, time, weakref; from hsr_pin.cli.command import run\n"
+        "class Thing: pass\n"
+        "def wait():\n"
+        "    thing = Thing()\n"
+        f"    gone = weakref.ref(thing, lambda _: signal.raise_signal({int(number)}))\n"
+        "    del thing\n"
+        "    time.sleep(30)\n"
+        "signal.signal(signal.SIGINT, signal.SIG_DFL)\n"
+        "sys.exit(run(click.Command('hsr-test', callback=wait), []))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], env=ENVIRONMENT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (code, "")
+    assert done.stderr == ("hsr-test: error: interrupted\n" if number == signal.SIGINT else "")
+
+
 @POSIX
 def test_a_command_that_is_told_to_end_ends_its_workers_first_and_says_nothing(heavy_tip, tmp_path):
     write_dataset(heavy_tip, tmp_path / "data")
