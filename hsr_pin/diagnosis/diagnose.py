@@ -14,6 +14,7 @@ from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.evidence import structure
 from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
 from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
+from hsr_pin.diagnosis.held_damping import HeldDamping, with_damping_held
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.diagnosis.pulsation import pulsation
@@ -57,6 +58,7 @@ class Diagnosis:
         next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
         fingerprint: what the recordings show without a model.
         repeats: how far the arm is from itself; None where no trials repeat one another.
+        held: the best model with the damping as declared; None where that is no other reading of it.
     """
 
     experiment: Experiment
@@ -69,6 +71,7 @@ class Diagnosis:
     next_experiment: tuple[Proposal, ...] = ()
     fingerprint: Fingerprint | None = None
     repeats: Repeats | None = None
+    held: HeldDamping | None = None
 
 
 def diagnose(
@@ -242,6 +245,7 @@ class _Study:
             propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
             prints,
             own,
+            with_damping_held(base, found.best, crew),
         )
 
     def turned(self, found: Diagnosis) -> tuple[Experiment | None, bool]:

@@ -14,6 +14,7 @@ from typing import Any
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates
+from hsr_pin.diagnosis.held_damping import HeldDamping
 from hsr_pin.diagnosis.ladder import Rung
 from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.verdict import Left
@@ -55,6 +56,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "fingerprint": None if diagnosis.fingerprint is None else diagnosis.fingerprint.to_json(),
         "repeats": None if diagnosis.repeats is None else diagnosis.repeats.to_json(),
+        "damping_held": None if diagnosis.held is None else _held(diagnosis.held),
         "notes": list(diagnosis.experiment.notes),
     }
 
@@ -78,6 +80,17 @@ def _rung(rung: Rung, length: float) -> dict[str, Any]:
         "heldout_rms_percent": _number(100 * rung.rms / length),
         "share": _number(rung.share),
         "ci95_mm": [_mm(bound) for bound in rung.interval],
+    }
+
+
+def _held(held: HeldDamping) -> dict[str, Any]:
+    alone, best = map(_number, held.damping)
+    slow, others = map(_number, held.shares)
+    return {
+        "damping_scale": {"alone": alone, "best": best},
+        "late": {"effects": list(held.slow), "share": slow},
+        "others": {"effects": list(held.others), "share": others},
+        "model": _candidate(held.model),
     }
 
 

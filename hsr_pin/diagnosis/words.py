@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
+from hsr_pin.diagnosis.held_damping import DAMPING, MUCH, HeldDamping
 from hsr_pin.diagnosis.thresholds import doubtful
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
@@ -26,9 +27,6 @@ HEADLINES = {
     "insufficient": "Too little to go on",
     "unchanged": "Nothing has changed",
 }
-
-#: A damping this many times the declared one is seldom damping alone.
-_MUCH = 5.0
 
 #: Standard experiment -> how to carry it out.
 EXPERIMENTS = {
@@ -90,14 +88,34 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         sentences.append("Simulate with what is certain; its values hold as far as what is left lets them.")
     if search is not None and (bounds := search.best.fit.on_bound()):
         sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond, or something else stands behind it.")
-    if search is not None and "damping_scale" in search.best.fit.named and search.best.fit.named["damping_scale"] > _MUCH:
+    if search is not None and (damping := search.best.fit.named.get(DAMPING, 1.0)) > MUCH:
         sentences.append(
-            f"The damping came out {number(search.best.fit.named['damping_scale'])} times the declared one: a torque that comes "
+            f"The damping came out {number(damping)} times the declared one: a torque that comes "
             "slowly looks like that too; decays after a release would tell the two apart."
         )
+    if diagnosis.held is not None:
+        sentences.append(held_sentence(diagnosis.held))
     if status == "no_gap":
         sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
     return tuple(sentences)
+
+
+def held_sentence(held: HeldDamping) -> str:
+    """How much of the gap a torque that comes slowly is, where no damper takes its place."""
+    alone, slow = held.damping[0], readable(held.slow)
+    hides = f"Without {slow} the damping comes out {number(alone)} times the declared one, in its place. " if alone > MUCH else ""
+    taken, more = (100 * share for share in held.shares)
+    beside = f", {readable(held.others)} {more:.0f} % more" if held.others else ""
+    return (
+        f"{hides}With the damping as declared {slow} ({_values(held.model.fit, held.slow)}) takes away {taken:.0f} % of the "
+        f"squared gap that stiffness leaves{beside}."
+    )
+
+
+def _values(fit: Fit, effects: Sequence[str]) -> str:
+    facts = [fact for fact in fit.hypothesis.parameters if fact.name.partition(".")[0] in effects]
+    texts = ((fact.name.partition(".")[2], number(fit.named[fact.name]), fact.unit) for fact in facts)
+    return ", ".join(f"{name} {value}{'' if unit == '1' else f' {unit}'}" for name, value, unit in texts)
 
 
 def where_sentence(where: Where) -> str:

@@ -78,6 +78,7 @@ SCHEMA = {
         "starts": [{"seconds": MAYBE, "told": (bool, type(None)), "word": str}],
     },
     "repeats": (dict, type(None)),
+    "damping_held": (dict, type(None)),
     "notes": [str],
 }
 
