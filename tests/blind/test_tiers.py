@@ -90,7 +90,7 @@ def test_a_messy_case_holds_its_main_effect_and_small_ones(tmp_path, kind):
     small = {law["name"]: law["noise_floors"] for law in answer.facts["small"]}
     assert 4 <= len(small) <= 8 and not set(small) & set(case.effects)
     assert answer.background == tuple(name for name, alone in small.items() if alone >= NOTICEABLE)
-    assert answer.names == () if kind != "single" else answer.names[0][0] == case.effects[0]
+    assert answer.names == () if kind == "none" else answer.names[0][0] == case.effects[0]
     if case.effects:
         assert answer.facts["gaps_mm"][0] <= 1.15 * BELIEVABLE
     assert len(read_dataset(tmp_path / "case_001").trials) > 3

@@ -12,7 +12,7 @@ from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part, readings
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part, readings
 from hsr_pin.parameters import parameter
 
 from .made import CATALOGUE, TRIALS, made
@@ -191,7 +191,7 @@ def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth,
     (guess,) = guesses(experiment, base, [part(EFFECTS["soft_spot"])])
     answer = finish(experiment, glance(experiment, base, guess)).fit
     assert answer.rms < 1.03 * np.sqrt(2) * 3e-4
-    assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.01)
+    assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.25 / LINKS)  # where in an element, no fit can tell
 
 
 def test_of_many_trials_those_in_which_the_arm_moves_farthest_and_least_are_looked_at():
