@@ -18,6 +18,9 @@ from hsr_pin.trajectory import Array
 _WINDOW, _DEGREE = 0.13, 3
 #: Expected size of the deviation in each curvature mode [rad]; higher ones are held smaller.
 _PRIOR = 0.3
+#: What a model misses of a marker by less than this share of the arm's length is no sign of a bend, however still the marker is:
+#: where it sits on the arm is not known better. Cameras that smooth leave a thousandth of it.
+_PLACED = 1e-3
 #: Draws of noise for the uncertainty.
 _DRAWS = 6
 
@@ -93,7 +96,8 @@ class _Bend:
         self._shapes = shapes  # (N, K)
         samples, modes = len(seen), shapes.shape[1]
         jacobian = sways.reshape(samples, -1, modes)
-        weight = (seen / experiment.noise[:, None]).reshape(samples, -1)
+        known = np.maximum(experiment.noise, _PLACED * experiment.dataset.length)
+        weight = (seen / known[:, None]).reshape(samples, -1)
         self._weighted = jacobian * weight[..., None] ** 2
         prior = np.diag(((1 + np.arange(modes) // len(experiment.directions)) / _PRIOR) ** 2)
         self._normal = np.einsum("txk,txl->tkl", self._weighted, jacobian) + prior
