@@ -23,11 +23,10 @@ def missing(dataset):
 
 def seen_along(dataset, shift):
     """The same with every marker so far from where it is declared, along the straight arm."""
+    step = np.array([0.0, 0.0, shift])
 
     def moved(trial):
-        return replace(
-            trial, trajectory=replace(trial.trajectory, positions=trial.trajectory.positions + np.array([0, 0, shift]))
-        )
+        return replace(trial, trajectory=replace(trial.trajectory, positions=trial.trajectory.positions + step))
 
     return replace(dataset, trials=tuple(map(moved, dataset.trials)))
 
