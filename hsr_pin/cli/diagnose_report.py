@@ -11,7 +11,7 @@ from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
 from hsr_pin.diagnosis.thresholds import mean_square
-from hsr_pin.diagnosis.words import HEADLINES, advice, number, where_sentence
+from hsr_pin.diagnosis.words import advice, headline, number, where_sentence
 
 #: Lines of a screen, without the one for the next prompt.
 LINES = 23
@@ -45,7 +45,7 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
     """The lines of the report; where they are too many for a screen, the last parameters are left out and counted."""
     width = max(40, width)
     name, status = diagnosis.experiment.dataset.name, diagnosis.verdict.status
-    verdict = [Text.assemble((f"{name}: ", "bold"), (HEADLINES[status], _COLOURS[status]))]
+    verdict = [Text.assemble((f"{name}: ", "bold"), (headline(diagnosis.verdict), _COLOURS[status]))]
     verdict += _wrapped(diagnosis.verdict.sentence, width)
     ladder = _ladder(diagnosis, width)
     rest = [] if diagnosis.where is None else _wrapped(f"where: {where_sentence(diagnosis.where)}", width)

@@ -68,7 +68,7 @@ def _covariance(heldout: Sequence[Array], lag: int) -> float:
     total, count = 0.0, 0
     for residual in heldout:
         product = (residual[lag:] * residual[:-lag]).sum(axis=-1)
-        there = np.isfinite(residual).all(axis=-1)
+        there = np.asarray(np.isfinite(residual).all(axis=-1))
         seen = np.logical_and.reduce([there[k : len(there) - lag + k] for k in range(lag + 1)])
         total, count = total + float(product[seen].sum()), count + int(seen.sum())
     return total / count if count else 0.0

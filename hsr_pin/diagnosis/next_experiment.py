@@ -37,10 +37,12 @@ class Proposal:
 
 
 def propose(experiment: Experiment, rivals: Sequence[tuple[Hypothesis, Array]]) -> tuple[Proposal, ...]:
-    """The standard experiments, the most telling first, for at least two fitted rivals (model, values (P,)).
+    """The standard experiments, the most telling first, for fitted rivals (model, values (P,)); none for a single one.
 
     Rivals that none of them tells apart are one law in other words, and count as one; none where that is all there is.
     """
+    if len(rivals) < 2:
+        return ()
     apart: dict[str, Array] = {}  # (pairs of rivals,) over the noise floor
     for name, changes in _programs(experiment):
         seen = [_predicted(experiment, model, values, changes) for model, values in rivals]

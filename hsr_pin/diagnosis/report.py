@@ -20,9 +20,9 @@ from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import (
     EXPERIMENTS,
-    HEADLINES,
     advice,
     effect_options,
+    headline,
     model_name,
     readable,
     scales,
@@ -58,7 +58,7 @@ def report(diagnosis: Diagnosis) -> str:
         dataset=diagnosis.experiment.dataset,
         sentence=sentence(diagnosis.verdict.sentence),
         counted=_counted,
-        headline=HEADLINES[diagnosis.verdict.status],
+        headline=headline(diagnosis.verdict),
         advice=advice(diagnosis),
         rungs=_rungs(diagnosis),
         models=_models(diagnosis),

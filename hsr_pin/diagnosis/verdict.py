@@ -37,7 +37,8 @@ LED = 1.0
 #: Where more of the squared gap than this is left, beyond what does not repeat, an effect may stand in for that: none is certain.
 HALF = 0.5
 #: Where something else is left, alternatives are told if a name of the best has this probability, or a kind this, and no more
-#: than this share of the squared gap is left: of 12 such verdicts in which more was left one had the truth (third sealed run).
+#: than this share of the squared gap is left: of 12 such verdicts in which more was left one had the truth (third sealed run). So
+#: is the best alone, where nothing comes near it.
 POSSIBLE, LIKELY, LITTLE = 0.75, 0.65, 0.25
 #: Causes that do half as much as the best are told beside those that do as much, up to so many in all.
 FEW = 3
@@ -222,6 +223,9 @@ def _graded(
     likely = one_of_them or max(names.values()) >= POSSIBLE or max(kinds.values()) >= LIKELY
     if likely and rest <= LITTLE and len(sets) > 1 and all(sets):
         return said("ambiguous", f"These recordings cannot tell apart: {_or(sets)}; {_mm(remains.rms)} is left.", sets)
+    if rest <= LITTLE and len(sets) == 1 and not flexible and min(names.values()) >= POSSIBLE:
+        does = "nothing else that was tried does as much, but it is not certain"
+        return said("ambiguous", f"{_listed(best.names)} may be missing from the model: {does}; with it {goes}.", sets)
     hint = "no effect of the catalogue takes away a fifth of it"
     if 1 - remains.share >= WORTH_A_WORD:
         hint = f"the best that the catalogue offers ({_listed(best.names)}) is not certain"

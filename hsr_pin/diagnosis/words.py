@@ -9,6 +9,7 @@ from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.held_damping import DAMPING, MUCH, HeldDamping
 from hsr_pin.diagnosis.thresholds import doubtful
+from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import KINDS
@@ -38,6 +39,13 @@ EXPERIMENTS = {
     "payload": "the same steps with 50 g at the tip",
     "tilted base": "the same steps with the base tilted by 20 degrees",
 }
+
+
+def headline(verdict: Verdict) -> str:
+    """What a verdict comes down to."""
+    if verdict.status == "ambiguous" and len(verdict.alternatives) == 1 and not verdict.effects:
+        return "A likely explanation"
+    return HEADLINES[verdict.status]
 
 
 def readable(names: Sequence[str]) -> str:
@@ -73,6 +81,11 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
         what = EXPERIMENTS.get(first.name, first.name)
         told = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
         sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
+    elif status == "ambiguous" and len(diagnosis.verdict.alternatives) == 1:
+        likely = readable(diagnosis.verdict.alternatives[0])
+        sentences.append(
+            f"Record more trials in which {likely} would act, farther and to both sides: they would make it certain."
+        )
     elif status == "ambiguous":
         sentences.append("No standard experiment tells these apart: to this arm they are the same. Weigh it, or measure.")
     if status in ("identified", "parameters") and search is not None:

@@ -76,6 +76,15 @@ def test_what_no_even_law_can_be_is_told_whatever_stiffness_and_damping_took_of_
     assert spread([residual(torque), residual(torque, seed=1)]).uneven is uneven
 
 
+@pytest.mark.parametrize(
+    ("tip", "even", "uneven"),
+    [(0.02, 0.08, True), (0.02, 0.06, False), (0.05, 0.12, False), (0.05, 0.16, True), (0.2, 0.32, True), (0.25, 0.32, False)],
+)
+def test_a_force_that_leaves_a_third_of_what_an_even_torque_does_needs_to_take_away_less_more(tip, even, uneven):
+    """A hose that pulls at the tip: an even torque leaves 8 % of it, the force next to nothing."""
+    assert Spread({}, {"tip": tip, "even": even, "bending": 0.5}).uneven is uneven
+
+
 def test_wrong_stiffness_and_damping_alone_have_no_shape_beside_themselves():
     found = spread([residual(ERROR)])
     assert found is not None and found.beside == {} and not found.uneven
@@ -167,7 +176,7 @@ def test_laws_that_have_a_place_weight_or_lateness_are_left_alone(sets):
 def test_nothing_is_ruled_out_without_a_clear_shape_or_where_the_gap_is_closed():
     named = Verdict("partly_identified", ("bending_stop",), (), "So.")
     near = {"tip": 0.48, "even": 0.6, "bending": 0.7}  # though by a tenth
-    little = {"tip": 0.02, "even": 0.1, "bending": 0.3}  # though a fifth of it
+    little = {"tip": 0.02, "even": 0.065, "bending": 0.3}  # though a third of it
     for found in (None, Spread(UNEVEN.left), Spread(UNEVEN.left, near), Spread(UNEVEN.left, little)):
         assert ruled_out(named, found, PARTS, THRESHOLDS) is named
     assert ruled_out(named, UNEVEN, PARTS, THRESHOLDS) is not named

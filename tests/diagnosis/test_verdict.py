@@ -110,6 +110,18 @@ def test_the_few_models_next_to_the_best_are_told_beside_it_where_it_is_likely_a
     assert verdict(*far, weak=names, together_sure=True).status == "unexplained"
 
 
+def test_a_best_that_is_likely_and_has_nothing_near_it_is_told_alone():
+    best = candidate("bending_stop", gap=0.8e-3)
+    found = verdict(best, fair=("bending_stop", "elastic"))
+    assert (found.status, found.effects, found.alternatives) == ("ambiguous", (), (("bending_stop",),))
+    assert 0.75 <= found.confidence["bending_stop"] < CERTAIN
+    assert found.sentence.startswith("bending_stop may be missing from the model")
+    assert verdict(best, weak=("bending_stop", "elastic")).status == "unexplained"
+    assert verdict(candidate("bending_stop", gap=2.2e-3), fair=("bending_stop", "elastic")).status == "unexplained"  # 30 % left
+    pair = candidate("bending_stop", "tip_mass", gap=0.8e-3)
+    assert verdict(pair, fair=("bending_stop", "elastic"), weak=("tip_mass", "mass_gravity")).alternatives == ()
+
+
 def test_the_flexible_law_of_another_kind_that_does_as_well_is_an_alternative_where_nothing_is_sure():
     soft, other = candidate("soft_spot", gap=1.2e-3), candidate("torque_profile", gap=1.25e-3)
     unsure = {"weak": ("soft_spot", "elastic"), "together_sure": True}

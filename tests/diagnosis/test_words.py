@@ -9,7 +9,7 @@ from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Evidence, judge
-from hsr_pin.diagnosis.words import advice, effect_options, sentence
+from hsr_pin.diagnosis.words import advice, effect_options, headline, sentence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Part
@@ -50,6 +50,17 @@ def test_the_advice_fits_the_verdict(best, told):
 def test_where_nothing_is_certain_it_says_what_would_pin_it_down_or_what_not_to_trust(best, told):
     (line,) = advised(best, weak=(*best.names, *best.kinds))
     assert told in line
+
+
+def test_a_single_alternative_is_a_likely_explanation_with_trials_that_would_make_it_certain():
+    best = candidate("bending_stop", gap=0.8e-3)
+    found = Search((BASE, best), (BASE, best))
+    verdict = judge(found, THRESHOLDS, Evidence((6e-3) ** 2, *supported(best), LENGTH, None, None, 0))
+    alone = replace(verdict, status="ambiguous", effects=(), alternatives=(("bending_stop",),))
+    assert headline(alone) == "A likely explanation"
+    (line,) = advice(Diagnosis(None, alone, (), found, THRESHOLDS, ()))
+    assert line.startswith("Record more trials in which bending stop would act")
+    assert headline(replace(alone, effects=("tip_mass",))) == headline(replace(alone, alternatives=(("a",), ("b",))))
 
 
 def test_where_no_experiment_tells_the_rivals_apart_none_is_proposed():
