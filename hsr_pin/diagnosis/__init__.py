@@ -12,6 +12,7 @@
 - ``evidence``: resampling of trials; what lasts beyond noise
 - ``figures``: the pictures of the report
 - ``fingerprint``: what recordings show without a model
+- ``held_damping``: what a slow torque is where no damper takes its place
 - ``inline_svg``: pictures inside a page
 - ``ladder``: how far, rung by rung
 - ``next_experiment``: what to record next

@@ -59,9 +59,19 @@ class Spread:
 
         By itself, where stiffness and damping leave nothing beyond noise.
         """
+        tip, even = self._shares
+        return self.plain or (even - tip >= MORE and tip <= NEARER * even)
+
+    @property
+    def plain(self) -> bool:
+        """Whether a force at the tip is far nearer."""
+        tip, even = self._shares
+        return even - tip >= SOME and tip <= NEAREST * even
+
+    @property
+    def _shares(self) -> tuple[float, float]:
         shares = self.beside or self.left
-        tip, even = shares["tip"], shares["even"]
-        return any(even - tip >= more and tip <= nearer * even for more, nearer in ((MORE, NEARER), (SOME, NEAREST)))
+        return shares["tip"], shares["even"]
 
     @property
     def _next(self) -> str:

@@ -99,7 +99,7 @@ UNEVEN = Spread({"tip": 0.5, "even": 0.6, "bending": 0.7}, {"tip": 0.2, "even": 
     [
         (("bending_stop",), ()),
         ((), (("bending_stop",), ("torque_map", "torque_gain"))),
-        (("hysteresis",), (("hysteresis", "stiffening"), ("hysteresis", "torque_curve"))),
+        (("stiffening",), (("stiffening", "torque_map"), ("stiffening", "torque_curve"))),
     ],
 )
 def test_laws_that_act_alike_everywhere_are_no_names_for_what_does_not(effects, alternatives):
@@ -166,11 +166,23 @@ def test_a_contact_of_several_is_named_only_where_a_force_at_the_tip_is_seen():
 
 
 @pytest.mark.parametrize(
-    "sets", [(("gravity_tilt",), ("torque_bias",)), (("stiffness_gradient", "stiffening"),), (("dead_time",),)]
+    "sets",
+    [
+        (("gravity_tilt",), ("torque_bias",)),
+        (("stiffness_gradient", "stiffening"),),
+        (("dead_time",),),
+        (("dry_friction",), ("hysteresis", "stiffening")),
+        (("viscoelastic",),),
+    ],
 )
-def test_laws_that_have_a_place_weight_or_lateness_are_left_alone(sets):
-    named = Verdict("ambiguous", (), sets, "So.")
-    assert ruled_out(named, UNEVEN, PARTS, THRESHOLDS) is named
+def test_laws_that_have_a_place_weight_lateness_or_memory_are_left_alone(sets):
+    named, near = Verdict("ambiguous", (), sets, "So."), replace(UNEVEN, beside={"tip": 0.31, "even": 0.44, "bending": 0.5})
+    assert ruled_out(named, near, PARTS, THRESHOLDS) is named
+
+
+def test_what_remembers_is_ruled_out_where_a_force_at_the_tip_is_far_nearer():
+    named, far = Verdict("ambiguous", (), (("hysteresis",),), "So."), {"tip": 0.05, "even": 0.29, "bending": 0.3}
+    assert ruled_out(named, replace(UNEVEN, beside=far), PARTS, THRESHOLDS).status == "unexplained"
 
 
 def test_nothing_is_ruled_out_without_a_clear_shape_or_where_the_gap_is_closed():
