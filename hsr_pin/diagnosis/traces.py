@@ -20,9 +20,10 @@ TRACED = 0.9
 
 #: Kinds of laws that are held against it; what is over in an instant is smoothed too much to tell.
 SLOW = ("elastic", "actuation_map")
-#: ... and those that are only where a force at the tip is far nearer: what remembers differs from place to place, though its law
-#: does not, as a link that sticks holds whatever moment there is. Of what dry friction of another plant lacked an even torque left
-#: 44 %, the force 31; in the one verdict with such a name that was rightly taken back (192 of the eleventh sealed run) 29 and 5.
+#: ... and those that are only where a force at the tip is far nearer: what remembers differs from place to place, though
+#: its law is the same, as a link that sticks holds whatever moment there is. With dry friction of another plant an even
+#: torque left 44 %, and the force 31; in the one verdict with such a name that was rightly taken back (192 of the eleventh
+#: sealed run) 29 and 5.
 REMEMBERING = ("friction", "creep")
 #: Confidence in names that it rules out, by Laplace's rule: of 7 in the sixth and seventh run none was right.
 RULED_OUT = 0.11
