@@ -25,6 +25,8 @@ from hsr_pin.trajectory import Array
 #: Bending towards x and towards y, and twist: what each hinge turns about.
 _AXES = ("0 1 0", "-1 0 0", "0 0 1")
 _WAYS = ("x", "y", "twist")
+#: Below this cosine of the pitch only the sum of roll and yaw, or their difference, is known: beyond it they are rounding errors.
+LOCKED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -223,12 +225,20 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
         axes, back = base_rotations(Arms.of([arm]))[0], np.eye(3)
         for turn in turned:
             back = rotations(vectors(np.array([-turn.real, -turn.imag, 0.0]))) @ back
-        x, y, z = (axes @ back).T
-        rpy = math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
-        return rpy, axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
+        return angles_of(axes @ back), axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
     turn = sum(turned, 0j).real
     sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints turn about -y of the world
     return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
+
+
+def angles_of(turn: Array) -> tuple[float, float, float]:
+    """Roll, pitch and yaw [rad] of a rotation matrix (3, 3); no yaw where a pitch of a quarter turn leaves roll and yaw open."""
+    x, y, z = turn.T
+    level = math.hypot(x[0], x[1])
+    pitch = math.atan2(-x[2], level)
+    if level < LOCKED:
+        return math.atan2(-z[1], y[1]), pitch, 0.0
+    return math.atan2(y[2], z[2]), pitch, math.atan2(x[1], x[0])
 
 
 def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:
