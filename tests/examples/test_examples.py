@@ -71,7 +71,8 @@ def test_what_changed_is_told_from_the_session_in_which_it_did(monkeypatch, tmp_
     page = tmp_path / "sessions.html"
     found = importlib.import_module("what_changed").main(["--quick", "--html", str(page)])
     first = {each.name: each.first and found.names[each.first] for each in found.quantities}
-    assert (first["keq_scale"], first["actuator_lag.time_constant"]) == ("may", "july")
+    assert first["keq_scale"] == "may"
+    assert ("actuator_lag", "keq_scale") in found.diagnoses[-1].verdict.alternatives  # of two candidates and five trials no more
     assert found.diagnoses[0].verdict.status == "unchanged"
     assert "certainly another from may on" in capsys.readouterr().out
     assert "Over the sessions" in page.read_text(encoding="utf-8")
