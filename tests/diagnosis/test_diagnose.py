@@ -119,8 +119,8 @@ def test_spikes_do_not_decide():
     assert (verdict.status, verdict.effects) == ("identified", ("actuator_lag",))
 
 
-#: It makes 0.9 mm in all; a quick fit is still far from its optimum when the best few are chosen for full ones, and viscoelastic is
-#: called certain in its place.
+#: It makes 0.9 mm in all; a quick fit is still far from its optimum when the best few are chosen for full ones, and viscoelastic
+#: is called certain in its place.
 MISSED = "soft_spot:depth=0.7,centre=0.35,width=0.08"
 
 
