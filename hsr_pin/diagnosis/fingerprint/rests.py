@@ -263,7 +263,7 @@ def _moved(place: Array, before: Array, run: Run, marker: int, noise: float) -> 
 
 def _side(first: int, rest: float, start: float, held: tuple[Plateau, ...]) -> int:
     if first == 0:  # released
-        return int(np.sign(start - rest))
+        return int(np.sign(start - rest)) if np.isfinite(rest) else 0  # unless nothing was seen where it came to rest
     if len(held) < 2:  # it moved under one command from the start: nobody knows from where
         return 0
     return int(np.sign(held[-2].torque - held[-1].torque))

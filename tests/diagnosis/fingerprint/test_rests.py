@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.fingerprint.rests import rests
+from hsr_pin.diagnosis.fingerprint.rests import _side, rests
 
 from .recorded import LENGTH, STEP, arcs, swing
 
@@ -49,3 +49,9 @@ def test_a_shift_between_trials_is_none_of_the_motion():
 
 def test_an_arm_that_still_moves_does_not_rest():
     assert rests(arcs(*[swing(0.5, 2.0, 0.01, duration=1.0)] * 4)) is None
+
+
+def test_a_rest_of_which_the_end_was_not_seen_came_from_no_known_side():
+    """As a release of 38 samples without most of its fields: found by a test of odd recordings."""
+    assert _side(0, float("nan"), 0.03, ()) == 0
+    assert [_side(0, rest, 0.03, ()) for rest in (0.01, 0.05)] == [1, -1]
