@@ -58,7 +58,7 @@ class Diagnosis:
         next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
         fingerprint: what the recordings show without a model.
         repeats: how far the arm is from itself; None where no trials repeat one another.
-        held: the best model with the damping as declared; None where that is no other reading of it.
+        held: the best model with the damping as declared; None where that is no other reading of it, or no torque is slow.
     """
 
     experiment: Experiment
@@ -245,7 +245,7 @@ class _Study:
             propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
             prints,
             own,
-            with_damping_held(base, found.best, crew),
+            with_damping_held(base, found.best, crew) if "actuation_time" in verdict.kinds else None,
         )
 
     def turned(self, found: Diagnosis) -> tuple[Experiment | None, bool]:

@@ -42,6 +42,8 @@ class HeldDamping:
 def with_damping_held(base: Candidate, best: Candidate, crew: Crew) -> HeldDamping | None:
     """That reading of the best model; None where the torque comes at once in it, or the damping is none to wonder at.
 
+    Nor where there is a damping for each stiffness level, or where the slow torque takes nothing away.
+
     Args:
         base: stiffness and damping alone.
         best: the best model.
@@ -49,7 +51,7 @@ def with_damping_held(base: Candidate, best: Candidate, crew: Crew) -> HeldDampi
     """
     slow = [part for part in best.fit.hypothesis.parts if part.kind == "actuation_time"]
     damping = (base.fit.named.get(DAMPING, 1.0), best.fit.named.get(DAMPING, 1.0))
-    if not slow or max(damping) <= MUCH:
+    if not slow or DAMPING not in best.fit.named or max(damping) <= MUCH:
         return None
     held = without(best.fit, DAMPING)
     others = tuple(name for name in best.names if name not in {part.name for part in slow})
@@ -65,7 +67,7 @@ def with_damping_held(base: Candidate, best: Candidate, crew: Crew) -> HeldDampi
     whole = crew.finish([_at(held, timed.fit)])[0] if others else timed
     gap = max(left(alone), 1e-300)
     shares = ((left(alone) - left(timed)) / gap, (left(timed) - left(whole)) / gap)
-    return HeldDamping(damping, tuple(part.name for part in slow), others, shares, whole)
+    return HeldDamping(damping, tuple(part.name for part in slow), others, shares, whole) if shares[0] > 0 else None
 
 
 def _without_all(fit: Fit, names: Iterable[str]) -> Fit:

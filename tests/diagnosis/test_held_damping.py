@@ -61,6 +61,12 @@ def test_there_is_no_other_reading_of_a_plain_damping_or_of_a_torque_that_comes_
     assert held(plain, slow.best) is None
 
 
+def test_there_is_none_where_each_level_has_a_damping_of_its_own(slow):
+    free = ("keq_scale@1.11", "damping_scale@1.11", *slow.best.fit.hypothesis.free[2:])
+    levels = replace(slow.best, fit=replace(slow.best.fit, hypothesis=replace(slow.best.fit.hypothesis, free=free)))
+    assert levels.names == slow.best.names and held(slow, levels) is None
+
+
 def test_it_is_told_in_words_and_in_json(slow, diagnosis):
     found = held(slow, slow.best)
     told = replace(diagnosis, held=found)
