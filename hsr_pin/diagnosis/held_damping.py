@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess
+from hsr_pin.diagnosis.candidates import Candidate
 from hsr_pin.diagnosis.crew import Crew
 from hsr_pin.diagnosis.search import without
 from hsr_pin.diagnosis.thresholds import left
@@ -49,25 +49,19 @@ def with_damping_held(base: Candidate, best: Candidate, crew: Crew) -> HeldDampi
         best: the best model.
         crew: who does the fitting.
     """
-    slow = [part for part in best.fit.hypothesis.parts if part.kind == "actuation_time"]
+    slow = tuple(part.name for part in best.fit.hypothesis.parts if part.kind == "actuation_time")
     damping = (base.fit.named.get(DAMPING, 1.0), best.fit.named.get(DAMPING, 1.0))
     if not slow or DAMPING not in best.fit.named or max(damping) <= MUCH:
         return None
     held = without(best.fit, DAMPING)
-    others = tuple(name for name in best.names if name not in {part.name for part in slow})
+    others = tuple(name for name in best.names if name not in slow)
     late = _without_all(held, others)
-    stiffness = _without_all(late, (part.name for part in slow))
-    alone = crew.finish([stiffness])[0]
-    start = late
-    if len(slow) == 1:  # beside so much damping it may have ended far from where it does without
-        tasks = [(alone.fit, guess) for guess in crew.guess(alone, slow)]
-        tasks.append((alone.fit, Guess(late.hypothesis, (late.values,), 0.0)))
-        start = min(crew.glance(tasks), key=lambda each: each.rms)
-    timed = crew.finish([start])[0]
+    stiffness = _without_all(late, slow)
+    alone, timed = crew.finish([stiffness, late])
     whole = crew.finish([_at(held, timed.fit)])[0] if others else timed
     gap = max(left(alone), 1e-300)
     shares = ((left(alone) - left(timed)) / gap, (left(timed) - left(whole)) / gap)
-    return HeldDamping(damping, tuple(part.name for part in slow), others, shares, whole) if shares[0] > 0 else None
+    return HeldDamping(damping, slow, others, shares, whole) if shares[0] > 0 else None
 
 
 def _without_all(fit: Fit, names: Iterable[str]) -> Fit:

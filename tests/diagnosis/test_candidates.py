@@ -184,14 +184,21 @@ def test_a_soft_spot_is_looked_for_in_two_places():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("depth", "centre", "width"), [(0.7, 0.35, 0.08), (0.8, 0.62, 0.05)])
-def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth, centre, width):
+@pytest.mark.parametrize(
+    ("depth", "centre", "width", "links"),
+    [
+        (0.7, 0.35, 0.08, LINKS),
+        (0.8, 0.62, 0.05, 24),
+        pytest.param(0.8, 0.62, 0.05, LINKS, marks=pytest.mark.xfail(strict=True, reason="on 16 links it is 0.0114 off")),
+    ],
+)
+def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth, centre, width, links):
     experiment = prepare(made(f"soft_spot:depth={depth},centre={centre},width={width}"))
-    base = fit(experiment, Hypothesis())
+    base = fit(experiment, Hypothesis(links=links))
     (guess,) = guesses(experiment, base, [part(EFFECTS["soft_spot"])])
     answer = finish(experiment, glance(experiment, base, guess)).fit
     assert answer.rms < 1.03 * np.sqrt(2) * 3e-4
-    assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.25 / LINKS)  # where in an element, no fit can tell
+    assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.01)
 
 
 def test_of_many_trials_those_in_which_the_arm_moves_farthest_and_least_are_looked_at():

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from hsr_pin.diagnosis import held_damping
 from hsr_pin.diagnosis.candidates import finish
 from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
 from hsr_pin.diagnosis.held_damping import MUCH, with_damping_held
 from hsr_pin.diagnosis.words import advice
@@ -47,7 +49,7 @@ def test_the_slow_torque_takes_what_the_damper_took_in_its_place(slow):
     assert found.shares[0] > 0.9 and found.shares[0] + found.shares[1] == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_fit_that_ended_without_the_lag_is_begun_where_it_is(slow):
+def test_a_fit_that_ended_without_the_lag_finds_it(slow):
     """Beside a large damping the lag may have gone to nothing."""
     values = [1e-4 if name.startswith("actuator_lag") else value for name, value in slow.best.fit.named.items()]
     found = held(slow, replace(slow.best, fit=replace(slow.best.fit, values=slow.best.fit.values * 0 + values)))
@@ -65,6 +67,18 @@ def test_there_is_none_where_each_level_has_a_damping_of_its_own(slow):
     free = ("keq_scale@1.11", "damping_scale@1.11", *slow.best.fit.hypothesis.free[2:])
     levels = replace(slow.best, fit=replace(slow.best.fit, hypothesis=replace(slow.best.fit.hypothesis, free=free)))
     assert levels.names == slow.best.names and held(slow, levels) is None
+
+
+def test_a_slow_torque_that_takes_nothing_away_is_no_reading(slow, monkeypatch):
+    monkeypatch.setattr(held_damping, "left", lambda model: 1.0 + len(model.names))
+    assert held(slow, slow.best) is None
+
+
+def test_it_is_asked_only_where_a_slow_torque_is_certain(heavy_tip, monkeypatch):
+    asked = []
+    monkeypatch.setattr("hsr_pin.diagnosis.diagnose.with_damping_held", lambda *what: asked.append(what))
+    diagnose(heavy_tip, effects=["tip_mass", "actuator_lag"], max_effects=1, jobs=1)
+    assert not asked
 
 
 def test_it_is_told_in_words_and_in_json(slow, diagnosis):

@@ -1,6 +1,8 @@
 """Every example runs, follows its reference closer in closed loop than in open loop, and draws its picture."""
 
+import contextlib
 import importlib
+import io
 from pathlib import Path
 
 import pytest
@@ -65,14 +67,31 @@ def test_every_example_is_tested():
     }
 
 
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory):
+    """What the example finds, prints and writes."""
+    page, said = tmp_path_factory.mktemp("sessions") / "sessions.html", io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(said):
+        patch.syspath_prepend(EXAMPLES)
+        found = importlib.import_module("what_changed").main(["--quick", "--html", str(page)])
+    return found, said.getvalue(), page.read_text(encoding="utf-8")
+
+
+def first_changes(found):
+    return {each.name: each.first and found.names[each.first] for each in found.quantities}
+
+
 @pytest.mark.long
-def test_what_changed_is_told_from_the_session_in_which_it_did(monkeypatch, tmp_path, capsys):
-    monkeypatch.syspath_prepend(EXAMPLES)
-    page = tmp_path / "sessions.html"
-    found = importlib.import_module("what_changed").main(["--quick", "--html", str(page)])
-    first = {each.name: each.first and found.names[each.first] for each in found.quantities}
-    assert first["keq_scale"] == "may"
-    assert ("actuator_lag", "keq_scale") in found.diagnoses[-1].verdict.alternatives  # of two candidates and five trials no more
+def test_what_changed_is_told_from_the_session_in_which_it_did(sessions):
+    found, said, page = sessions
+    assert first_changes(found)["keq_scale"] == "may"
+    assert ("actuator_lag", "keq_scale") in found.diagnoses[-1].verdict.alternatives
     assert found.diagnoses[0].verdict.status == "unchanged"
-    assert "certainly another from may on" in capsys.readouterr().out
-    assert "Over the sessions" in page.read_text(encoding="utf-8")
+    assert "certainly another from may on" in said
+    assert "Over the sessions" in page
+
+
+@pytest.mark.long
+@pytest.mark.xfail(strict=True, reason="of two candidates and five trials damping may be it, and what is not ruled out is said")
+def test_that_muscles_fill_more_slowly_is_told_from_july_on(sessions):
+    assert first_changes(sessions[0])["actuator_lag.time_constant"] == "july"

@@ -40,11 +40,14 @@ def test_a_beam_fitted_without_load_is_predicted_with_load_to_3_percent_of_its_l
 
 
 @pytest.mark.long
-def test_a_trunk_fitted_with_200_g_and_hysteresis_is_predicted_with_300_g_to_4_percent_of_its_length(shared):
-    """Without it, and with trials that may rest elsewhere, to 4.4 %."""
+@pytest.mark.parametrize(
+    "more",
+    [
+        ("hysteresis",),
+        pytest.param((), marks=pytest.mark.xfail(strict=True, reason="4.4 % since trials may rest elsewhere")),
+    ],
+)
+def test_a_trunk_fitted_with_200_g_is_predicted_with_300_g_to_4_percent_of_its_length(shared, more):
     dataset = read_dataset(shared / "recordings" / "real-trunk")
-    found, plain = (
-        identify(dataset, free=("keq", "damping", *more), train=("trial_0?", "trial_1[012]"), delay=0.1)
-        for more in (("hysteresis",), ())
-    )
-    assert found.tip_rms(found.heldout) < 0.04 * dataset.length < plain.tip_rms(plain.heldout) < 0.045 * dataset.length
+    found = identify(dataset, free=("keq", "damping", *more), train=("trial_0?", "trial_1[012]"), delay=0.1)
+    assert found.tip_rms(found.heldout) < 0.04 * dataset.length

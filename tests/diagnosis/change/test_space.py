@@ -202,12 +202,22 @@ def test_of_the_whole_catalogue_nothing_is_told_where_nothing_has_changed(same):
     assert same.verdict.status == "unchanged"
 
 
+@pytest.fixture(scope="module")
+def heavier(recorded, old, same):
+    """What the whole catalogue makes of a payload."""
+    return told(recorded(5, mounting.TipMass(0.02)), old, same)
+
+
 @pytest.mark.long
-def test_of_the_whole_catalogue_a_mass_that_came_is_told_alone_or_beside_a_heavier_arm_with_its_size(recorded, old, same):
-    """Since what is not ruled out is said: five steps leave as much of the one as of the other."""
-    verdict = told(recorded(5, mounting.TipMass(0.02)), old, same)
-    assert verdict.alternatives == (("tip_mass",), ("mass_scale",))
-    mass = next(size for size in verdict.changes if size.parameter == "tip_mass.mass")
+@pytest.mark.xfail(strict=True, reason="a heavier arm leaves as much of these five steps, and what is not ruled out is said")
+def test_of_the_whole_catalogue_a_mass_that_came_is_told_alone_with_its_size(heavier):
+    _told_alone(heavier, "tip_mass", {"tip_mass.mass": 0.02})
+
+
+@pytest.mark.long
+def test_of_the_whole_catalogue_a_mass_that_came_is_told_first_with_its_size(heavier):
+    assert heavier.alternatives == (("tip_mass",), ("mass_scale",))
+    mass = next(size for size in heavier.changes if size.parameter == "tip_mass.mass")
     assert within(mass, 0.02), mass.step
 
 
