@@ -1,25 +1,36 @@
-"""Install hsr_pin from this checkout into .venv, every dependency as pinned in constraints.txt and its hash verified.
+"""Install hsr_pin from this checkout into .venv: uv and every dependency as pinned in constraints.txt, their hashes verified.
 
 Needs a Python with pip, or uv. Names of dependency groups may follow: python3 scripts/install.py test
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
 def find_uv() -> str:
-    """Return the path of uv; where it is missing, pip fetches it into .uv, which no system's rules forbid."""
+    """Return the path of uv; where it is missing, pip fetches the pinned one into .uv, which no system's rules forbid."""
     local = ROOT / ".uv" / "bin" / "uv"
     if not local.exists() and not shutil.which("uv"):
         quiet = {"PIP_ROOT_USER_ACTION": "ignore", "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_USER": "0"}
-        pip = [sys.executable, "-m", "pip", "install", "--quiet", "--target", str(ROOT / ".uv"), "uv"]
-        subprocess.run(pip, check=True, env={**os.environ, **quiet})
+        pip = [sys.executable, "-m", "pip", "install", "--quiet", "--target", str(ROOT / ".uv"), "--no-deps", "--require-hashes"]
+        with tempfile.TemporaryDirectory() as folder:
+            requirement = Path(folder) / "uv.txt"
+            requirement.write_text(pin("uv"), encoding="utf-8")
+            subprocess.run([*pip, "--requirement", str(requirement)], check=True, env={**os.environ, **quiet})
     return str(local) if local.exists() else "uv"
+
+
+def pin(package: str) -> str:
+    """Return the lines of constraints.txt with the version and the hashes of a package."""
+    pins = (ROOT / "constraints.txt").read_text(encoding="utf-8")
+    return re.search(rf"^{package}==.*(\n .*)*", pins, re.MULTILINE)[0]
 
 
 def main() -> None:
