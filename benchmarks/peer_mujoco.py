@@ -17,12 +17,11 @@ from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
 
-#: The quickest first: what is slower than the best so far need not be tried to the end.
+#: The quickest first: what is slower than the best so far need not be tried to the end. MuJoCo has "discrete" from 3.13 on.
 METHODS = {
-    "Euler": mujoco.mjtIntegrator.mjINT_EULER,
-    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
-    "implicit": mujoco.mjtIntegrator.mjINT_IMPLICIT,
-    "RK4": mujoco.mjtIntegrator.mjINT_RK4,
+    name: getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
+    for name in ("Euler", "discrete", "implicitfast", "implicit", "RK4")
+    if hasattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
 }
 _UNUSED = ("CONSTRAINT", "CONTACT", "ACTUATION", "SENSOR", "WARMSTART")
 

@@ -92,12 +92,21 @@ def test_ours_never_asks_pinocchio_for_its_workspace(bench, monkeypatch):
     assert np.isfinite(bench("ours").tolerant([arm], "extrapolated4", 1e-3).run()).all()
 
 
+@pytest.mark.parametrize("method", ["Euler", "discrete"])
 @pytest.mark.parametrize("links", [4, 16])
-def test_mujoco_extrapolated_to_step_zero_agrees_within_a_thousandth(links, bench):
+def test_mujoco_extrapolated_to_step_zero_agrees_within_a_thousandth(links, method, bench):
     pytest.importorskip("mujoco")
-    problem, arm = bench("problem"), ArmSpecification(links=links)
-    coarse, fine = (bench("peer_mujoco").MujocoChain(arm, "Euler", count).run() for count in (160, 320))
+    problem, peer, arm = bench("problem"), bench("peer_mujoco"), ArmSpecification(links=links)
+    if method not in peer.METHODS:
+        pytest.skip(f"this MuJoCo has no integrator {method}")
+    coarse, fine = (peer.MujocoChain(arm, method, count).run() for count in (160, 320))
     assert problem.tip_error([arm], 2 * fine - coarse, bench("exact").exact_motion(links)) < 1e-3
+
+
+def test_every_integrator_of_mujoco_is_tried(bench):
+    mujoco = pytest.importorskip("mujoco")
+    there = {getattr(mujoco.mjtIntegrator, name) for name in dir(mujoco.mjtIntegrator) if name.startswith("mjINT_")}
+    assert {*bench("peer_mujoco").METHODS.values()} == there
 
 
 def test_a_rollout_of_many_arms_is_each_arm_alone(bench):
