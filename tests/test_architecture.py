@@ -8,7 +8,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 
 #: Each room may import itself and the rooms before it.
-FOUNDATION = ["collector", "errors", "resources", "output", "parallel", "parameters", "trajectory"]
+FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "diagnosis"]
 MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
     "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},

@@ -31,17 +31,19 @@ def command(dataset: str, **options: Any) -> None:
 
     The trial is simulated anew while a slider moves. The page is served to this machine only, until Ctrl-C.
     """
+    from hsr_pin.loopback import PageServer
     from hsr_pin.recordings.read import read_dataset
     from hsr_pin.view.page import Page
-    from hsr_pin.view.report import ReportServer
     from hsr_pin.view.session import Session
 
     content = None if options["report"] is None else _report(options["report"])
     session = Session.of(read_dataset(dataset), options["links"], options["placement"])
     found = {} if options["result"] is None else _found(session, options["result"], dataset)
-    server = None if content is None else ReportServer(content)
+    server = None if content is None else PageServer(content)
     page = Page(session, found=found, report=server.address if server else "", port=options["port"])
     try:
+        if server is not None:
+            server.start()
         click.echo(f"{page.address}  (Ctrl-C ends)")
         if options["opened"]:
             import webbrowser
@@ -54,7 +56,8 @@ def command(dataset: str, **options: Any) -> None:
     finally:
         page.stop()
         if server is not None:
-            server.stop()
+            server.shutdown()
+            server.server_close()
 
 
 def _report(path: str) -> bytes:

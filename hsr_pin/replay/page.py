@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import base64
-import html
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from string import Template
 from typing import Any
 from uuid import UUID
 
 import umsgpack  # type: ignore[import-untyped]
+from jinja2 import Environment, StrictUndefined
 
 from hsr_pin.output import PAGE_SIGNATURE, write_text
 from hsr_pin.replay.animation import ASPECT, GRID, MEASURED, SIMULATED, draw, trail_colour
@@ -64,19 +62,18 @@ def page(runs: Sequence[Drawn], title: str = "Hybrid soft robot", text: Sequence
     """The text of that file."""
     recorder = _Recorder()
     clip = draw(Visualizer(window=recorder), runs)
-    template = Template(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
-    return template.substitute(
+    surroundings = Environment(autoescape=True, undefined=StrictUndefined)  # what comes from outside is text
+    template = surroundings.from_string(Path(__file__).with_name("page.html.jinja").read_text(encoding="utf-8"))
+    return template.render(
         signature=PAGE_SIGNATURE,
-        title=html.escape(title),
-        text="".join(f"<p>{html.escape(line)}</p>" for line in (*text, _HINT)),
-        legend="".join(
-            f'<li><i style="background:#{colour:06x}"></i>{html.escape(words)}</li>' for colour, words in _legend(runs)
-        ),
+        title=title,
+        lines=(*text, _HINT),
+        legend=_legend(runs),
         viewer=(Path(VIEWER_ROOT) / "main.min.js").read_text(encoding="utf-8"),
-        commands=json.dumps([base64.b64encode(command).decode("ascii") for command in recorder.commands]),
-        start=json.dumps(float(clip.time[0])),
-        duration=json.dumps(float(clip.time[-1] - clip.time[0])),
-        aspect=json.dumps(ASPECT),
+        commands=[base64.b64encode(command).decode("ascii") for command in recorder.commands],
+        start=float(clip.time[0]),
+        duration=float(clip.time[-1] - clip.time[0]),
+        aspect=ASPECT,
     )
 
 

@@ -2,8 +2,8 @@
 
 - ``controls``: sliders: what can be set, and how far
 - ``page``: Page: what is seen, on viser
-- ``report``: the report of a diagnosis, for the page to link to
 - ``scene``: the arm in three dimensions
+- ``served``: viser's server, for this machine's own pages alone
 - ``session``: Session: recordings and the model, simulated anew for every setting
 - ``settings``: Settings: where the sliders stand
 """

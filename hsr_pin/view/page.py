@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -12,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hsr_pin.errors import InputError, MissingDependencyError
+from hsr_pin.loopback import HOST
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 from hsr_pin.view.controls import Slider, arm_sliders, effect_sliders, effects_for, readings, within
-from hsr_pin.view.report import LOOPBACK
+from hsr_pin.view.served import viser_server
 from hsr_pin.view.session import Answer, Session, overall
 from hsr_pin.view.settings import Settings
 
@@ -42,10 +44,6 @@ class Page:
     """
 
     def __init__(self, session: Session, *, found: Mapping[str, Settings] | None = None, report: str = "", port: int = 0) -> None:
-        try:
-            import viser
-        except ImportError as error:
-            raise MissingDependencyError("viser", "view") from error
         from hsr_pin.view.scene import Scene
 
         self.session, self._found = session, dict(found or {})
@@ -54,8 +52,10 @@ class Page:
         self._wanted, self._lock, self._ended = threading.Event(), threading.RLock(), threading.Event()
         self._handles: dict[str, Any] = {}
         self._folders: dict[str, Any] = {}
-        with contextlib.redirect_stdout(io.StringIO()):  # viser prints its address; stdout is for results
-            self._server = viser.ViserServer(host=LOOPBACK, port=port, label="Try what the model may lack", verbose=False)
+        try:
+            self._server = viser_server(port, "Try what the model may lack")
+        except ImportError as error:
+            raise MissingDependencyError("viser", "view") from error
         if port and self._server.get_port() != port:
             self._close()
             raise InputError("--port", expected="one that is free", received=port)
@@ -76,7 +76,7 @@ class Page:
     @property
     def address(self) -> str:
         """Where the page is."""
-        return f"http://{LOOPBACK}:{self._server.get_port()}"
+        return f"http://{HOST}:{self._server.get_port()}"
 
     def stop(self) -> None:
         """End it."""
@@ -245,9 +245,9 @@ class Page:
         answer, stopped = self._answer, ""
         if answer.stopped is not None:
             stopped = f"\n\nThe simulation stopped at {answer.stopped:.2f} s: the arm bent beyond its limit, or diverged."
-        rest = "..." if whole is None else _mm(whole)
+        trial, rest = _plain(self.trial), "..." if whole is None else _mm(whole)
         self._facts.content = (
-            f"**{self.trial}: {_mm(answer.rms)}** from the measured markers (RMS), {_mm(self._declared.rms)} as declared; "
+            f"**{trial}: {_mm(answer.rms)}** from the measured markers (RMS), {_mm(self._declared.rms)} as declared; "
             f"all trials {rest}; noise alone {_mm(self.session.noise)}. "
             f"Blue is simulated, grey as declared, orange measured.{stopped}"
         )
@@ -263,6 +263,11 @@ class Page:
                 answer.markers[sample],
                 self._run.measured[sample],
             )
+
+
+def _plain(text: str) -> str:
+    """A text from data, which viser would take for Markdown and its tags for HTML, so that it is shown as it stands."""
+    return re.sub(r"[!-/:-@[-`{-~]", r"\\\g<0>", text)
 
 
 def _drawn(curve: Array) -> Array:

@@ -8,10 +8,10 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from threading import Thread
 
 import pytest
 
+from hsr_pin.loopback import PageServer
 from hsr_pin.replay import live
 from hsr_pin.replay.page import page
 
@@ -30,8 +30,8 @@ show([Drawn("a run", ArmSpecification(), simulate(step_scenario(ArmSpecification
 @pytest.fixture
 def server(run_of):
     """A server at work."""
-    with live.Server(page([run_of(measured=(0.01, 0.0, 0.0))])) as running:
-        Thread(target=running.serve_forever, daemon=True).start()
+    with PageServer(page([run_of(measured=(0.01, 0.0, 0.0))]).encode()) as running:
+        running.start()
         yield running
         running.shutdown()
 
@@ -45,7 +45,7 @@ def test_it_opens_the_browser_once_ends_with_ctrl_c_and_keeps_stdout_for_results
             time.sleep(0.01)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(live.Server, "serve_forever", interrupt)
+    monkeypatch.setattr(PageServer, "serve_forever", interrupt)
     live.show([run_of(measured=(0.01, 0.0, 0.0))])
     out, err = capsys.readouterr()
     assert out == ""

@@ -1,15 +1,11 @@
 """The page in a browser: it shows the trial, follows its sliders, asks nobody else, and puts nothing on the console."""
 
-import threading
 import time
-import urllib.error
-import urllib.request
 
 import numpy as np
 import pytest
 
 from hsr_pin.errors import InputError
-from hsr_pin.view.report import ReportServer
 from hsr_pin.view.settings import Settings
 
 from ..replay.conftest import chromium, open_tab
@@ -50,7 +46,7 @@ def from_the_start(request):
 
 
 def facts(page):
-    return page._facts.content
+    return page._facts.content.replace("\\", "")  # which keep names from being Markdown
 
 
 def finished(page):
@@ -173,16 +169,3 @@ def test_a_port_that_is_taken_is_refused(page, session):
     port = int(page.address.rpartition(":")[2])
     with pytest.raises(InputError, match=f"--port: expected one that is free, got {port}"):
         Page(session, port=port)
-
-
-def test_the_report_is_served_alone_and_to_this_machine_only():
-    server = ReportServer(b"<html>found</html>")
-    try:
-        assert server.address.startswith("http://127.0.0.1:")
-        with urllib.request.urlopen(server.address) as answer:
-            assert answer.read() == b"<html>found</html>"
-        with pytest.raises(urllib.error.HTTPError, match="404"):
-            urllib.request.urlopen(server.address.replace("report.html", "../secret"))
-    finally:
-        server.stop()
-    assert not any(thread.name.startswith("report") for thread in threading.enumerate())

@@ -1,0 +1,44 @@
+"""viser's server, closed to the pages of other sites: by itself it answers any Origin and Host, and has no setting for that."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import logging
+from http import HTTPStatus
+from typing import Any
+
+from hsr_pin.loopback import HOST, is_own
+
+#: Requests that fail are their senders' concern: websockets would print where in its code they did.
+_SILENT = logging.getLogger(__name__)
+_SILENT.disabled = True
+
+
+def viser_server(port: int, label: str) -> Any:
+    """A server of viser's that answers requests of its own page alone.
+
+    Args:
+        port: on this machine; 0: any that is free.
+        label: title of the panel.
+    """
+    import viser
+    from websockets.asyncio import server as websockets
+
+    serve = websockets.serve
+
+    def guarded(*arguments: Any, process_request: Any, **settings: Any) -> Any:
+        def checked(connection: Any, request: Any) -> Any:
+            opens_socket = request.headers.get_all("Upgrade") != []
+            if is_own(request.headers, connection.local_address[1], needs_origin=opens_socket):
+                return process_request(connection, request)
+            return connection.respond(HTTPStatus.FORBIDDEN, "This page is for a browser on its own machine alone.\n")
+
+        return serve(*arguments, process_request=checked, logger=_SILENT, **settings)
+
+    websockets.serve = guarded  # type: ignore[assignment,misc,unused-ignore]
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):  # viser prints its address; stdout is for results
+            return viser.ViserServer(host=HOST, port=port, label=label, verbose=False)
+    finally:
+        websockets.serve = serve  # type: ignore[misc,unused-ignore]
