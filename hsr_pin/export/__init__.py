@@ -9,6 +9,7 @@
 - ``model``: CorrectedModel: what is handed on
 - ``parts``: the effects, sorted by what becomes of them in MuJoCo
 - ``plain``: what URDF and SDF cannot say, in words
+- ``schema``: what a result must be to be read again
 - ``sdf``: to Gazebo and Drake
 - ``templating``: text from a template
 - ``timestep``: how long a step of MuJoCo may be

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from hsr_pin.effects.catalogue import effect_named
 from hsr_pin.effects.effect import Effect
-from hsr_pin.errors import InputError, RecordingError
+from hsr_pin.errors import EffectError, InputError, RecordingError, quoted
 from hsr_pin.export.model import CorrectedModel
+from hsr_pin.export.schema import ARM_SECTION, DIAGNOSIS, FIT
 from hsr_pin.identification.arm_document import levels
 from hsr_pin.identification.hypothesis import ARM, LINKS, SESSION
 from hsr_pin.recordings.files import LARGEST_RESULT
@@ -23,6 +25,8 @@ from hsr_pin.trajectory import Marker, Section
 
 #: Fitted factors on numbers of the arm.
 _SCALES = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
+#: What tells of a section, and of the place of a marker.
+_SECTION, _PLACE = ("length", "mass", "keq", "damping"), ("arc_length", "radius", "angle")
 #: Verdicts that say which effects act; with any other the best of all models is taken.
 _CERTAIN = ("identified", "parameters", "no_gap")
 
@@ -41,27 +45,42 @@ def read_result(
     Raises:
         InputError: not such a document, not the arm's numbers in it, several stiffnesses and none chosen.
         EffectError: it tells of an effect that this hsr_pin does not know.
+        SpecificationError: the arm is none that can be.
         RecordingError: the dataset cannot be read.
     """
     document = _read(path)
-    declared = _declared(document, path, dataset)
-    level = _level(declared["levels"], keq, path)
-    if "candidates" in document:
-        values, effects, origin = _diagnosis(document, declared, level["keq"], path)
-    else:
-        values, effects, origin = _fit(document, declared, level["keq"], path)
-    sections = _sections(declared, path)
+    with _in(path):
+        return _model(document, _declared(document, dataset), keq, changes or {})
+
+
+@contextmanager
+def _in(path: str | Path) -> Iterator[None]:
+    """Errors in here name the file, where they do not name one yet."""
+    try:
+        yield
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise type(error)(error.subject, expected=error.expected, received=error.received, hint=error.hint, file=path) from error
+
+
+def _model(document: dict[str, Any], declared: dict[str, Any], keq: float | None, changes: Mapping[str, Any]) -> CorrectedModel:
+    level = _level(declared["levels"], keq)
+    found = _diagnosis if "candidates" in document else _fit
+    values, effects, origin = found(document, declared, level["keq"])
+    sections = tuple(Section(**_floats(row, *_SECTION)) for row in declared.get("sections", ()))
+    torsion = declared.get("torsion")
     arm = ArmSpecification(
         links=declared.get("links", LINKS),
         placement=declared.get("placement", "mid"),
         mount=declared["mount"],
-        bending="space" if declared.get("bending") == "space" else "plane",
-        torsion=_torsion(declared, path),
+        bending=declared.get("bending", "plane"),
+        torsion=math.inf if torsion is None else float(torsion),
         sections=sections,
-        **{name: _number(declared, name, path) for name in ("length", "mass", "diameter")},
-        **{name: _number(level, name, path) for name in ("keq", "damping", "tip_mass")},
+        **_floats(declared, "length", "mass", "diameter"),
+        **_floats({"tip_mass": 0.0, **level}, "keq", "damping", "tip_mass"),
     )
-    scaled = {field: getattr(arm, field) * _factor(values, name, arm.keq, path) for name, field in _SCALES.items()}
+    scaled = {field: getattr(arm, field) * _factor(values, name, arm.keq) for name, field in _SCALES.items()}
     if "keq_drift" in values:
         scaled["keq"] *= 1 + values["keq_drift"]
         origin = (*origin, "the stiffness is that of the last trial: it changed over the session (keq_drift)")
@@ -69,12 +88,12 @@ def read_result(
         f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted",
     )
     if arm.bending == "space":
-        told = _inputs(declared, max(1, len(sections)), path)
+        told = _inputs(declared, max(1, len(sections)))
     return CorrectedModel(
-        replace(arm, **{**scaled, **(changes or {})}),
+        replace(arm, **{**scaled, **changes}),
         effects,
-        _factor(values, "torque_gain", arm.keq, path),
-        tuple(_marker(marker) for marker in declared["markers"]),
+        _factor(values, "torque_gain", arm.keq),
+        tuple(Marker(row["name"], **_floats({"radius": 0.0, "angle": 0.0, **row}, *_PLACE)) for row in declared["markers"]),
         origin=(*origin, *told),
     )
 
@@ -96,85 +115,61 @@ def _read(path: str | Path) -> dict[str, Any]:
     if document.get("schema") != 1:
         hint = "read it with the hsr_pin that wrote it"
         raise InputError("schema", expected="1", received=document.get("schema"), hint=hint, file=path)
+    with _in(path):
+        (DIAGNOSIS if "candidates" in document else FIT)(document, "")
     return document
 
 
-def _declared(document: dict[str, Any], path: str | Path, dataset: str | Path | None) -> dict[str, Any]:
+def _declared(document: dict[str, Any], dataset: str | Path | None) -> dict[str, Any]:
     """The section ``arm``, or what the recordings declare."""
     if dataset is not None:
         read = read_dataset(dataset)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
-        markers = [{field.name: getattr(marker, field.name) for field in fields(marker)} for marker in read.markers]
-        chain = {name: document[name] for name in ("links", "placement") if isinstance(document.get(name), int | str)}
+        markers = [asdict(marker) for marker in read.markers]
+        chain: dict[str, Any] = {name: document[name] for name in ("links", "placement") if name in document}
         found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount", "bending", "torsion")}
         found["sections"] = [asdict(section) for section in read.sections]
         found["inputs"] = [asdict(channel) for channel in read.channels if channel.torque]
         return {**found, "levels": rows, "markers": markers, **chain}
-    arm = document.get("arm")
-    if isinstance(arm, dict) and arm.get("bending", "plane") not in ("plane", "space"):
-        raise InputError("arm.bending", expected="plane or space", received=repr(arm["bending"]), file=path)
-    needed = ("length", "mass", "diameter", "mount", "levels", "markers")
-    if not isinstance(arm, dict) or any(name not in arm for name in needed) or not arm["levels"]:
+    if "arm" not in document:
         hint = "give the recordings too: --dataset DIR"
-        raise InputError("arm", expected=f"a section with {', '.join(needed)}", received="none", hint=hint, file=path)
-    return arm
+        raise InputError("arm", expected="a section that tells what the recordings declare", received="none", hint=hint)
+    ARM_SECTION(document["arm"], "arm")
+    return dict(document["arm"])
 
 
-def _sections(declared: dict[str, Any], path: str | Path) -> tuple[Section, ...]:
-    """From the base on; none: a uniform arm."""
-    rows = declared.get("sections") or []
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        raise InputError("arm.sections", expected="a list of sections", received=repr(rows)[:60], file=path)
-    names = [field.name for field in fields(Section)]
-    return tuple(
-        Section(**{name: _number(row, name, path, f"arm.sections[{k}]") for name in names}) for k, row in enumerate(rows)
-    )
-
-
-def _inputs(declared: dict[str, Any], parts: int, path: str | Path) -> tuple[str, ...]:
+def _inputs(declared: dict[str, Any], parts: int) -> tuple[str, ...]:
     """A sentence for each channel from which the recorded torques were made."""
     told = []
-    for row in declared.get("inputs") or ():
-        torque = row.get("torque") if isinstance(row, dict) else None
-        if not isinstance(torque, list | tuple) or len(torque) != 2 * parts or not all(map(_is_number, torque)):
-            raise InputError("arm.inputs", expected=f"{2 * parts} numbers of torque for each", received=repr(row)[:60], file=path)
-        gives = ", ".join(f"{value:.6g}" for value in torque)
-        told.append(f"{row.get('name')}: each {row.get('unit')} of it is a command of ({gives}) N m")
+    for place, row in enumerate(declared.get("inputs", ())):
+        if len(row["torque"]) != 2 * parts:
+            expected = f"{2 * parts} numbers, two for each section"
+            raise InputError(f"arm.inputs[{place}].torque", expected=expected, received=len(row["torque"]))
+        gives = ", ".join(f"{value:.6g}" for value in row["torque"])
+        told.append(f"{row['name']}: each {row['unit']} of it is a command of ({gives}) N m")
     return tuple(told)
 
 
-def _torsion(declared: dict[str, Any], path: str | Path) -> float:
-    """[Nm/rad]; one that is not told, or null, is infinite."""
-    stiff = declared.get("torsion") in (None, math.inf)
-    return math.inf if stiff else _number(declared, "torsion", path)
-
-
-def _marker(told: dict[str, Any]) -> Marker:
-    return Marker(str(told["name"]), *(float(told.get(name, 0.0)) for name in ("arc_length", "radius", "angle")))
-
-
-def _level(rows: list[dict[str, float]], keq: float | None, path: str | Path) -> dict[str, float]:
+def _level(rows: list[dict[str, float]], keq: float | None) -> dict[str, float]:
     known = " or ".join(f"{row['keq']:g}" for row in rows)
     if keq is None and len(rows) > 1:
-        raise InputError("--keq", expected=f"one of the declared stiffnesses, {known} Nm/rad", received="none", file=path)
+        raise InputError("--keq", expected=f"one of the declared stiffnesses, {known} Nm/rad", received="none")
     chosen = [row for row in rows if keq is None or math.isclose(row["keq"], keq, rel_tol=1e-6)]
     if not chosen:
-        raise InputError("--keq", expected=f"a declared stiffness, {known} Nm/rad", received=keq, file=path)
+        raise InputError("--keq", expected=f"a declared stiffness, {known} Nm/rad", received=keq)
     return chosen[0]
 
 
 def _diagnosis(
-    document: dict[str, Any], declared: dict[str, Any], keq: float, path: str | Path
+    document: dict[str, Any], declared: dict[str, Any], keq: float
 ) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
     """Values of the parameters, effects, and where they come from."""
     verdict, tried = document.get("verdict", {}), document["candidates"]
-    if not tried:
-        raise InputError("candidates", expected="at least one fitted model", received="none", file=path)
     chosen = tried[0]
     if verdict.get("status") in _CERTAIN:
         wanted = sorted(verdict.get("effects", []))
         chosen = next((each for each in tried if sorted(each["effects"]) == wanted), chosen)
-    values = {name: _value(fact, name, path) for name, fact in chosen["parameters"].items()}
+    values = _values(chosen["parameters"])
     names = [name for name in chosen["effects"] if name not in ARM | SESSION]  # an open number of the arm may stand among them
     acting = [row["name"] for row in declared.get("effects", ())]
     names = acting if sorted(acting) == sorted(names) else names  # in the order in which they act, where it is told
@@ -193,9 +188,9 @@ def _diagnosis(
 
 
 def _fit(
-    document: dict[str, Any], declared: dict[str, Any], keq: float, path: str | Path
+    document: dict[str, Any], declared: dict[str, Any], keq: float
 ) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
-    values = {name: _value(fact, name, path) for name, fact in document["parameters"].items()}
+    values = _values(document["parameters"])
     here = _at(values, keq)
     rows = declared.get("effects") or [{"name": name} for name in document.get("effects", [])]
     effects = []
@@ -208,6 +203,9 @@ def _fit(
 def _effect(name: str, values: dict[str, float], options: dict[str, str], level: float = 1.0) -> Effect:
     """The effect at its values; one whose amplitude goes with the stiffness level against its law, at that level."""
     kind = effect_named(name)
+    for option in options.keys() - kind.choices():
+        known = " or ".join(kind.choices()) or "no option"
+        raise EffectError(f"an option of {name}", expected=known, received=quoted(option))
     facts = {}
     for fact in kind.parameters():
         if f"{name}.{fact.name}" in values:
@@ -217,14 +215,14 @@ def _effect(name: str, values: dict[str, float], options: dict[str, str], level:
     return kind(**facts, **options)
 
 
-def _factor(values: dict[str, float], base: str, keq: float, path: str | Path) -> float:
+def _factor(values: dict[str, float], base: str, keq: float) -> float:
     """A fitted factor at a declared stiffness; 1 if it was not fitted."""
     fitted = {name: value for name, value in values.items() if name.partition("@")[0] == base}
     if not fitted:
         return 1.0
     if base in (here := _at(values, keq)):
         return here[base]
-    raise InputError(base, expected=f"a value at Keq {keq:g} Nm/rad", received=", ".join(fitted), file=path)
+    raise InputError(base, expected=f"a value at Keq {keq:g} Nm/rad", received=", ".join(fitted))
 
 
 def _at(values: dict[str, float], keq: float) -> dict[str, float]:
@@ -240,19 +238,9 @@ def _is_near(level: str, keq: float) -> bool:
         return False
 
 
-def _value(fact: Any, name: str, path: str | Path) -> float:
-    value = fact.get("value") if isinstance(fact, dict) else fact
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"parameter {name}", expected="a number", received=repr(value), file=path)
-    return float(value)
+def _values(parameters: dict[str, Any]) -> dict[str, float]:
+    return {name: float(told["value"] if isinstance(told, dict) else told) for name, told in parameters.items()}
 
 
-def _number(section: dict[str, Any], name: str, path: str | Path, table: str = "arm") -> float:
-    value: Any = section.get(name, 0.0 if name == "tip_mass" else None)
-    if not _is_number(value):
-        raise InputError(f"{table}.{name}", expected="a number", received=repr(value), file=path)
-    return float(value)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def _floats(row: Mapping[str, Any], *names: str) -> dict[str, float]:
+    return {name: float(row[name]) for name in names}

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
+from hsr_pin.errors import InputError, quoted
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Scenario, standard_markers
@@ -38,6 +39,15 @@ class CorrectedModel:
         self.scenario  # noqa: B018  # refuses an effect given twice
         if not self.markers:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))
+        for marker in self.markers:
+            for name in ("arc_length", "radius"):
+                value, most = getattr(marker, name), self.arm.length
+                if not 0 <= value <= most * (1 + 1e-9):
+                    expected = f"from 0 to the arm's length, {most:g} m"
+                    raise InputError(f"{name} of marker {marker.name}", expected=expected, received=value)
+        names = [marker.name for marker in self.markers]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError("markers", expected="a name for each", received=f"{quoted(twice[0])} twice")
 
     @cached_property
     def scenario(self) -> Scenario:

@@ -1,5 +1,6 @@
 """The JSON of a fit or of a diagnosis gives back the model that was found; anything else is one clear line."""
 
+import copy
 import json
 
 import pytest
@@ -163,7 +164,7 @@ def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written,
     del document["arm"]
     path = written(document)
     with pytest.raises(
-        InputError, match=r"result\.json: arm: expected a section with .*got none; give the recordings too: --dataset"
+        InputError, match=r"result\.json: arm: expected a section that tells .*got none; give the recordings too: --dataset"
     ):
         read_result(path)
     write_dataset(found.experiment.dataset, tmp_path / "recordings")
@@ -179,18 +180,79 @@ def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written,
         ("[]", "not a result: .*got list"),
         ("{}", "not a result"),
         ({"schema": 2, "parameters": {}}, "schema: expected 1, got 2"),
-        (diagnosis(candidates=[]), "candidates: expected at least one fitted model, got none"),
-        (diagnosis(arm={**ARM, "length": None}), "arm.length: expected a number, got None"),
+        (diagnosis(candidates=[]), r"result\.json: candidates: expected a list of at least 1, got \[\]"),
+        (diagnosis(arm={**ARM, "length": None}), r"arm\.length: expected a number from 0\.0001 to 1000, got None"),
         (
             diagnosis(candidates=[{**BEST, "parameters": {"keq_scale": {"value": None}}}]),
-            "parameter keq_scale: expected a number",
+            r"candidates\[0\]\.parameters\.keq_scale: expected a number from 0\.1 to 10, got None",
         ),
-        (diagnosis(arm={**ARM, "levels": []}), "arm: expected a section"),
+        (diagnosis(arm={**ARM, "levels": []}), r"arm\.levels: expected a list of at least 1, got \[\]"),
     ],
 )
 def test_what_is_no_result_is_one_line(written, document, said):
     with pytest.raises(InputError, match=said):
         read_result(written(document), keq=1.11)
+
+
+#: Damages: the way to a value of a diagnosis, the value put there, and what is said of it.
+HUGE = 10**400
+DAMAGES = [
+    (("arm", "markers"), [], r"arm\.markers: expected a list of at least 1, got \[\]"),
+    (("arm", "markers", 0), "tip", r"arm\.markers\[0\]: expected a table, got 'tip'"),
+    (("arm", "markers", 0, "arc_length"), -0.1, r"arm\.markers\[0\]\.arc_length: expected a number from 0 to 1000, got -0\.1"),
+    (("arm", "markers", 0, "arc_length"), 0.4, r"arc_length of marker tip: expected from 0 to the arm's length, 0\.3 m"),
+    (("arm", "markers", 0, "radius"), 1e6, r"arm\.markers\[0\]\.radius: expected a number from 0 to 1000, got 1000000\.0"),
+    (("arm", "markers", 0, "name"), "a\x1bb", r"arm\.markers\[0\]\.name: expected a text of one printable line"),
+    (("arm", "markers", 0, "name"), "\ud800", r"arm\.markers\[0\]\.name: expected a text of one printable line"),
+    (("arm", "markers"), [ARM["markers"][0]] * 2, r"markers: expected a name for each, got 'tip' twice"),
+    (("arm", "levels"), "1.11", r"arm\.levels: expected a list of at least 1, got '1\.11'"),
+    (("arm", "levels", 0), 1.11, r"arm\.levels\[0\]: expected a table, got 1\.11"),
+    (("arm", "levels", 0), {"damping": 0.05}, r"arm\.levels\[0\]\.keq: expected a value, got none"),
+    (("arm", "levels", 0, "keq"), HUGE, r"arm\.levels\[0\]\.keq: expected a number from 1e-09 to 1e\+09, got 1000"),
+    (("arm", "mass"), "0.2", r"arm\.mass: expected a number from 1e-12 to 1e\+06, got '0\.2'"),
+    (("arm", "mass"), True, r"arm\.mass: expected a number .*got True"),
+    (("arm", "mass"), float("inf"), r"arm\.mass: expected a number .*got inf"),
+    (("arm", "mount"), ["hanging"], r"arm\.mount: expected hanging or upright or horizontal"),
+    (("arm", "links"), 2.5, r"links: expected a whole number from 1 to 1000, got 2\.5"),
+    (("arm", "inputs"), {}, r"arm\.inputs: expected a list, got {}"),
+    (("arm", "effects"), [{}], r"arm\.effects\[0\]\.name: expected a value, got none"),
+    (("arm",), [], r"arm: expected a table, got \[\]"),
+    (("verdict",), [], r"verdict: expected a table, got \[\]"),
+    (("verdict", "effects"), None, r"verdict\.effects: expected a list, got None"),
+    (("candidates",), {"a": 1}, r"candidates: expected a list of at least 1"),
+    (("candidates", 0, "effects"), "lag", r"candidates\[0\]\.effects: expected a list, got 'lag'"),
+    (("candidates", 0, "effects"), [["lag"]], r"candidates\[0\]\.effects\[0\]: expected a text"),
+    (("candidates", 0, "options"), {"hysteresis.shape": "x"}, r"an option of hysteresis: expected form, got 'shape'"),
+    (("candidates", 0, "options"), {"actuator_lag.x": "x"}, r"an option of actuator_lag: expected order"),
+    (("candidates", 0, "options"), {"hysteresis.form": "loose"}, r"hysteresis\.form: expected .* got 'loose'"),
+    (("candidates", 0, "parameters", "torque_gain"), 1e300, r"torque_gain: expected a number from 0\.1 to 10, got 1e\+300"),
+    (("candidates", 0, "parameters", "keq_scale@1.11"), float("nan"), r"keq_scale@1\.11: expected a number .*got nan"),
+    (("candidates", 0, "parameters", "keq_scale"), {"values": 1}, r"parameters\.keq_scale: expected a number .*got None"),
+    (("candidates", 0, "parameters", "hysteresis.amplitude"), -HUGE, r"hysteresis\.amplitude: expected a number, got -1000"),
+    (("candidates", 0, "parameters", "hysteresis.amplitude"), 1e9, r"result\.json: hysteresis\.amplitude: expected 0 to "),
+    (("dataset",), 3, r"dataset: expected a text, got 3"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("way", "value", "said"), DAMAGES)
+def test_a_damaged_result_is_one_line_that_says_where(written, way, value, said):
+    document = copy.deepcopy(diagnosis())
+    *parts, last = way
+    place = document
+    for part in parts:
+        place = place[part]
+    place[last] = value
+    with pytest.raises(InputError, match=said) as caught:
+        read_result(written(document), keq=1.11)
+    assert str(caught.value).isprintable() and "result.json: " in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "value"), [("torque_gain", 1e300), ("keq_scale", "1"), ("tip_mass.mass", float("nan"))])
+def test_a_damaged_fit_is_one_line_that_says_where(found, written, name, value):
+    document = to_json(found)
+    document["parameters"][name] = value
+    with pytest.raises(InputError, match=rf"result\.json: parameters\.{name}: expected a number"):
+        read_result(written(document))
 
 
 def test_several_stiffnesses_ask_which(written):
@@ -255,11 +317,20 @@ def test_an_arm_of_sections_is_read_with_them_and_tells_what_its_inputs_give(wri
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ({"sections": [{**SECTIONS[0], "keq": "stiff"}]}, r"arm\.sections\[0\]\.keq: expected a number, got 'stiff'"),
-        ({"sections": [{**SECTIONS[0], "mass": -1}], "inputs": []}, "mass of a section: expected a number, more than zero"),
-        ({"sections": "two"}, r"arm\.sections: expected a list of sections, got 'two'"),
-        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
-        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0, None, 0]}]}, r"arm\.inputs: expected 4 numbers of torque for each"),
+        (
+            {"sections": [{**SECTIONS[0], "keq": "stiff"}]},
+            r"arm\.sections\[0\]\.keq: expected a number from 1e-09 to 1e\+09, got 'stiff'",
+        ),
+        (
+            {"sections": [{**SECTIONS[0], "mass": -1}], "inputs": []},
+            r"arm\.sections\[0\]\.mass: expected a number from 1e-12 to 1e\+06, got -1",
+        ),
+        ({"sections": "two"}, r"arm\.sections: expected a list, got 'two'"),
+        (
+            {"inputs": [{**INPUTS[0], "torque": [0.3, 0]}]},
+            r"arm\.inputs\[0\]\.torque: expected 4 numbers, two for each section, got 2",
+        ),
+        ({"inputs": [{**INPUTS[0], "torque": [0.3, 0, None, 0]}]}, r"arm\.inputs\[0\]\.torque\[2\]: expected a number, got None"),
         ({"bending": "plane"}, "sections: expected none where the arm bends in a plane"),
     ],
 )
