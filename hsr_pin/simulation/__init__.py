@@ -2,9 +2,10 @@
 
 - ``batch``: simulate_batch
 - ``cameras``: what is seen of the markers
+- ``code_cache``: where machine code is kept, and what becomes of a damaged or a full cache
 - ``columns``: bodies, springs, dampers and laws of many arms as arrays
 - ``command``: what arrives of a command: held or interpolated, then what the muscles make of it
-- ``compiled``: the loops as machine code, and their cache
+- ``compiled``: the loops as machine code
 - ``drive``: commands over time: steps of torque or pressure, files
 - ``energy``: the energy account of a motion
 - ``integrator``: the methods, and how steps are chosen

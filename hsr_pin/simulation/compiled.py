@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from hsr_pin.effects.effect import Effect, formless
 from hsr_pin.simulation import kernel, march, rest, sight
+from hsr_pin.simulation.code_cache import cached
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.march import advance
 from hsr_pin.simulation.stamp import stamp
@@ -64,16 +65,6 @@ def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
             for hook in ("moment", "touch", "update", "respond"):
                 if effect.acts_through(hook) and not formless([effect], space=space):
                     address(effect, hook, space=space)
-
-
-def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options: Any) -> tuple[Any, bool]:
-    """A function through one of numba's decorators, and whether its machine code is kept: not where there is no folder for it."""
-    try:
-        return decorate(cache=True, **options)(function), True
-    except RuntimeError as error:
-        if "cache" not in str(error):
-            raise
-        return decorate(**options)(function), False
 
 
 @lru_cache(maxsize=1)

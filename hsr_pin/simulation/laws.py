@@ -18,7 +18,7 @@ from typing import Any
 
 from hsr_pin.effects import vector
 from hsr_pin.effects.effect import Bending, Effect, parameter_tuple
-from hsr_pin.simulation.compiled import cached
+from hsr_pin.simulation.code_cache import cached
 from hsr_pin.simulation.stamp import law_stamp
 
 _LOCK = threading.RLock()
@@ -36,17 +36,23 @@ _MOMENT = """
 """
 
 _TOUCH = """
+        rest = 0.0
+        for i in range(N):
+            rest += reach[b * N + i]
+        beyond = (1.0 - place(p)) * (rest + reach[b * N] - reach[b * N + N - 1])
         turned = 0.0
         aside = 0.0
         for i in range(N):
             k = b * N + i
             turned += q[k]
-            aside += reach[k] * sin(turned)
+            aside += min(max(rest - beyond, 0.0), reach[k]) * sin(turned)
+            rest -= reach[k]
         force = 1.0 * law(p, aside)
         lever = 0.0
         for j in range(N):
             k = b * N + N - 1 - j
-            lever += reach[k] * cos(turned)
+            rest += reach[k]
+            lever += min(max(rest - beyond, 0.0), reach[k]) * cos(turned)
             moment[k] -= force * lever
             turned -= q[k]
 """
@@ -102,6 +108,7 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
         "Bending": Bending,
         "Parameters": parameter_tuple(kind),
         "law": njit(_with_helpers(law)),
+        "place": njit(_with_helpers(kind.place)),
         "sin": sin,
         "cos": cos,
         "__name__": kind.__module__,

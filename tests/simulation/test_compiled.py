@@ -47,10 +47,11 @@ class Installation:
         shutil.copytree(PACKAGE, folder / "hsr_pin", ignore=shutil.ignore_patterns("__pycache__"))
         self.home.mkdir()
 
-    def start(self, *arguments, home=None):
+    def start(self, *arguments, home=None, limit=None):
         environment = {name: value for name, value in os.environ.items() if not name.startswith(("NUMBA", "XDG"))}
         environment |= {"PYTHONPATH": str(self.folder), "HOME": str(home or self.home), "PYTHONDONTWRITEBYTECODE": "1"}
-        command = [sys.executable, "-c", PROGRAM, *arguments]
+        limited = "" if limit is None else f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))"
+        command = [sys.executable, "-c", limited + PROGRAM, *arguments]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         return subprocess.Popen(command, env=environment, cwd=self.folder, text=True, **pipes)  # away from the other package
 
@@ -101,6 +102,41 @@ def test_without_any_folder_to_keep_it_in_a_law_is_compiled_in_every_process(ins
     nowhere = installation.folder / "hsr_pin" / "__init__.py" / "home"  # beneath a file
     for _ in range(2):
         assert installation.run(home=nowhere)[0] == {"law": False, "address": True}
+
+
+@pytest.mark.parametrize("part", [pytest.param("loops", marks=pytest.mark.long), "law"])
+@pytest.mark.parametrize("damage", ["half an index", "empty index", "half the code", "no pickle", "a folder"])
+def test_a_damaged_cache_is_told_once_and_made_anew(installation, damage, part):
+    installation.run(part)
+    for path in installation.folder.rglob("*.nbc" if damage == "half the code" else "*.nbi"):
+        content = path.read_bytes()
+        path.unlink()
+        if damage == "a folder":
+            path.mkdir()
+        else:
+            path.write_bytes({"empty index": b"", "no pickle": b"\0no pickle" * 9}.get(damage, content[: len(content) // 2]))
+    found, said = installation.run(part)
+    assert not found["law"] and found["address"]
+    assert said.count("is damaged, and is made anew") >= 1
+    assert len(set(said.splitlines())) == len(said.splitlines())
+    again, silent = installation.run(part)
+    if damage == "a folder":  # which stands in the way for good
+        assert "cannot keep machine code in" in silent
+    else:
+        assert (again["law"], silent) == (True, "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+@pytest.mark.parametrize("part", [pytest.param("loops", marks=pytest.mark.long), "law"])
+def test_a_full_disk_is_told_once_and_what_was_written_is_mended(installation, part):
+    found, said = installation.run(part, limit=1000)
+    assert found["address"]
+    (line,) = [line for line in said.splitlines() if "compiling" not in line]
+    folder = installation.folder / "hsr_pin" / ("effects" if part == "law" else "simulation") / "__pycache__"
+    if part == "law":
+        assert line.startswith(f"hsr_pin: cannot keep machine code in {folder} (File too large), and makes it in every process")
+    assert line.endswith("make room there, or name another folder as NUMBA_CACHE_DIR")
+    assert [installation.run(part)[0]["law"] for _ in range(2)] == [False, True]
 
 
 @pytest.mark.parametrize(
