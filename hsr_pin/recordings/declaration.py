@@ -167,6 +167,8 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
                 "arc_length", "arc_length", expected=f"from 0 to the arm's length, {length} m", received=arc_length
             )
         radius = section.number("radius", "m", zero=True) if "radius" in section.values else 0.0
+        if radius > length:
+            raise section.fault("radius", "radius", expected=f"from 0 to the arm's length, {length} m", received=radius)
         angle = section.number("angle", "rad", sign=True) if "angle" in section.values else 0.0
         if not isinstance(turned := section.values.get("orientation", False), bool):
             raise section.fault("orientation", "orientation", expected="true or false", received=repr(turned)[:60])

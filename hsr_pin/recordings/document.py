@@ -29,9 +29,10 @@ LONGEST_KEY = 500
 #: No key has more parts than this, and no line more brackets: parsers need time and memory that grow with their square.
 DEEPEST = 64
 
-_HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<name>[^\[\]]+?)\s*\]")
-_KEY = re.compile(r"""(?P<space>\s*)(?P<name>(?:"[^"]*"|'[^']*'|[\w\-. \t])+?)\s*=""")
-_STRING = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*""")
+# Each takes time in proportion to a line: no two parts that follow each other take the same sign.
+_HEADER = re.compile(r"\s*(?P<open>\[\[?)(?P<name>[^\[\]]+)\]")
+_KEY = re.compile(r"""\s*(?P<name>(?=\S)(?:"[^"]*"|'[^']*'|[\w\-. \t])+)=""")
+_STRING = re.compile(r""""(?:[^"\\]|\\.)*"|'[^']*'|#.*|\\.""")
 _PART = re.compile(r""""[^"]*"|'[^']*'|[^.\s]+""")
 
 

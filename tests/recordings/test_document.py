@@ -1,7 +1,9 @@
 """Whatever the bytes of a dataset, the answer is a dataset or an error of ours."""
 
+import contextlib
 import math
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +66,21 @@ def test_what_is_no_toml_is_an_error_of_ours(tmp_path, text):
     path.write_bytes(text.encode())
     with pytest.raises(RecordingError, match="not TOML"):
         read_document(path)
+
+
+#: Lines on which patterns that take the same signs twice need time by the square or the cube.
+LONG = [" " * 500, " \t" * 250, "[" + " " * 498, "a " * 250, "a." * 250, '"' + '\\"' * 40_000]
+
+
+@pytest.mark.parametrize("line", LONG, ids=lambda line: repr(line[:4]))
+def test_lines_of_nothing_take_time_in_proportion(tmp_path, line):
+    path = tmp_path / "dataset.toml"
+    path.write_text("\n".join([line] * max(1, 100_000 // len(line))), encoding="utf-8")
+    begin = time.process_time()
+    places(path.read_text(encoding="utf-8"))
+    with contextlib.suppress(RecordingError):  # of blanks alone it is one
+        read_document(path)
+    assert time.process_time() - begin < 0.5
 
 
 def read_or_refuse(declaration: bytes, table: bytes):

@@ -79,6 +79,7 @@ def test_hsr_sim_writes_it(tmp_path):
         ('bending = "space"', 'bending = "plane"', 'torsion: expected bending = "space" with it, got plane'),
         ("torsion = 0.6", "torsion = -1", "torsion: expected a number, zero or more"),
         ("radius = 0.02", "radius = -0.02", "radius: expected a number, zero or more"),
+        ("radius = 0.02", "radius = 1e6", r"radius: expected from 0 to the arm's length, 0\.24 m, got 1000000"),
         ("radius = 0.02", "radios = 0.02", "unknown key 'radios'"),
     ],
 )
