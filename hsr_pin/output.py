@@ -6,6 +6,7 @@ import contextlib
 import glob
 import os
 import re
+import secrets
 import stat
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,6 +30,8 @@ _SIGNATURES = tuple(
         rb'\A\{\s*"cases": \d+,\s*"missing": \[',
     )
 )
+#: Ending of the names of drafts.
+DRAFT = "part"
 #: Bytes of a file that are looked at, at either end.
 _LOOK = 8192
 
@@ -54,9 +57,9 @@ def write_bytes(path: str | Path, content: bytes) -> None:
             target.write_bytes(content)
             return
         target = target.resolve()  # a link stays, what it points to is replaced; not sooner: a pipe's link resolves to nothing
-        draft = _draft(target)
+        draft = draft_of(target)
         try:
-            with draft.open("wb") as file:
+            with draft.open("xb") as file:  # what stands there already is not followed, and not written to
                 if target.exists():
                     draft.chmod(stat.S_IMODE(target.stat().st_mode))  # before anything is in it that others may not read
                 file.write(content)
@@ -64,7 +67,9 @@ def write_bytes(path: str | Path, content: bytes) -> None:
         except BaseException:
             draft.unlink(missing_ok=True)
             raise
-        _clear_drafts(target)
+        for path in left_by_killed(target, DRAFT):
+            with contextlib.suppress(OSError):
+                path.unlink()
     except (OSError, ValueError, RuntimeError) as error:  # ValueError: a null byte in the name; RuntimeError: a loop of links
         raise _refusal(path, error) from error
 
@@ -81,8 +86,8 @@ def check_writable(path: str | Path) -> None:
             raise IsADirectoryError(None, "Is a directory")
         if target.exists() and not target.is_file():
             return
-        draft = _draft(target.resolve())
-        draft.touch()
+        draft = draft_of(target.resolve())
+        draft.touch(exist_ok=False)
         draft.unlink()
     except (OSError, ValueError, RuntimeError) as error:
         raise _refusal(path, error) from error
@@ -145,8 +150,8 @@ def check_folder_writable(path: str | Path) -> None:
             ancestor = ancestor.parent
         if not ancestor.is_dir():
             raise NotADirectoryError(None, f"{ancestor.name} is a file")
-        draft = _draft(ancestor / "check")
-        draft.touch()
+        draft = draft_of(ancestor / "check")
+        draft.touch(exist_ok=False)
         draft.unlink()
     except (OSError, ValueError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -155,17 +160,16 @@ def check_folder_writable(path: str | Path) -> None:
         ) from error
 
 
-def _draft(target: Path) -> Path:
-    return target.with_name(f".{target.name}.{os.getpid()}.part")
+def draft_of(target: Path) -> Path:
+    """Where a file or a folder is written before it is moved to its place: beside it, under a name that nobody can foresee."""
+    return target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.{DRAFT}")
 
 
-def _clear_drafts(target: Path) -> None:
-    """Take away drafts of a file that processes left which were killed while they wrote it."""
-    for path in target.parent.glob(f".{glob.escape(target.name)}.*.part"):
-        owner = path.name.removesuffix(".part").rpartition(".")[2]
-        if owner.isdecimal() and not _runs(int(owner)):
-            with contextlib.suppress(OSError):
-                path.unlink()
+def left_by_killed(target: Path, ending: str) -> list[Path]:
+    """Drafts of a file or a folder, or what took their name with another ending, of processes that were killed over it."""
+    form = re.compile(rf"\.{re.escape(target.name)}\.(\d+)(\.[0-9a-f]+)?\.{ending}")
+    there = ((path, form.fullmatch(path.name)) for path in target.parent.glob(f".{glob.escape(target.name)}.*.{ending}"))
+    return [path for path, owner in there if owner and not _runs(int(owner[1]))]
 
 
 def _runs(process: int) -> bool:

@@ -1,6 +1,7 @@
 """A file is written whole or not at all, and what cannot be written is named."""
 
 import os
+import secrets
 import subprocess
 import sys
 from pathlib import Path
@@ -8,7 +9,15 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.errors import OutputError
-from hsr_pin.output import PAGE_SIGNATURE, check_replaceable, check_writable, is_ours, write_bytes, write_text
+from hsr_pin.output import (
+    PAGE_SIGNATURE,
+    check_folder_writable,
+    check_replaceable,
+    check_writable,
+    is_ours,
+    write_bytes,
+    write_text,
+)
 
 
 def test_a_file_is_written_and_replaced_without_leaving_anything_beside_it(tmp_path):
@@ -65,12 +74,34 @@ def test_a_draft_is_never_open_to_those_who_may_not_read_the_file(tmp_path, monk
 def test_drafts_of_killed_processes_are_taken_away_and_those_of_running_ones_are_not(tmp_path):
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    lost, kept = tmp_path / f".a.txt.{ended.pid}.part", tmp_path / f".a.txt.{os.getppid()}.part"
-    others = tmp_path / ".a.txt.notes.part", tmp_path / f".b.txt.{ended.pid}.part"
-    for path in (lost, kept, *others):
+    lost = [tmp_path / f".a.txt.{ended.pid}{token}.part" for token in ("", ".0f3a")]
+    kept = tmp_path / f".a.txt.{os.getppid()}.0f3a.part"
+    others = tmp_path / ".a.txt.notes.part", tmp_path / f".b.txt.{ended.pid}.0f3a.part"
+    for path in (*lost, kept, *others):
         path.write_text("half")
     write_text(tmp_path / "a.txt", "whole")
     assert sorted(tmp_path.iterdir()) == sorted([kept, *others, tmp_path / "a.txt"])
+
+
+@pytest.mark.parametrize("call", [check_writable, lambda path: write_text(path, "new"), check_folder_writable])
+def test_a_draft_is_never_written_through_a_link_that_stands_under_its_name(tmp_path, monkeypatch, call):
+    precious, target = tmp_path / "precious", tmp_path / "a"
+    precious.write_text("mine")
+    os.utime(precious, (1, 1))
+    monkeypatch.setattr(secrets, "token_hex", lambda _: "ab")
+    for name in ("a", "check"):
+        (tmp_path / f".{name}.{os.getpid()}.ab.part").symlink_to(precious)
+    with pytest.raises(OutputError, match="File exists"):
+        call(target)
+    assert (precious.read_text(), precious.stat().st_mtime, target.exists()) == ("mine", 1, False)
+
+
+def test_nobody_foresees_the_name_of_a_draft(tmp_path, monkeypatch):
+    drafts, replace = [], os.replace
+    monkeypatch.setattr(os, "replace", lambda draft, target: (drafts.append(draft), replace(draft, target)))
+    for _ in range(3):
+        write_text(tmp_path / "a", "text")
+    assert len({*drafts}) == 3
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import click
+
 from hsr_pin.cli.sim_runs import DESCRIPTION
-from hsr_pin.errors import OutputError, RecordingError
+from hsr_pin.errors import OutputError, RecordingError, one_line
 from hsr_pin.output import check_folder_writable
 from hsr_pin.recordings.declaration import FILE_NAME, read_declaration
-from hsr_pin.recordings.write import check_target
+from hsr_pin.recordings.write import check_target, mend
 
 #: What a dataset of each command has in its ``dataset.toml``.
 SIGNS = {"hsr-sim": DESCRIPTION, "hsr-import": "# imported from "}
@@ -17,6 +19,8 @@ SIGNS = {"hsr-sim": DESCRIPTION, "hsr-import": "# imported from "}
 
 def check_folder(folder: str, command: str, read: Sequence[str | None], force: bool) -> None:
     """Refuse a folder for a dataset that holds anything but an older one by the same command, or what is read.
+
+    What a killed command left there is mended first, and told.
 
     Args:
         folder: to be written.
@@ -28,6 +32,8 @@ def check_folder(folder: str, command: str, read: Sequence[str | None], force: b
         OutputError: saying what is there.
     """
     check_folder_writable(folder)
+    for sentence in mend(folder):
+        click.echo(f"warning: {one_line(sentence)}", err=True)
     check_target(folder)
     if any(name is not None and Path(folder).resolve() in Path(name).resolve().parents for name in read):
         raise OutputError("will not write over what is read", hint="write to another folder", file=folder)

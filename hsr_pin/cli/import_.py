@@ -122,11 +122,19 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
         _mapping(options["mapping"]),
         poses=options["poses"],
         **{name: options[name] for name in (*same, "inputs", "description", "torsion", "gain", "angle")},
-        name=options["name"] or Path(options["output"]).resolve().name or "imported",
+        name=options["name"] or _name_of(options["output"]),
         markers=bodies,
         t_start=[None if text == NOTHING else _seconds(text) for text in options["t_start"]],
         origin=None if options["origin"] is None else _point(options["origin"]),
     )
+
+
+def _name_of(output: str) -> str:
+    name = Path(output).resolve().name or "imported"
+    if not name.isprintable():
+        hint = "--name gives the dataset a name of its own"
+        raise click.BadParameter(f"expected a folder whose name is a text, got {name!r}; {hint}", param_hint="'--output'")
+    return name
 
 
 def _seconds(text: str) -> float:

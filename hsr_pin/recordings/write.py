@@ -5,17 +5,20 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 import shutil
 from pathlib import Path
 
 import numpy as np
 
 from hsr_pin.errors import OutputError, RecordingError
+from hsr_pin.output import DRAFT, draft_of, left_by_killed
 from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSIONS, read_declaration
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.trajectory import Channel, Dataset, Section, Trajectory, Trial
+
+#: Ending of the name under which the older dataset stands while a newer one takes its place.
+_OLD = "old"
 
 
 def write_dataset(dataset: Dataset, path: str | Path) -> None:
@@ -34,7 +37,7 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
     draft = None
     try:
         target = Path(path).resolve()
-        draft = target.with_name(f".{target.name}.{os.getpid()}.part")
+        draft = draft_of(target)
         draft.mkdir(parents=True)
         (draft / FILE_NAME).write_text(_declaration(dataset), encoding="utf-8")
         _check_names(dataset, draft)
@@ -96,6 +99,30 @@ def check_target(path: str | Path, dataset: Dataset | None = None) -> None:
         )
 
 
+def mend(path: str | Path) -> list[str]:
+    """Undo what killed writers of a dataset left, drafts and a dataset without its name, and tell it, one sentence each.
+
+    Raises:
+        OutputError: it cannot be undone.
+    """
+    told = []
+    try:
+        target = Path(path).resolve()
+        for old in left_by_killed(target, _OLD):
+            if target.exists():
+                shutil.rmtree(old)
+                told.append(f"{path}: took away {old.name}, an older dataset that a killed command left")
+            else:
+                old.rename(target)
+                told.append(f"{path}: put back from {old.name}, as which a killed command left it")
+        for draft in left_by_killed(target, DRAFT):
+            shutil.rmtree(draft)
+            told.append(f"{path}: took away {draft.name}, which a killed command left half written")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise _cannot_write(path, error) from error
+    return told
+
+
 def _cannot_write(path: str | Path, error: Exception) -> OutputError:
     reason = getattr(error, "strerror", None) or str(error)  # ValueError: a null byte in the name; RuntimeError: a loop of links
     return OutputError("cannot write the dataset", expected="a place that can be written", received=reason, file=path)
@@ -105,7 +132,7 @@ def _move(draft: Path, target: Path) -> None:
     if not target.exists():
         draft.rename(target)
         return
-    old = draft.with_suffix(".old")
+    old = draft.with_suffix(f".{_OLD}")
     target.rename(old)
     try:
         draft.rename(target)

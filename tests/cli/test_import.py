@@ -1,5 +1,6 @@
 """hsr-import turns a capture into a dataset, or says in one line why it cannot."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -169,6 +170,43 @@ def test_a_dataset_that_it_did_not_write_is_replaced_only_by_force(take, tmp_pat
     capsys.readouterr()
     assert "--force" in complaint(capsys, given)
     assert run(command, [*given, "--force"]) == 0
+
+
+def test_an_import_that_was_killed_is_told_and_mended_by_the_next(take, tmp_path, capsys):
+    given = [str(one) for one in (take, "-o", tmp_path / "arm", *ARM, *MARKERS)]
+    assert run(command, given) == 0
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    (tmp_path / "arm").rename(tmp_path / f".arm.{ended.pid}.ab12.old")  # killed between its two renames
+    for token in (".ab12", ""):
+        (tmp_path / f".arm.{ended.pid}{token}.part").mkdir()
+    capsys.readouterr()
+    assert run(command, given) == 0
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 3 and all(line.startswith(f"warning: {tmp_path / 'arm'}: ") for line in said)
+    assert f"put back from .arm.{ended.pid}.ab12.old" in said[0]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm", "input.csv", "take.csv"]
+
+
+def test_recordings_that_a_killed_import_hid_are_there_again_even_where_the_next_is_refused(take, tmp_path, capsys):
+    given = [str(one) for one in (take, "-o", tmp_path / "arm", *ARM, *MARKERS)]
+    assert run(command, given) == 0
+    declared = tmp_path / "arm" / "dataset.toml"
+    declared.write_text(declared.read_text(encoding="utf-8").replace("# imported from ", "# "), encoding="utf-8")
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    (tmp_path / "arm").rename(tmp_path / f".arm.{ended.pid}.ab12.old")
+    assert run(command, given) == 2
+    assert "--force" in capsys.readouterr().err
+    assert read_dataset(tmp_path / "arm").name == "arm"
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are text there")
+def test_a_folder_whose_name_is_no_text_asks_for_a_name(take, tmp_path, capsys):
+    folder = os.fsdecode(os.fsencode(tmp_path) + b"/arm\xff")
+    assert "--name gives the dataset a name of its own" in complaint(capsys, [take, "-o", folder, *ARM, *MARKERS])
+    assert run(command, [str(take), "-o", folder, *ARM, *MARKERS, "--name", "arm"]) == 0
+    assert read_dataset(folder).name == "arm"
 
 
 def test_help_loads_nothing_heavy():
