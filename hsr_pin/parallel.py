@@ -34,7 +34,7 @@ _EARLY = 16
 #: A scheduler answers within this time [s].
 _PATIENCE = 10
 #: What processes of our own are begun with: all that a fit will call.
-_PRELOADED = ("hsr_pin.diagnosis.crew", "hsr_pin.simulation.warm")
+_PRELOADED = ("hsr_pin.diagnosis.fit_pool", "hsr_pin.simulation.warm")
 _LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
 
 
@@ -204,15 +204,16 @@ class _Pool(Executor):
         threading.Thread(target=begin, daemon=True).start()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """A task for one of the processes."""
+        """A task for one of the processes, packed here and now: another thread would pack what this one may be changing."""
+        packed = pickle.dumps((function, arguments, named), protocol=pickle.HIGHEST_PROTOCOL)
         with _uninterrupted():
             try:
-                return self._pool.submit(function, *arguments, **named)
+                return self._pool.submit(_call, packed)
             except BrokenExecutor:
                 _stop_sending(self._pool)
                 self._pool.shutdown(wait=False, cancel_futures=True)
                 self._pool = self._begun()
-                return self._pool.submit(function, *arguments, **named)
+                return self._pool.submit(_call, packed)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes when they have done what they are at."""
@@ -223,6 +224,12 @@ class _Pool(Executor):
     def kill(self) -> None:
         """End the processes at once."""
         self._leash.close()
+
+
+def _call(packed: bytes) -> Any:
+    """Do a task that was packed."""
+    function, arguments, named = pickle.loads(packed)
+    return function(*arguments, **named)
 
 
 def _stop_sending(pool: ProcessPoolExecutor) -> None:

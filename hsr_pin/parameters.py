@@ -10,6 +10,10 @@ from typing import Any
 
 from hsr_pin.errors import InputError, quoted
 
+#: An amplitude is expected within so many of its scales (changes of practical size) about neutral, as a standard deviation: laws
+#: that a user would notice are some scales large, and few are larger than ten.
+PLAUSIBLE = 5.0
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -28,6 +32,7 @@ class Parameter:
             proportion to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where
             neither makes sense.
         looks: at so many values, across the bounds, a first look tries a shape parameter.
+        ratio_width: of a factor on a declared number, the standard deviation of its logarithm beforehand; None: it is no factor.
     """
 
     name: str
@@ -40,12 +45,30 @@ class Parameter:
     description: str
     resizes: int = 0
     looks: int = 3
+    ratio_width: float | None = None
 
     def __post_init__(self) -> None:
         if not self.lower <= self.neutral <= self.upper:
             raise ValueError(f"{self.name}: neutral {self.neutral} outside [{self.lower}, {self.upper}]")
         if not (math.isfinite(self.scale) and self.scale > 0):
             raise ValueError(f"{self.name}: scale must be positive, got {self.scale}")
+
+    def prior_width(self, value: float) -> float:
+        """Standard deviation of the value beforehand, in its unit: about the neutral value, or within the bounds.
+
+        An amplitude is expected within :data:`PLAUSIBLE` scales of neutral, a shape parameter anywhere within its bounds (the
+        standard deviation of a uniform distribution). That of a factor grows with its value.
+        """
+        if self.ratio_width is not None:
+            return self.ratio_width * abs(value)
+        within = (self.upper - self.lower) / math.sqrt(12)
+        return min(PLAUSIBLE * self.scale, within) if self.amplitude else within
+
+    def departure(self, value: float) -> float:
+        """Distance of a value from what is expected beforehand, in standard deviations; 0 for a shape parameter."""
+        if self.ratio_width is not None:
+            return math.log(value / self.neutral) / self.ratio_width
+        return (value - self.neutral) / self.prior_width(value) if self.amplitude else 0.0
 
     @property
     def across(self) -> list[float]:

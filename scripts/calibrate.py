@@ -1,93 +1,192 @@
-"""Fit the coefficients of hsr_pin/diagnosis/confidence.py to diagnoses of cases whose answers are known.
+"""Fit the few numbers of the judgement to diagnoses of cases whose answers are known.
 
-python scripts/calibrate.py ANSWERS RESULTS prints them, and how well the probabilities hold in cross-validation over cases.
+python scripts/calibrate.py RESULTS ANSWERS [RESULTS ANSWERS ...] judges every case anew for many values of the numbers, prints how
+the answers come out, and writes ``hsr_pin/inference/calibration.json`` with ``--write``. RESULTS is the folder of verdicts of a check
+(``hsr-blind run``), ANSWERS the file of its answers (``hsr-blind make``) or the folder of their drafts. A check that served here is
+not reported as a result.
 
-ANSWERS is the file of answers of a check (``hsr-blind make``), RESULTS the folder of its verdicts (``hsr-blind run``). One that
-served here is not reported as a result: sealed runs have other seeds. After names are fitted anew their shift and power go back
-to 0 and 1, until ``scripts/scale_confidence.py`` finds others for them.
+The numbers chosen are the coarsest within one standard error of the best: the fewest samples whose mean log score is no worse than
+the best by more than the standard error of the difference over cases.
 """
 
 from __future__ import annotations
 
+import argparse
+import itertools
 import json
-import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.kinds import FLEXIBLE
-from hsr_pin.diagnosis.confidence import features
-from hsr_pin.diagnosis.support import Support, shows
+from hsr_pin.blind.kinds import FLEXIBLE, PLAIN, kinds_of
+from hsr_pin.blind.outcome import RIGHT
+from hsr_pin.inference import Calibration, Cause, Data, Decision, Model, Posterior, decide, posterior
+from hsr_pin.inference.calibration import calibrated
 from hsr_pin.trajectory import Array
 
-#: Strength of the prior that keeps coefficients small where there are few cases.
-PRIOR = 0.05
+ROOT = Path(__file__).resolve().parent.parent
+TARGET = ROOT / "hsr_pin" / "inference" / "calibration.json"
+#: Values that are tried: of the number of samples, of the price of a cause, of a flexible law's.
+SAMPLES = (6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0, 30.0)
+CAUSES = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0)
+FLEXIBLES = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+#: No probability of the truth counts as smaller than this: one case must not decide.
+LEAST = 0.01
 
 
-#: Case, features, frequency, and whether it was right.
-Row = tuple[str, tuple[float, ...], float, bool]
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One diagnosed case with its answer.
+
+    Attributes:
+        models: of the judgement. special: pairs (k, n), model k being a special case of model n.
+        data: their scale. answer: the truth. status: of the verdict that was written.
+    """
+
+    models: tuple[Model, ...]
+    special: frozenset[tuple[int, int]]
+    data: Data
+    answer: Answer
+    status: str
+
+    def judged(self, numbers: Calibration) -> Posterior:
+        """The posterior with other numbers."""
+        place = {id(model): k for k, model in enumerate(self.models)}
+        return posterior(self.models, self.data, numbers, lambda one, other: (place[id(one)], place[id(other)]) in self.special)
+
+    def right(self, names: Sequence[str]) -> bool:
+        """Whether a set of causes is the truth; that it is of the right kind, for laws that stand for theirs."""
+        said = [kinds_of(name)[:1] if name in FLEXIBLE or name not in self.known else (name,) for name in names]
+        kinds = {kind for kinds in self.answer.kinds for kind in kinds}
+        if self.answer.kind in RIGHT:
+            return all(name in kinds for each in said for name in each) if self.answer.kind == "outside" else not names
+        own = {name for each in said for name in each}
+        found = all(own & {*names, *kinds} for names, kinds in zip(self.answer.names, self.answer.kinds, strict=True))
+        return found and own <= {name for each in self.answer.names for name in each} | set(self.answer.background) | kinds
+
+    @property
+    def known(self) -> set[str]:
+        """Names of causes that are no stand-ins."""
+        return {cause.name for model in self.models for cause in model.causes if not cause.flexible}
 
 
-def rows(answers: Path, results: Path) -> tuple[dict[str, list[Row]], int]:
-    """For names and kinds; and how many cases there were."""
-    found: dict[str, list[Row]] = {"name": [], "kind": []}
-    cases = {case["name"]: Answer.of(case) for case in json.loads(answers.read_text(encoding="utf-8"))["cases"]}
-    files = sorted(results.glob("*.json"))
-    for file in files:
-        case = cases[file.stem]
-        names, kinds = ({each for some in key for each in some} for key in (case.names, case.kinds))
+def cases(results: Path, answers: Path) -> Iterator[Case]:
+    """Every case of a check that was searched."""
+    told = sorted(answers.glob("case_*.json")) if answers.is_dir() else []
+    entries = [json.loads(file.read_text(encoding="utf-8")) for file in told]
+    entries = entries or json.loads(answers.read_text(encoding="utf-8"))["cases"]
+    known = {entry["name"]: Answer.of(entry) for entry in entries}
+    for file in sorted(results.glob("case_*.json")):
         document = json.loads(file.read_text(encoding="utf-8"))
-        verdict, seen = document["verdict"], document["fingerprint"]["kinds"]
-        for told in verdict["support"]:  # older versions did not tell all of it
-            known = {"rest": verdict["left"]["share"], "shown": shows(told["kind"], seen), **told}
-            support = Support(**{k: float("nan") if v is None else v for k, v in known.items()})
-            of_kind = support.name == support.kind
-            if support.name not in FLEXIBLE:
-                right = support.name in (kinds if of_kind else names)
-                found["kind" if of_kind else "name"].append((file.stem, features(support), support.frequency, right))
-    return found, len(files)
+        if file.stem in known and document.get("posterior"):
+            yield case_of(document, known[file.stem])
 
 
-def stated(w: Array, X: Array, frequency: Array) -> Array:
-    """As :func:`hsr_pin.diagnosis.confidence.probability`, before it is scaled."""
-    return np.asarray((1 + frequency) / 2 / (1 + np.exp(-X @ w)))
+def case_of(document: dict[str, Any], answer: Answer) -> Case:
+    """From the JSON of a diagnosis."""
+    fitted, rest = document["candidates"], document["posterior"].get("unfitted", [])
+    models = tuple(
+        Model(
+            tuple(Cause(**cause) for cause in each["causes"]),
+            each["misfit"],
+            np.array(each.get("information", []), dtype=float),
+            np.array(each.get("departures", []), dtype=float),
+        )
+        for each in (*fitted, *rest)
+    )
+    special = frozenset((k, n) for n, each in enumerate(fitted) for k in each["special_cases"])
+    return Case(models, special, Data(**document["posterior"]["data"]), answer, document["verdict"]["status"])
 
 
-def fitted(X: Array, frequency: Array, y: Array) -> Array:
-    """By maximum likelihood, all but the constant shrunk a little."""
+def scores(found: Sequence[Case], numbers: Calibration) -> Array:
+    """(n,) log of the probability that each case gives to the truth [nats]."""
+    return np.log(np.maximum([_of_truth(case, case.judged(numbers)) for case in found], LEAST))
 
-    def cost(w: Array) -> float:
-        p = np.clip(stated(w, X, frequency), 1e-6, 1 - 1e-6)
-        return float(-np.log(np.where(y > 0, p, 1 - p)).sum() + PRIOR * len(y) ** 0.5 * (w[1:] @ w[1:]))
 
-    return np.asarray(minimize(cost, np.zeros(X.shape[1])).x)
+def _of_truth(case: Case, judged: Posterior) -> float:
+    return sum(probability for names, probability in judged.sets.items() if case.right(names))
+
+
+def outcome(case: Case, report: Decision) -> str:
+    """How a report comes out, as the blind check grades it, but for statuses that no number here decides."""
+    said = {name for names in report.sets for name in names} or set(report.names)
+    if not report.sets and not report.kinds:
+        return "right" if case.answer.kind in RIGHT else "silent"
+    if report.sets and any(case.right(names) for names in report.sets):
+        return "exact" if len(report.sets) == 1 else "alternatives"
+    kinds = {kind for each in case.answer.kinds for kind in each}
+    if not said - set(PLAIN):
+        return "kind" if kinds and set(report.kinds) <= kinds else "wrong kind"
+    true = {name for each in case.answer.names for name in each} | set(case.answer.background)
+    sets = report.sets or (report.names,)
+    return "part" if any(set(names) <= true for names in sets) else "wrong"
 
 
 def main() -> None:
-    """Print the coefficients, and the calibration when each tenth of the cases is left out of its own fit."""
-    found, count = rows(Path(sys.argv[1]), Path(sys.argv[2]))
-    print(f"{count} cases")
-    for what, entries in found.items():
-        cases, values, frequencies, rights = zip(*entries, strict=True)
-        X, often, y = np.array(values), np.array(frequencies), np.array(rights, dtype=float)
-        fold = np.array([hash_of(case) % 10 for case in cases])
-        p = np.empty(len(y))
-        for k in range(10):
-            own = fold == k
-            if own.any():
-                p[own] = stated(fitted(X[~own], often[~own], y[~own]), X[own], often[own])
-        print(f"{what}: {tuple(fitted(X, often, y).round(2).tolist())} from {len(y)}, {int(y.sum())} of them right")
-        for low, high in ((0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, 0.9), (0.9, 1.01)):
-            some = (p >= low) & (p < high)
-            if some.any():
-                print(f"  said {p[some].mean():.2f}, was right {y[some].mean():.2f} ({int(some.sum())})")
+    """Print what comes of the numbers in use, of all that are tried, and of the chosen ones."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("pairs", nargs="+", type=Path, metavar="RESULTS ANSWERS")
+    parser.add_argument("--write", action="store_true", help="write the chosen numbers")
+    arguments = parser.parse_args()
+    found = [each for results, answers in zip(arguments.pairs[::2], arguments.pairs[1::2], strict=True) for each in cases(results, answers)]
+    found = [case for case in found if case.status != "no_gap"]
+    report("in use", found, calibrated())
+    tried = {}
+    for samples, cause, flexible in itertools.product(SAMPLES, CAUSES, FLEXIBLES):
+        numbers = replace(calibrated(), samples=samples, cause=cause, flexible=flexible)
+        tried[numbers] = scores(found, numbers)
+    best = max(tried, key=lambda numbers: float(tried[numbers].mean()))
+    near = [numbers for numbers, own in tried.items() if _near(own, tried[best])]
+    fewest = min(numbers.samples for numbers in near)
+    chosen = max((numbers for numbers in near if numbers.samples == fewest), key=lambda numbers: float(tried[numbers].mean()))
+    report("best", found, best)
+    report("coarsest within one standard error", found, chosen)
+    if arguments.write:
+        TARGET.write_text(json.dumps(document(chosen, near, len(found)), indent=1) + "\n", encoding="utf-8")
 
 
-def hash_of(name: str) -> int:
-    """The same in every process."""
-    return sum(map(ord, name)) * 7919 % 101
+def _near(own: Array, best: Array) -> bool:
+    """Whether a mean score is no worse than the best by more than the standard error of the difference."""
+    difference = best - own
+    return float(difference.mean()) <= float(difference.std(ddof=1)) / len(own) ** 0.5 + 1e-12
+
+
+def document(chosen: Calibration, near: Sequence[Calibration], count: int) -> dict[str, Any]:
+    """What is written: each number, and the range of it that the cases do not tell apart."""
+    fitted = ("samples", "cause", "flexible")
+    numbers: dict[str, Any] = {name: {"value": value} for name, value in vars(chosen).items()}
+    for name in fitted:
+        own = [getattr(each, name) for each in near]
+        numbers[name]["within_one_standard_error"] = [min(own), max(own)]
+    return {"cases": count, "numbers": numbers}
+
+
+def report(title: str, found: Sequence[Case], numbers: Calibration) -> None:
+    """Print what comes of some numbers."""
+    log_scores = scores(found, numbers)
+    print(f"{title}: {numbers}: log score {log_scores.mean():.3f}")
+    rows: dict[tuple[str, str], Counter[str]] = {}
+    for case in found:
+        row = rows.setdefault((case.answer.tier, case.answer.kind), Counter())
+        row[outcome(case, decide(case.judged(numbers)))] += 1
+    for row_of, counts in sorted(rows.items()):
+        print(f"  {' '.join(row_of):<18}", ", ".join(f"{grade} {count}" for grade, count in sorted(counts.items())))
+    claims = [(p, name in {n for each in case.answer.names for n in each} | set(case.answer.background))
+              for case in found for name, p in _names(case.judged(numbers)).items()]
+    for low, high in ((0.0, 0.2), (0.2, 0.5), (0.5, 0.85), (0.85, 0.95), (0.95, 1.01)):
+        own = [(p, so) for p, so in claims if low <= p < high]
+        if own:
+            print(f"  names stated {np.mean([p for p, _ in own]):.2f}: right {sum(so for _, so in own)} of {len(own)}")
+
+
+def _names(judged: Posterior) -> dict[str, float]:
+    own = {cause.name for model in judged.models for cause in model.causes if not cause.flexible} - set(PLAIN)
+    return {name: p for name in own if (p := judged.of_name(name)) >= 0.01}
 
 
 if __name__ == "__main__":

@@ -48,6 +48,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
     "restraint": ("contact",),
+    "side_force": ("contact",),
     "resting_place": ("actuation_map", "friction"),
     "skew_plane": ("measurement", "actuation_map"),  # leaves the plane: muscles askew, or cameras
     "soft_spot": ("elastic",),

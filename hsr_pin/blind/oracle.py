@@ -58,24 +58,22 @@ def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> No
 
 def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
-    from hsr_pin.diagnosis.candidates import Candidate, finish, glance, guesses
-    from hsr_pin.diagnosis.thresholds import mean_square
+    from hsr_pin.diagnosis.candidate import candidate, full_fit
+    from hsr_pin.diagnosis.proposals import proposals, quick_fit
     from hsr_pin.effects import effect_named
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.fit import fit
-    from hsr_pin.identification.heldout import leave_one_out
     from hsr_pin.identification.hypothesis import Hypothesis, readings
     from hsr_pin.recordings.read import read_dataset
 
     experiment = prepare(read_dataset(recording))
-    base = fit(experiment, Hypothesis())
-    nothing = Candidate(base, tuple(leave_one_out(experiment, base)))
+    nothing = candidate(experiment, fit(experiment, Hypothesis()), {})
     found = []
     for order in permutations(names):
         for parts in product(*(readings(effect_named(name)) for name in order)):
             last = nothing
             for part in parts:
-                for guess in guesses(experiment, last.fit, [part]):  # one, or none that can be simulated
-                    last = finish(experiment, glance(experiment, last.fit, guess))
-            found.append(mean_square(last))
+                for proposal in proposals(experiment, last.fit, [part]):  # one, or none that can be simulated
+                    last = full_fit(experiment, quick_fit(experiment, last.fit, proposal), {})
+            found.append(last.heldout_square)
     return sqrt(min(found))

@@ -3,44 +3,42 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.crew import Crew
-from hsr_pin.diagnosis.evidence import structure
+from hsr_pin.diagnosis.candidate import Candidate, candidate, data_of, key_of
 from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
 from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
-from hsr_pin.diagnosis.held_damping import HeldDamping, with_damping_held
+from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.diagnosis.ladder import Rung, ladder
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
-from hsr_pin.diagnosis.pulsation import pulsation
 from hsr_pin.diagnosis.repeats import Repeats, repeats
-from hsr_pin.diagnosis.search import Search, search, without
-from hsr_pin.diagnosis.support import supports
-from hsr_pin.diagnosis.thresholds import Thresholds, clearly_worse, mean_square, tolerated, worth_having
-from hsr_pin.diagnosis.traces import Trace, beside, if_foretold, mostly_explained, ruled_out, with_traces
-from hsr_pin.diagnosis.verdict import Evidence, Verdict, judge
+from hsr_pin.diagnosis.resampling import squares
+from hsr_pin.diagnosis.search import Search, judged, search, without
+from hsr_pin.diagnosis.verdict import Limits, Verdict, predicted_no_better, turned_plane, verdict_of
 from hsr_pin.diagnosis.where import Where, local_defect
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.heldout import leave_one_out
+from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
 from hsr_pin.identification.plane import Plane, in_its_plane
+from hsr_pin.inference import Cause, Loss, Model
+from hsr_pin.inference.calibration import calibrated
+from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
-#: Open commands are taken another way only where this leaves stiffness and damping alone at most so many times the error.
-FORM = 1.5
+#: Models that are fitted again where commands may be taken another way: the most probable few.
+_AGAIN = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,26 +50,26 @@ class Diagnosis:
         verdict: what may be said.
         ladder: how far each step shrinks the gap.
         search: every model that was tried; None where there was too little to try any.
-        thresholds: what counted.
+        limits: what is too small to report.
         nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
         where: maps of the gap that fitted stiffness and damping leave; None where there was too little to fit.
         next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
         fingerprint: what the recordings show without a model.
-        repeats: how far the arm is from itself; None where no trials repeat one another.
-        held: the best model with the damping as declared; None where that is no other reading of it, or no torque is slow.
+        repeats: trial-to-trial repeatability; None where no trials repeat one another.
+        loss: by which the report was chosen.
     """
 
     experiment: Experiment
     verdict: Verdict
     ladder: tuple[Rung, ...]
     search: Search | None
-    thresholds: Thresholds
+    limits: Limits
     nominal: tuple[Array, ...]
     where: Where | None = None
     next_experiment: tuple[Proposal, ...] = ()
     fingerprint: Fingerprint | None = None
     repeats: Repeats | None = None
-    held: HeldDamping | None = None
+    loss: Loss = field(default_factory=Loss)
 
 
 def diagnose(
@@ -87,6 +85,7 @@ def diagnose(
     jobs: int | None = None,
     cluster: str | None = None,
     executor: Executor | None = None,
+    loss: Loss | None = None,
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
     advance: Callable[[], None] = lambda: None,
@@ -106,6 +105,7 @@ def diagnose(
         jobs: processes; default: one per core.
         cluster: address of a Dask scheduler whose workers do it instead.
         executor: in place of both.
+        loss: what each report gains where it is right and loses where it is not; default: the table of :class:`Loss`.
         seed: of the resampling.
         tell: called with a line at each stage.
         advance: called after each fit.
@@ -122,8 +122,8 @@ def diagnose(
     whole, plane = in_its_plane(prepare(dataset, delay=delay))
     experiment, aside = split(whole, train, test)
     if aside:
-        told = ", ".join(run.trial.name for run in aside.runs)
-        experiment = _noted(experiment, f"the ladder is told on trials to which nothing was fitted: {told}")
+        named = ", ".join(run.trial.name for run in aside.runs)
+        experiment = _noted(experiment, f"the ladder uses trials to which nothing was fitted: {named}")
     if effects is not None:
         refuse_formless(kinds, space=space)
     parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
@@ -131,16 +131,8 @@ def diagnose(
     if executor is not None:
         beforehand(executor, ready, kinds, space)
     with workers(jobs, cluster, executor) as executor:
-        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, plane, executor, seed, tell, advance)
-        found = study.of(experiment)
-        other, needless = study.turned(found)
-        if other is None:
-            return study.in_other_forms(found)
-        tell("the commands taken the other way")
-        again = study.of(other, settled=True)
-    one, two = (each.search.best if each.search else None for each in (found, again))
-    kept = one and two and not needless and clearly_worse(two, one, found.thresholds, seed)
-    return found if kept else again
+        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, plane, executor, loss or Loss(), seed, tell, advance)
+        return study.of(experiment)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,185 +153,165 @@ class _Study:
     aside: Experiment | None
     plane: Plane | None
     executor: Executor
+    loss: Loss
     seed: int
     tell: Callable[[str], None]
     advance: Callable[[], None]
 
-    def of(self, experiment: Experiment, *, settled: bool = False) -> Diagnosis:
-        """The diagnosis; unless it is ``settled`` with open commands as they fit the arm alone best."""
-        seed, tell, hypothesis, lacking = self.seed, self.tell, self.hypothesis, _insufficient(experiment)
-        if not lacking:
-            tell("stiffness and damping")
-            base_fit = fit(experiment, hypothesis)
-            experiment, base_fit = (experiment, base_fit) if settled else as_it_fits(experiment, base_fit)
-        aside = taken(self.aside, form_of(experiment)) if self.aside else None
+    def of(self, experiment: Experiment) -> Diagnosis:
+        """The diagnosis."""
         prints, own = fingerprint(experiment), repeats(experiment)
         prints = prints.with_print(OutOfPlane(self.plane)) if self.plane else prints
         experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
-        length, itself = experiment.dataset.length, own.floor if own else None
-        thresholds = Thresholds.of(experiment.noise_rms, length, itself)
-        paper = replace(hypothesis, links=self.declared_links, placement="base")
-        nominal = _simulated(experiment, paper)
-        mended = _simulated(experiment, hypothesis)
-        first: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [
-            ("declared model", (), _simulated(aside, paper) if aside else nominal),
-            ("finer discretisation", (), _simulated(aside, hypothesis) if aside else mended),
-        ]
+        length, scatter = experiment.dataset.length, own.floor if own else None
+        limits = Limits.of(experiment.noise_rms, length)
+        paper = replace(self.hypothesis, links=self.declared_links, placement="base")
+        lacking = _insufficient(experiment)
         if lacking:
+            start = self.hypothesis.start
+            rivals = [(self.hypothesis, start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
+            lower = ladder(self._declared(experiment, paper), limits.noise, self.seed)
+            nominal = tuple(_simulated(experiment, paper))
             verdict = Verdict("insufficient", (), (), lacking)
-            rivals = [(hypothesis, hypothesis.start * np.array(change)) for change in ((1.0, 1.0), (1.1, 1.0), (1.0, 1.3))]
-            proposals = propose(experiment, rivals)
-            lower = ladder(first, thresholds.noise, seed)
-            return Diagnosis(experiment, verdict, lower, None, thresholds, tuple(nominal), None, proposals, prints, own)
-        if not any(slopes.any() for slopes in base_fit.slopes):
-            raise IdentificationError(
-                "model",
-                expected="an arm that can be simulated under the recorded input",
-                received="one that fails in every trial",
-            )
-        if base_fit.failed:
-            experiment = _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base_fit.failed)}")
-        base = Candidate(base_fit, tuple(leave_one_out(experiment, base_fit)))
-        by_level = _by_level(experiment, base)
-        crew = Crew(experiment, self.executor, self.advance)
-        located = crew.where(base, seed)
-
-        def searched(start: Candidate) -> Search:
-            return search(start, self.parts, thresholds, crew, max_effects=self.max_effects, seed=seed, tell=tell)
-
-        def judged(found: Search, by_level: Candidate | None) -> Verdict:
-            told = supports(experiment, found.best, found.path[0], found.tried, thresholds, seed, prints.kinds)
-            evidence = Evidence(structure(mended), *told, length, itself, by_level, seed)
-            return judge(found, thresholds, evidence)
-
-        found = searched(base)
-        verdict = judged(found, by_level)
-        if by_level and worth_having(base, by_level, thresholds, seed):
-            if verdict.status == "parameters" and not verdict.support:
-                found = Search((by_level,), found.tried)
-            elif verdict.status == "unexplained":
-                tell("stiffness and damping of each level")
-                found = searched(by_level)
-                verdict = judged(found, None)
-        tell("where the gap lies")
-        where = replace(located(), defect=local_defect(found.best))
-        before, verdict = verdict, ruled_out(verdict, where.spread, self.parts, thresholds)
-        explained = verdict is before and mostly_explained(found, thresholds)
-        looks: tuple[Callable[[], Trace | None], ...] = (
-            lambda: where.base,
-            lambda: where.spread if not explained else None,
-            lambda: pulsation(experiment, base_fit, seed),
-        )
-        rungs, told = _rungs(base, found, aside), verdict
-        if aside:
-            told = if_foretold(verdict, rungs[0][2], rungs[-1][2], found.best.names)
-        verdict = beside(told if told is not verdict else with_traces(verdict, (look() for look in looks)), self.plane)
+            return Diagnosis(experiment, verdict, lower, None, limits, nominal, None, propose(experiment, rivals), prints, own)
+        self.tell("stiffness and damping")
+        experiment, base_fit = as_it_fits(experiment, fit(experiment, self.hypothesis))
+        experiment = _able(experiment, base_fit)
+        experiment, found, located = self._searched(experiment, base_fit, scatter or 0.0, limits)
+        declared = lasting_square(_simulated(experiment, self.hypothesis))
+        verdict = verdict_of(found, limits, declared, length, scatter=scatter, loss=self.loss)
+        self.tell("where the gap lies")
+        rungs = self._rungs(found, experiment)
+        if self.aside:
+            verdict = predicted_no_better(verdict, *(squares(rungs[k][2]).mean ** 0.5 for k in (0, -1)), found.best.names)
+        verdict = turned_plane(verdict, self.plane)
+        where = replace(located, defect=local_defect(found.best))
         return Diagnosis(
             experiment,
             verdict,
-            ladder([*first, *rungs], thresholds.noise, seed, itself),
+            ladder([*self._declared(experiment, paper), *rungs], limits.noise, self.seed, scatter),
             found,
-            thresholds,
-            tuple(nominal),
+            limits,
+            tuple(_simulated(experiment, paper)),
             where,
-            propose(experiment, _fitted(found, by_level, verdict.alternatives)) if verdict.status == "ambiguous" else (),
+            propose(experiment, _fitted(found, verdict.alternatives)) if verdict.status == "ambiguous" else (),
             prints,
             own,
-            with_damping_held(base, found.best, crew) if "actuation_time" in verdict.kinds else None,
+            self.loss,
         )
 
-    def turned(self, found: Diagnosis) -> tuple[Experiment | None, bool]:
-        """The recordings with open commands taken the other way, where that fits better, or as well with less; and whether this.
+    def _searched(
+        self, experiment: Experiment, base_fit: Fit, scatter: float, limits: Limits
+    ) -> tuple[Experiment, Search, Where]:
+        """The recordings with open commands as the best model takes them, the models that were fitted, and where the gap lies."""
+        variants = Counter(part.name for part in self.parts)
+        data, numbers = data_of(experiment, scatter), calibrated()
+        pool = FitPool(experiment, self.executor, variants, self.advance)
+        base = candidate(experiment, base_fit, variants)
+        located = pool.where(base, self.seed)
+        starts = [base, *pool.full(_by_level(experiment, base_fit))]
+        gap = len(experiment.axes) * base.model.misfit
+        most = self.max_effects if gap > limits.closed**2 else 0
 
-        Without the lag that an arm has, a command that goes straight from sample to sample looks like one that is held. And
-        where a held one is taken to go straight, half a sample earlier, the arm seems to be late.
-        """
-        if found.search is None:
-            return None, False
-        best, late = found.search.best, [each for each in found.search.tried if "actuation_time" in each.kinds]
-        if not best.names:  # a pair of which neither is worth having takes up noise
-            late = [each for each in late if len(each.names) == 1]
-        likely = {id(each): each.fit for each in (best, *sorted(late, key=mean_square)[:1])}
-        crews = [(other, Crew(other, self.executor, self.advance)) for other in otherwise(found.experiment)]
-        again = [(other, each) for other, crew in crews for each in crew.finish(list(likely.values()))]
-        for other, better in sorted(again, key=lambda each: mean_square(each[1]))[:1]:
-            if worth_having(best, better, found.thresholds, self.seed):
-                return other, False
-        simpler = [(other, each) for other, crew in crews for each in self._sooner(best, crew)]
-        return next((other for other, each in simpler if self.needless(best, each, found.thresholds)), None), True
+        def searched(starts: Sequence[Candidate], pool: FitPool) -> tuple[Candidate, ...]:
+            return search(starts, self.parts, pool, data, numbers, max_effects=most, tell=self.tell)
 
-    def in_other_forms(self, found: Diagnosis) -> Diagnosis:
-        """Of recordings that nothing explains, what explains them with open commands taken another way, where something does.
+        candidates = searched(starts, pool)
+        found = judged(candidates, data, numbers)
+        for other in otherwise(experiment) if most else ():
+            self.tell("the commands taken another way")
+            others = FitPool(other, self.executor, variants, self.advance)
+            again = others.full(_again(found))
+            both = judged((*candidates, *again), data, numbers)
+            if both.best in again:
+                again = list(searched(again, others))
+                both = judged((*candidates, *again), data, numbers)
+            if both.best in again:
+                experiment = other
+            candidates, found = both.candidates, both
+        where = located()
+        return experiment, judged(candidates, data, numbers, unfitted(base, where)), where
 
-        Which way fits the arm alone best need not be so: an arm with play may fit better where commands come too early. Nothing
-        that is late is taken from there, for the way itself may make it so.
-        """
-        if found.verdict.status != "unexplained" or found.search is None:
-            return found
-        base, best = found.search.path[0], found.search.best
-        for other in otherwise(found.experiment):
-            alone = fit(other, base.fit.hypothesis, start=base.fit.values)
-            if alone.rms > FORM * base.fit.rms:
-                continue
-            self.tell("the commands taken the other way")
-            again = self.of(other, settled=True)
-            told = again.search.best if again.search and again.verdict.status != "unexplained" else None
-            if told and "actuation_time" not in told.kinds and clearly_worse(best, told, found.thresholds, self.seed):
-                return again
-        return found
+    def _declared(self, experiment: Experiment, paper: Hypothesis) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
+        """The upper rows of the ladder: the declared model as in the paper, and finely discretised."""
+        aside = taken(self.aside, form_of(experiment)) if self.aside else experiment
+        return [
+            ("declared model", (), _simulated(aside, paper)),
+            ("finer discretisation", (), _simulated(aside, self.hypothesis)),
+        ]
 
-    def needless(self, best: Candidate, other: Candidate, thresholds: Thresholds) -> bool:
-        """Whether what a model has is not needed, by another of the commands taken the other way.
+    def _rungs(self, found: Search, experiment: Experiment) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
+        """Name, effects and held-out residuals of the fitted models on the way down: on the trials set aside, if there are any."""
+        aside = taken(self.aside, form_of(experiment)) if self.aside else None
 
-        A law less is enough where that law would not be worth having there; a simpler law, where it is no worse by anything that
-        counts, certain or not.
-        """
-        if len(other.names) < len(best.names):
-            return not worth_having(other, best, thresholds, self.seed)
-        return mean_square(other) - mean_square(best) <= tolerated(best, thresholds)
+        def heldout(model: Candidate) -> Sequence[Array]:
+            return model.heldout if aside is None else simulated(aside, model.fit.hypothesis, model.fit.values)
 
-    def _sooner(self, best: Candidate, crew: Crew) -> list[Candidate]:
-        """A model without what makes it late, or with a simpler law of that in its place."""
-        models: list[Candidate] = []
-        for part in best.fit.hypothesis.parts:
-            if part.kind != "actuation_time":
-                continue
-            base = crew.finish([without(best.fit, part.name)])[0]
-            guesses = crew.guess(base, [other for other in self.parts if part.contains(other)])
-            models += [base, *crew.finish(crew.glance([(base.fit, guess) for guess in guesses]))]
-        return models
+        path = found.path
+        rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), heldout(path[0]))]
+        for before, after in itertools.pairwise(path):
+            name = " + ".join(sorted(set(after.names) - set(before.names))) or "stiffness and damping of each level"
+            rungs.append((name, after.names, heldout(after)))
+        return rungs
 
 
-def _rungs(base: Candidate, found: Search, aside: Experiment | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-    """Name, effects and held-out residuals of the fitted models on the way down: on the trials set aside, if there are any."""
+def _able(experiment: Experiment, base: Fit) -> Experiment:
+    """The recordings, with a note on those that the arm alone cannot be simulated in.
 
-    def heldout(model: Candidate) -> Sequence[Array]:
-        return model.heldout if aside is None else simulated(aside, model.fit.hypothesis, model.fit.values)
+    Raises:
+        IdentificationError: it can be simulated in none.
+    """
+    if not any(slopes.any() for slopes in base.slopes):
+        raise IdentificationError(
+            "model",
+            expected="an arm that can be simulated under the recorded input",
+            received="one that fails in every trial",
+        )
+    if base.failed:
+        return _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base.failed)}")
+    return experiment
 
-    rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), heldout(base))]
-    if found.path[0] is not base:
-        rungs.append(("stiffness and damping of each level", (), heldout(found.path[0])))
-    for before, after in itertools.pairwise(found.path):
-        rungs.append((" + ".join(sorted(set(after.names) - set(before.names))), after.names, heldout(after)))
-    return rungs
+
+def unfitted(base: Candidate, where: Where) -> list[Model]:
+    """Causes that show without a law that could be fitted: a base that moves, and what pulsates by a clock of its own.
+
+    Each stands for its kind and leaves what it does not predict of the gap, in trials from which it was not learnt.
+    """
+    shares = {} if where.base is None else {("base_motion", "measurement"): where.base.foretold}
+    if where.pulsation is not None:
+        shares["pulsating_torque", "actuation_map"] = where.pulsation.added
+        shares["pulsating_stiffness", "elastic"] = where.pulsation.elastic
+    return [
+        replace(base.model, causes=(Cause(name, kind, flexible=True),), misfit=(1 - max(share, 0.0)) * base.model.misfit)
+        for (name, kind), share in shares.items()
+    ]
 
 
-def _by_level(experiment: Experiment, base: Candidate) -> Candidate | None:
-    """Without effects, a stiffness and a damping for each declared Keq; None where there is only one."""
+def _again(found: Search) -> list[Fit]:
+    """Where to start the most probable models with the commands taken another way, and these without what makes them late."""
+    leaders = found.leaders(list(found.posterior.sets)[:_AGAIN])
+    models: dict[object, Fit] = {found.base.key: found.base.fit}
+    for each in leaders:
+        models.setdefault(each.key, each.fit)
+        for part in each.fit.hypothesis.parts:
+            if part.kind == "actuation_time":
+                fewer = without(each.fit, part.name)
+                models.setdefault(key_of(fewer.hypothesis), fewer)
+    return list(models.values())
+
+
+def _by_level(experiment: Experiment, base: Fit) -> list[Fit]:
+    """Where to start a stiffness and a damping for each declared Keq; nothing where there is only one."""
     levels = sorted({run.trial.keq for run in experiment.runs})
     if len(levels) < 2:
-        return None
-    free = tuple(f"{name}@{level:g}" for level in levels for name in base.fit.hypothesis.free)
-    start = np.tile(base.fit.values, len(levels))
-    answer = fit(experiment, replace(base.fit.hypothesis, free=free), start=start)
-    return Candidate(answer, tuple(leave_one_out(experiment, answer)))
+        return []
+    free = tuple(f"{name}@{level:g}" for level in levels for name in base.hypothesis.free)
+    return [replace(base, hypothesis=replace(base.hypothesis, free=free), values=np.tile(base.values, len(levels)))]
 
 
-def _fitted(found: Search, by_level: Candidate | None, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
-    """The best fit with each set of effects; without effects, that with other parameters at each level."""
-    tried = [*found.tried, *([by_level] if by_level else [])]
-    best = [min((c for c in tried if c.names == names), key=mean_square) for names in sets]
-    return [(candidate.fit.hypothesis, candidate.fit.values) for candidate in best]
+def _fitted(found: Search, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
+    """The best fit with each set of effects."""
+    return [(each.fit.hypothesis, each.fit.values) for each in found.leaders(sets)]
 
 
 def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = ACTING) -> list[Part]:

@@ -1,33 +1,32 @@
 """A diagnosis as one JSON document, for programs.
 
-Lengths are in mm (but for ``arm``: SI units) and shares from 0 to 1; what is not known is null. The fields of schema 1 stay;
-others may be added.
+Lengths are in mm (but for ``arm``: SI units) and shares from 0 to 1; what is not known is null. Schema 2 has ``posterior`` and
+``limits`` in place of the ``support``, ``thresholds`` and ``damping_held`` of schema 1.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates
-from hsr_pin.diagnosis.held_damping import HeldDamping
 from hsr_pin.diagnosis.ladder import Rung
-from hsr_pin.diagnosis.thresholds import mean_square
+from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.identification.arm_document import arm_to_json
+from hsr_pin.inference import Decision, Loss, Model
+from hsr_pin.inference.calibration import calibrated
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The document: plain numbers, texts, lists and dictionaries, as ``json.dumps(..., allow_nan=False)`` takes them."""
     verdict, length = diagnosis.verdict, diagnosis.experiment.dataset.length
-    tried = () if diagnosis.search is None else diagnosis.search.tried
     return {
         "schema": SCHEMA,
         "dataset": diagnosis.experiment.dataset.name,
@@ -39,25 +38,63 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "kinds": list(verdict.kinds),
             "confidence": {name: _number(value) for name, value in sorted(verdict.confidence.items())},
             "left": _left(verdict.left),
-            "support": [
-                {k: _number(v) if isinstance(v, float) else v for k, v in asdict(each).items()} for each in verdict.support
-            ],
         },
+        "posterior": None if diagnosis.search is None else _posterior(diagnosis.search, verdict.decision, diagnosis.loss),
         "arm": None if diagnosis.search is None else arm_to_json(diagnosis.experiment, diagnosis.search.best.fit),
         "ladder": [_rung(rung, length) for rung in diagnosis.ladder],
         "noise_floor_mm": _mm(diagnosis.experiment.noise_rms),
-        "candidates": [_candidate(each) for each in sorted(tried, key=lambda each: (mean_square(each), each.names))],
+        "candidates": [] if diagnosis.search is None else _candidates(diagnosis.search),
         "where": _where(diagnosis.where),
         "next_experiment": [{"name": each.name, "separation": _number(each.separation)} for each in diagnosis.next_experiment],
-        "thresholds": {
-            "worth_mm": _mm(diagnosis.thresholds.worth),
-            "closed_mm": _mm(diagnosis.thresholds.closed),
-            "explained": _number(diagnosis.thresholds.explained),
-        },
+        "limits": {"closed_mm": _mm(diagnosis.limits.closed), "share": _number(diagnosis.limits.share)},
         "fingerprint": None if diagnosis.fingerprint is None else diagnosis.fingerprint.to_json(),
         "repeats": None if diagnosis.repeats is None else diagnosis.repeats.to_json(),
-        "damping_held": None if diagnosis.held is None else _held(diagnosis.held),
         "notes": list(diagnosis.experiment.notes),
+    }
+
+
+def _posterior(search: Search, decision: Decision | None, loss: Loss) -> dict[str, Any]:
+    """Probabilities of all sets of causes, the loss, and what the report was expected to gain by it."""
+    return {
+        "sets": [
+            {"effects": list(names), "probability": _number(probability)} for names, probability in search.posterior.sets.items()
+        ],
+        "loss": asdict(loss),
+        "expected_gain": None if decision is None else _number(decision.gain),
+        "probability": None if decision is None else _number(decision.probability),
+        "calibration": asdict(calibrated()),
+        "data": asdict(search.data),
+        "unfitted": [
+            _judged(model)
+            for model in search.posterior.models[len(search.candidates) :]
+        ],
+    }
+
+
+def _candidates(search: Search) -> list[dict[str, Any]]:
+    """Every fitted model, the smallest error on held-out trials first; special cases are told by their place in the list."""
+    found, every = search.posterior, search.candidates
+    order = sorted(range(len(every)), key=lambda k: (every[k].heldout_square, every[k].names))
+    place = {k: n for n, k in enumerate(order)}
+    return [
+        _candidate(every[k])
+        | {
+            "probability": _number(found.probabilities[k]),
+            "log_evidence": _number(found.evidence[k]),
+            **_judged(every[k].model),
+            "special_cases": sorted(place[n] for n, other in enumerate(every) if other.special_case_of(every[k])),
+        }
+        for k in order
+    ]
+
+
+def _judged(model: Model) -> dict[str, Any]:
+    """All that the judgement knows of a model."""
+    return {
+        "causes": [asdict(cause) for cause in model.causes],
+        "misfit": _number(model.misfit),
+        "information": [_number(value) for value in model.information],
+        "departures": [_number(value) for value in model.departures],
     }
 
 
@@ -83,17 +120,6 @@ def _rung(rung: Rung, length: float) -> dict[str, Any]:
     }
 
 
-def _held(held: HeldDamping) -> dict[str, Any]:
-    alone, best = map(_number, held.damping)
-    slow, others = map(_number, held.shares)
-    return {
-        "damping_scale": {"alone": alone, "best": best},
-        "late": {"effects": list(held.slow), "share": slow},
-        "others": {"effects": list(held.others), "share": others},
-        "model": _candidate(held.model),
-    }
-
-
 def _candidate(candidate: Candidate) -> dict[str, Any]:
     effects = candidate.fit.hypothesis.effects
     return {
@@ -104,7 +130,7 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
             each.name: {"value": _number(each.value), "unit": each.unit, "ci95": [_number(bound) for bound in each.interval]}
             for each in sorted(estimates(candidate.fit), key=lambda each: each.name)
         },
-        "heldout_rms_mm": _mm(math.sqrt(mean_square(candidate))),
+        "heldout_rms_mm": _mm(math.sqrt(candidate.heldout_square)),
         "fit_rms_mm": _mm(candidate.fit.rms),
     }
 
@@ -119,9 +145,8 @@ def _where(where: Where | None) -> dict[str, Any]:
             "sentence": "",
             "frequency_hz": None,
             "defect": None,
-            "spread": None,
-            "spread_beside_arm": None,
             "base": None,
+            "pulsation": None,
         }
     centre, *interval = (None,) if where.defect is None else map(_number, where.defect)
     return {
@@ -132,14 +157,9 @@ def _where(where: Where | None) -> dict[str, Any]:
         "sentence": where.sentence,
         "frequency_hz": None if where.frequency is None else _number(where.frequency),
         "defect": None if where.defect is None else {"centre": centre, "ci95": interval},
-        "spread": _shares(where.spread.left) if where.spread else None,
-        "spread_beside_arm": _shares(where.spread.beside) if where.spread and where.spread.beside else None,
         "base": None if where.base is None else {"foretold": _number(where.base.foretold)},
+        "pulsation": None if where.pulsation is None else {k: _number(v) for k, v in asdict(where.pulsation).items()},
     }
-
-
-def _shares(left: Mapping[str, float]) -> dict[str, Any]:
-    return {shape: _number(share) for shape, share in left.items()}
 
 
 def _map(chart: Map) -> dict[str, Any]:

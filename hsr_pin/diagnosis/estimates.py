@@ -6,8 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.thresholds import mean_square
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.words import number
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.uncertainty import uncertainty
@@ -61,6 +60,6 @@ def estimates(fit: Fit) -> tuple[Estimate, ...]:
 def ranked(tried: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """The best reading of each set of effects, the smallest error on held-out trials first."""
     best: dict[tuple[str, ...], Candidate] = {}
-    for candidate in sorted(tried, key=lambda candidate: (mean_square(candidate), candidate.names)):
+    for candidate in sorted(tried, key=lambda candidate: (candidate.heldout_square, candidate.names)):
         best.setdefault(candidate.names, candidate)
     return tuple(best.values())

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import ranked
 from hsr_pin.diagnosis.fingerprint.prints import Print
 from hsr_pin.diagnosis.inline_svg import ROLES, drawing
-from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.diagnosis.words import model_name, number, readable
 from hsr_pin.identification.experiment import Run
@@ -67,9 +66,9 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
 
     assert diagnosis.search is not None
     shown = shown_candidates(diagnosis)
-    best, noise = diagnosis.search.best.names, 1e3 * diagnosis.thresholds.noise
+    best, noise = diagnosis.search.best.names, 1e3 * diagnosis.limits.noise
     said = {best, *diagnosis.verdict.alternatives}
-    values = [1e3 * mean_square(candidate) ** 0.5 for candidate in shown]
+    values = [1e3 * candidate.heldout_square ** 0.5 for candidate in shown]
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
         axes = figure.add_subplot()
@@ -99,7 +98,7 @@ def shown_candidates(diagnosis: Diagnosis) -> tuple[Candidate, ...]:
     """The best of what was tried, and in any case the model without effects."""
     if diagnosis.search is None:
         return ()
-    order = ranked(diagnosis.search.tried)
+    order = ranked(diagnosis.search.candidates)
     base = [candidate for candidate in order[MOST_CANDIDATES - 1 :] if not candidate.names]
     return (*order[: MOST_CANDIDATES - len(base)], *base)
 

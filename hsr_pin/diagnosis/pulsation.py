@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr_pin.diagnosis.residual_torque import residual_torques
+from hsr_pin.diagnosis.residual_torque import ResidualTorque
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit
 from hsr_pin.trajectory import Array
 
 #: It pulses if a wave foretells this share of the squared torque, and is of the kind that leaves at most this share of what the
@@ -67,11 +66,10 @@ class Pulsation:
         )
 
 
-def pulsation(experiment: Experiment, fit: Fit, seed: int) -> Pulsation | None:
-    """Of what a fitted model lacks; None in space, and where there are too few driven trials, or they are too short."""
+def pulsation(experiment: Experiment, torques: Sequence[ResidualTorque]) -> Pulsation | None:
+    """Of the torque that a fitted model lacks; None in space, and where there are too few driven trials, or they are too short."""
     driven = [k for k, run in enumerate(experiment.runs) if run.span > 0]
-    torques = residual_torques(experiment, fit, seed) if len(driven) >= _RUNS and len(experiment.directions) == 1 else []
-    if len(torques) < len(experiment.runs):
+    if len(driven) < _RUNS or len(experiment.directions) > 1 or len(torques) < len(experiment.runs):
         return None
     step = experiment.runs[driven[0]].step
     every = max(1, round(_STEP / step))

@@ -12,12 +12,11 @@ import numpy as np
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
-from hsr_pin.diagnosis.estimates import Estimate, estimates, ranked
+from hsr_pin.diagnosis.estimates import Estimate, estimates
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.page import environment
-from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import (
     EXPERIMENTS,
     advice,
@@ -66,7 +65,7 @@ def report(diagnosis: Diagnosis) -> str:
         experiments=EXPERIMENTS,
         recordings=[_recording(run, diagnosis) for run in diagnosis.experiment.runs],
         notes=_notes(diagnosis),
-        tried=0 if diagnosis.search is None else len(diagnosis.search.tried),
+        tried=0 if diagnosis.search is None else len(diagnosis.search.candidates),
         **_figures(diagnosis),
     )
 
@@ -142,9 +141,8 @@ def _models(diagnosis: Diagnosis) -> list[Model]:
     """The best model, and those that the recordings cannot tell from it."""
     if diagnosis.search is None:
         return []
-    by_names = {candidate.names: candidate for candidate in ranked(diagnosis.search.tried)}
-    shown = [diagnosis.search.best]
-    shown += [by_names[names] for names in diagnosis.verdict.alternatives if names != shown[0].names]
+    best = diagnosis.search.best
+    shown = [best, *(each for each in diagnosis.search.leaders(diagnosis.verdict.alternatives) if each.names != best.names)]
     return [_model(candidate, diagnosis.experiment.levels) for candidate in shown]
 
 
@@ -152,7 +150,7 @@ def _model(candidate: Candidate, levels: Sequence[float]) -> Model:
     fit = candidate.fit
     doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
     options = effect_options(fit, levels)
-    return Model(model_name(candidate), mean_square(candidate) ** 0.5, estimates(fit), scales(fit), options, doubts)
+    return Model(model_name(candidate), candidate.heldout_square ** 0.5, estimates(fit), scales(fit), options, doubts)
 
 
 def _named(diagnosis: Diagnosis) -> list[type[Effect]]:

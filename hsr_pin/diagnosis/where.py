@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.base_motion import BaseMotion, base_motion
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
+from hsr_pin.diagnosis.pulsation import Pulsation, pulsation
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
 from hsr_pin.diagnosis.smooth import rank_correlation
-from hsr_pin.diagnosis.spread import Spread, spread
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.phases import PHASES, phases
 from hsr_pin.identification.uncertainty import uncertainty
@@ -70,8 +70,8 @@ class Where:
         operating_range: marker distance [mm] over bending angle, rate and torque; in space over the side to which it bends too.
         trials: marker distance [mm] by trial.
         frequency: [Hz] at which the residual is strongest; None if it is flat.
-        spread: how what is missing is spread along the arm; None where this cannot be told.
         base: how much of it follows from the base's motion; None where that is not seen.
+        pulsation: how much of it a wave of one frequency predicts; None where that cannot be sought.
         sentence: as a person would say it.
         defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
     """
@@ -81,8 +81,8 @@ class Where:
     operating_range: tuple[Map, ...]
     trials: Map
     frequency: float | None
-    spread: Spread | None
     base: BaseMotion | None
+    pulsation: Pulsation | None
     sentence: str
     defect: tuple[float, float, float] | None = None
 
@@ -108,7 +108,8 @@ def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
     trials = Map("trial", "mm", _binned(whole, index, names, noise))
     frequency = _frequency(experiment, base.heldout)
     sentence = _sentence(along, time, experiment, torques, gaps, ranges)
-    return Where(along, time, ranges, trials, frequency, spread(torques), base_motion(experiment, base.heldout), sentence)
+    base_moves, pulses = base_motion(experiment, base.heldout), pulsation(experiment, torques)
+    return Where(along, time, ranges, trials, frequency, base_moves, pulses, sentence)
 
 
 def _distance(residual: Array) -> Array:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.diagnose import Diagnosis
-from hsr_pin.diagnosis.held_damping import DAMPING, MUCH, HeldDamping
-from hsr_pin.diagnosis.thresholds import doubtful
 from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
@@ -43,8 +41,6 @@ EXPERIMENTS = {
 
 def headline(verdict: Verdict) -> str:
     """What a verdict comes down to."""
-    if verdict.status == "ambiguous" and len(verdict.alternatives) == 1 and not verdict.effects:
-        return "A likely explanation"
     return HEADLINES[verdict.status]
 
 
@@ -79,56 +75,21 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     if diagnosis.next_experiment:
         first = diagnosis.next_experiment[0]
         what = EXPERIMENTS.get(first.name, first.name)
-        told = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
-        sentences.append(f"Record next: {what}; it {told} (by {number(first.separation)} times the noise).")
-    elif status == "ambiguous" and len(diagnosis.verdict.alternatives) == 1:
-        likely = readable(diagnosis.verdict.alternatives[0])
-        sentences.append(
-            f"Record more trials in which {likely} would act, farther and to both sides: they would make it certain."
-        )
+        separates = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
+        sentences.append(f"Record next: {what}; it {separates} (by {number(first.separation)} times the noise).")
     elif status == "ambiguous":
         sentences.append("No standard experiment tells these apart: to this arm they are the same. Weigh it, or measure.")
     if status in ("identified", "parameters") and search is not None:
         sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
-    if status == "unexplained" and search is not None and doubtful(search.best):
-        sentences.append(
-            f"Record more trials in which {readable(doubtful(search.best))} would act, to both sides: they would pin down a law "
-            "of the catalogue, but not what only looks like it here."
-        )
-    elif status == "unexplained":
+    if status == "unexplained":
         sentences.append("Do not trust the values of a model that does not explain the gap; the maps say where and when it lies.")
     if status == "partly_identified":
         sentences.append("Simulate with what is certain; its values hold as far as what is left lets them.")
     if search is not None and (bounds := search.best.fit.on_bound()):
         sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond, or something else stands behind it.")
-    if search is not None and (damping := search.best.fit.named.get(DAMPING, 1.0)) > MUCH:
-        sentences.append(
-            f"The damping came out {number(damping)} times the declared one: a torque that comes "
-            "slowly looks like that too; decays after a release would tell the two apart."
-        )
-    if diagnosis.held is not None:
-        sentences.append(held_sentence(diagnosis.held))
     if status == "no_gap":
         sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
     return tuple(sentences)
-
-
-def held_sentence(held: HeldDamping) -> str:
-    """How much of the gap a torque that comes slowly is, where no damper takes its place."""
-    alone, slow = held.damping[0], readable(held.slow)
-    hides = f"Without {slow} the damping comes out {number(alone)} times the declared one, in its place. " if alone > MUCH else ""
-    taken, more = (100 * share for share in held.shares)
-    beside = f", {readable(held.others)} {more:.0f} % more" if held.others else ""
-    return (
-        f"{hides}With the damping as declared {slow} ({_values(held.model.fit, held.slow)}) takes away {taken:.0f} % of the "
-        f"squared gap that stiffness leaves{beside}."
-    )
-
-
-def _values(fit: Fit, effects: Sequence[str]) -> str:
-    facts = [fact for fact in fit.hypothesis.parameters if fact.name.partition(".")[0] in effects]
-    texts = ((fact.name.partition(".")[2], number(fit.named[fact.name]), fact.unit) for fact in facts)
-    return ", ".join(f"{name} {value}{'' if unit == '1' else f' {unit}'}" for name, value, unit in texts)
 
 
 def where_sentence(where: Where) -> str:

@@ -24,6 +24,7 @@ from hsr_pin.effects.partial_bias import PartialBias
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.restraint import Restraint
+from hsr_pin.effects.side_force import SideForce
 from hsr_pin.effects.soft_spot import SoftSpot
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.effects.stiffening import Stiffening
@@ -62,6 +63,7 @@ EFFECTS: dict[str, type[Effect]] = {
         TipMass,
         AddedMass,
         Restraint,
+        SideForce,
         MarkerOffset,
         MarkerSlip,
         LengthChange,

@@ -242,13 +242,18 @@ class Effect(ABC):
 
     @staticmethod
     def touch(p: Any, aside: Any) -> Any:
-        """[N] force on the tip, across the straight arm towards positive bending; in a plane alone.
+        """[N] force on the arm at one place, across the straight arm towards positive bending; in a plane alone.
 
         Args:
             p: the parameters.
-            aside: [m] from the line of the straight arm to the tip, towards positive bending.
+            aside: [m] from the line of the straight arm to that place, towards positive bending.
         """
         return 0.0 * aside
+
+    @staticmethod
+    def place(p: Any) -> Any:
+        """Arc length over that of the arm at which the force of :meth:`touch` acts: the tip, unless the law says otherwise."""
+        return 1.0
 
     @staticmethod
     def update(p: Any, k: int, memory: Any, start: Any, end: Any, elapsed: float) -> Any:

@@ -17,6 +17,11 @@ from hsr_pin.trajectory import Array
 TRUEST = 5e-4
 
 
+def floor(experiment: Experiment) -> Array:
+    """(M,) [m] what noise and the truest of models leave of a coordinate of each marker."""
+    return np.hypot(experiment.noise, TRUEST * experiment.dataset.length)
+
+
 class Misfit:
     """Weighted residuals and their derivatives, for least squares; what was simulated last is kept.
 
@@ -31,8 +36,7 @@ class Misfit:
         self.experiment, self.hypothesis = experiment, hypothesis
         self.scale = hypothesis.scale
         self.lower, self.upper = (bound / self.scale for bound in hypothesis.bounds)
-        floor = np.hypot(experiment.noise, TRUEST * experiment.dataset.length)[:, None]
-        known = [np.where(np.isfinite(run.compared), 1 / floor, 0.0) for run in experiment.runs]
+        known = [np.where(np.isfinite(run.compared), 1 / floor(experiment)[:, None], 0.0) for run in experiment.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
         self._lasting = experiment.lasting

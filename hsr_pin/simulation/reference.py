@@ -76,10 +76,13 @@ def resist(system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array)
 
 
 def touched(effect: Effect, q: Array, reach: Array) -> Array:
-    """(B, N) [N m] with which what holds the tips resists bending; angles and links (B, N) [rad], [m]."""
-    theta = q.cumsum(axis=1)
-    force = effect.touch(_columns(effect.p), (reach * np.sin(theta)).sum(axis=1, keepdims=True))
-    return np.asarray(-force * (reach * np.cos(theta))[:, ::-1].cumsum(axis=1)[:, ::-1])
+    """(B, N) [N m] with which a force beside the arm resists bending; angles and links (B, N) [rad], [m]."""
+    theta, p = q.cumsum(axis=1), _columns(effect.p)
+    rest = reach[:, ::-1].cumsum(axis=1)[:, ::-1]  # from each joint to the tip
+    beyond = (1 - effect.place(p)) * (rest[:, :1] + reach[:, :1] - reach[:, -1:])  # from where the force acts
+    carried = np.clip(rest - beyond, 0.0, reach)  # of each link, as far as where the force acts
+    force = effect.touch(p, (carried * np.sin(theta)).sum(axis=1, keepdims=True))
+    return np.asarray(-force * (carried * np.cos(theta))[:, ::-1].cumsum(axis=1)[:, ::-1])
 
 
 def remember(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:

@@ -1,21 +1,24 @@
-"""Fitted models and a crew that never simulated: what they leave of a gap is set by hand."""
+"""Fitted models and a fit pool that never simulated: what they leave of a gap is set by hand."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.support import Support
-from hsr_pin.diagnosis.thresholds import Thresholds
+from hsr_pin.diagnosis.candidate import Candidate
+from hsr_pin.diagnosis.proposals import Proposal
+from hsr_pin.diagnosis.verdict import Limits
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
 from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import PLAIN, Hypothesis, Part
+from hsr_pin.inference import Cause, Data, Model
+from hsr_pin.inference.residuals import lasting_square
 
 #: Noise floor and arm length [m] of every fabricated recording: 0.3 mm a coordinate.
 NOISE, LENGTH = 3e-4, 0.24
-THRESHOLDS = Thresholds.of(np.sqrt(2) * NOISE, LENGTH)
+LIMITS = Limits.of(np.sqrt(2) * NOISE, LENGTH)
 TRIALS, SAMPLES = 6, 60
+DATA = Data(noise=NOISE**2, scatter=0.0, count=TRIALS * SAMPLES * 2)
 
 _generator = np.random.default_rng(0)
 _noise = NOISE * _generator.standard_normal((TRIALS, SAMPLES, 1, 2))
@@ -28,19 +31,14 @@ def heldout(*gaps):
     return tuple(noise + np.array([size, 0.0]) for noise, size in zip(_noise, sizes, strict=True))
 
 
-def fitted(parts, gap=0.0, errors=None):
-    """A fit of a model with parts (names of effects or of the arm's numbers, effects with options, or parts).
-
-    ``errors``: name -> about how many standard errors its amplitude is away from neutral; default: a thousand.
-    """
+def fitted(parts, gap=0.0):
+    """A fit of a model with parts (names of effects or of the arm's numbers, effects with options, or parts)."""
     hypothesis = Hypothesis()
     for part in map(_part, parts):
         hypothesis = hypothesis.with_part(part)
     facts = hypothesis.parameters
     slopes = np.random.default_rng(1).standard_normal((TRIALS, SAMPLES, 1, 2, len(facts))) * 1e-2
     slopes /= [fact.scale for fact in facts]
-    for place, fact in enumerate(facts):
-        slopes[..., place] *= (errors or {}).get(fact.name.split(".")[0], 1e3) / 1e3
     values = np.array([fact.neutral + fact.scale * (fact.name in PLAIN) for fact in facts])
     values = np.where([fact.amplitude and fact.name not in PLAIN for fact in facts], hypothesis.start, values)
     residuals = heldout(gap)
@@ -61,102 +59,60 @@ def _part(given):
     return Part(law.name, law, part.resized, part.opens, part.levels) if part else Part(law.name, law)
 
 
-def candidate(*parts, gap=0.0, errors=None):
-    """A fitted model that leaves this distance [m] (one for all trials, or one for each) on held-out trials."""
+def candidate(*parts, gap=0.0):
+    """A fitted model that leaves this distance [m] (one for all trials, or one for each)."""
     gaps = gap if isinstance(gap, tuple) else (gap,)
-    return Candidate(fitted(parts, float(np.sqrt(np.mean(np.square(gaps)))), errors), heldout(*gaps))
-
-
-def supported(best, weak=(), clear=1e3):
-    """Support for each part of a model, and for each of its kinds: all that there can be, or for the ``weak`` next to none."""
-
-    def one(name, kind):
-        strength = (
-            {"lead": 0.05, "margin": 0.2, "frequency": 0.6, "drift": 1.0, "clear": 5.0, "rest": 0.6} if name in weak else {}
-        )
-        whole = {"share": 0.9, "lead": 1.0, "margin": 50.0, "frequency": 1.0, "drift": 0.05, "clear": clear, "rest": 0.02}
-        return Support(name, kind, **(whole | strength))
-
-    parts = best.fit.hypothesis.parts
-    told = tuple(one(part.name, part.kind) for part in parts)
-    return told, tuple(one(kind, kind) for kind in best.kinds), lambda sets: one("", "")
+    fit = fitted(parts, float(np.sqrt(np.mean(np.square(gaps)))))
+    causes = tuple(Cause(part.name, part.kind, part.flexible) for part in fit.hypothesis.parts)
+    count = len(fit.values)
+    left = heldout(*gaps)
+    return Candidate(fit, left, Model(causes, lasting_square(left) / 2, np.full(count, 1e-3), np.zeros(count)))
 
 
 @dataclass
-class FakeCrew:
+class FakePool:
     """Answers from a table instead of simulating.
 
     Attributes:
         gaps: what is left [m] with each set of effects (names joined by "+", with "@each" behind one that has a size for each
-            level), in all trials or in each; a set that is not in the table leaves what its largest subset leaves.
-        quick: what quick fits leave, in the same form; default: the same.
-        alike: gain that is predicted for another reading of a law, over that for the first.
+            level); a set that is not in the table leaves what its largest subset leaves.
+        quick_gaps: what quick fits leave, in the same form; default: the same.
         unseen: names of laws that a probe shows nothing of.
-        errors: name -> standard errors that its amplitude is away from neutral, in every fit.
-        stuck: what a model leaves that was fitted once, where a second fit, from a larger model, gets to what ``gaps`` says.
-        finished: keys of the models that were fitted, in the order in which they were asked for.
+        fitted: keys of the models that got a full fit, in the order in which they were asked for.
     """
 
     gaps: dict
-    quick: dict | None = None
-    errors: dict | None = None
-    alike: float = 0.999
+    quick_gaps: dict | None = None
     unseen: tuple = ()
-    stuck: dict = field(default_factory=dict)
-    finished: list = field(default_factory=list)
+    fitted: list = field(default_factory=list)
 
     def __post_init__(self):
-        self.gaps, self.quick = map(_by_names, (self.gaps, self.quick or self.gaps))
+        self.gaps, self.quick_gaps = map(_by_names, (self.gaps, self.quick_gaps or self.gaps))
 
     def gap(self, parts, quick=False):
-        names, gaps = frozenset(map(_called, parts)), self.quick if quick else self.gaps
-        known = [(len(key), -np.mean(np.square(gap)), key) for key, gap in gaps.items() if key <= names]
+        names, gaps = frozenset(map(_called, parts)), self.quick_gaps if quick else self.gaps
+        known = [(len(key), -gap, key) for key, gap in gaps.items() if key <= names]
         return gaps[max(known, key=lambda item: item[:2])[2]]
 
-    @property
-    def glanced(self):
-        return list(range(TRIALS))
+    def propose(self, asked):
+        return [self._proposals(*each) for each in asked]
 
-    def misfit(self, start):
-        return self.gap(start.hypothesis.parts) if _joined(start) in self.stuck else float("inf")
-
-    def guess_each(self, asked):
-        return [self.guess(*each) for each in asked]
-
-    def guess(self, base, parts):
-        before = np.mean(np.square(self.gap(base.fit.hypothesis.parts)))
-        guesses = []
+    def _proposals(self, base, parts):
+        before = self.gap(base.fit.hypothesis.parts) ** 2
+        found = []
         for part in parts:
             hypothesis = base.fit.hypothesis.with_part(part)
-            after = np.mean(np.square(self.gap(hypothesis.parts)))
-            readings = [
-                (options, resized) for options in (part.effect.variants() if part.effect else ({},)) for resized in (False, True)
-            ]
-            own = (dict(part.effect.options) if part.effect else {}, part.resized)
-            less = self.alike ** readings.index(own)  # no two readings of a law do quite the same
-            gain = 0.0 if part.name in self.unseen else less * max(0.0, 1 - after / before)
-            guesses.append(Guess(hypothesis, (hypothesis.start,), gain))
-        return guesses
+            other = (part.effect is not None and part.effect.variants().index(dict(part.effect.options))) + 0.5 * part.resized
+            gain = max(0.0, 1 - self.gap(hypothesis.parts) ** 2 / before) * 0.999**other  # no two variants do quite the same
+            found.append(Proposal(hypothesis, (hypothesis.start,), 0.0 if part.name in self.unseen else gain))
+        return found
 
-    def glance(self, tasks):
-        return [self._fit(guess.hypothesis, quick=True) for _, guess in tasks]
+    def quick(self, tasks):
+        return [fitted(each.hypothesis.parts, self.gap(each.hypothesis.parts, quick=True)) for _, each in tasks]
 
-    def finish(self, starts):
-        answers = []
-        for fit in starts:
-            first = _joined(fit) not in self.finished and _joined(fit) in self.stuck
-            gap = self.stuck[_joined(fit)] if first else self.gap(fit.hypothesis.parts)
-            self.finished.append(_joined(fit))
-            answers.append(replace(candidate(*fit.hypothesis.parts, gap=gap), fit=self._fit(fit.hypothesis, gap)))
-        return answers
-
-    def _fit(self, hypothesis, gap=None, quick=False):
-        left = self.gap(hypothesis.parts, quick) if gap is None else gap
-        return fitted(hypothesis.parts, float(np.sqrt(np.mean(np.square(left)))), self.errors)
-
-
-def _joined(fit):
-    return "+".join(sorted(map(_called, fit.hypothesis.parts)))
+    def full(self, starts):
+        self.fitted += ["+".join(sorted(map(_called, fit.hypothesis.parts))) for fit in starts]
+        return [candidate(*fit.hypothesis.parts, gap=self.gap(fit.hypothesis.parts)) for fit in starts]
 
 
 def _called(part):

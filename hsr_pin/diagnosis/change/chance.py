@@ -23,20 +23,19 @@ class Chance:
 
     Attributes:
         gains: (S, F) of the squared residuals that each of F changes takes away, in each of S ways to part OLD.
-        shares: (S, F) how large the change would then seem to be, over the size that was fitted to NEW.
     """
 
     gains: Array
-    shares: Array
 
     @property
     def largest(self) -> float:
         """Gain that no change reaches in OLD."""
         return float(self.gains.max(initial=0.0))
 
-    def inflation(self, index: int) -> float:
-        """How much more one change seems to explain in OLD than chance alone would have it, at least 1."""
-        return max(1.0, float(self.gains[:, index].mean())) if self.gains.size else 1.0
+    @property
+    def inflation(self) -> float:
+        """How much more a change seems to explain in OLD than chance alone would have it, in the mean; at least 1."""
+        return max(1.0, float(self.gains.mean())) if self.gains.size else 1.0
 
 
 def chance(frame: Frame, before: Before, changes: Sequence[Fitted], seed: int) -> Chance:
@@ -47,7 +46,7 @@ def chance(frame: Frame, before: Before, changes: Sequence[Fitted], seed: int) -
         start, sized = each.suspect.start, np.array(each.suspect.sizes)
         small = np.where(sized, start + _SMALL * (each.after - start), each.after)
         units.append(moved(frame, each.suspect, small[None], runs))
-    generator, gains, shares = np.random.default_rng(seed), [], []
+    generator, gains = np.random.default_rng(seed), []
     halves = [generator.permutation(count)[: count // 2].tolist() for _ in range(_HALVES if count > 3 else 0)]
     ways: list[list[int]] = [*([k] for k in range(count)), *halves]
     for chosen in ways:
@@ -56,5 +55,4 @@ def chance(frame: Frame, before: Before, changes: Sequence[Fitted], seed: int) -
         size, along = (columns**2).sum(axis=0), columns.T @ before.seen
         seen = size > 1e-9
         gains.append(np.where(seen, along**2 / np.where(seen, size, 1.0), 0.0))
-        shares.append(np.where(seen, -_SMALL * along / np.where(seen, size, 1.0), 0.0))
-    return Chance(np.array(gains), np.array(shares))
+    return Chance(np.array(gains))

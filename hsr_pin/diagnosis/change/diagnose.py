@@ -5,19 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate
+from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
-from hsr_pin.diagnosis.change.frame import Before, Frame, framed
+from hsr_pin.diagnosis.change.frame import Frame, framed
 from hsr_pin.diagnosis.change.pair import Pair, pair
 from hsr_pin.diagnosis.change.placing import PLACING, BaseRotation, turns_cameras
 from hsr_pin.diagnosis.change.reference import described
 from hsr_pin.diagnosis.change.suspects import Suspect, suspects
-from hsr_pin.diagnosis.change.verdict import HALF, SECOND, SURE, ChangeVerdict, Found, judge
-from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.change.verdict import ChangeVerdict, Found, judge, needed
 from hsr_pin.diagnosis.diagnose import catalogue, refuse_formless
+from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -25,6 +24,7 @@ from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
 from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.inference import Data, Loss
 from hsr_pin.parallel import workers
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Dataset
@@ -72,6 +72,7 @@ def diagnose_change(
     delay: float = 0.0,
     jobs: int | None = None,
     cluster: str | None = None,
+    loss: Loss | None = None,
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
     advance: Callable[[], None] = lambda: None,
@@ -93,7 +94,8 @@ def diagnose_change(
         delay: trials that start from a pose are followed only from so long after their declared start [s].
         jobs: processes; default: one per core.
         cluster: address of a Dask scheduler whose workers do it instead.
-        seed: of the resampling.
+        loss: what each report gains where it is right and loses where it is not; default: the table of :class:`Loss`.
+        seed: of the ways to part the first recording.
         tell: called with a line at each stage.
         advance: called after each fit.
 
@@ -114,10 +116,10 @@ def diagnose_change(
     ready(causes, space=space)
     with workers(jobs, cluster) as executor:
         if reference is None:
-            crew = Crew(both.old, executor, advance)
+            pool = FitPool(both.old, executor, advance=advance)
             parts = catalogue(causes, both.old)
             model = Hypothesis(links=links)
-            reference = described(both.old, model, parts, crew, max_effects=max_effects, seed=seed, tell=tell)
+            reference = described(both.old, model, parts, pool, max_effects=max_effects, seed=seed, tell=tell)
         tell("what it does not describe")
         frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)
         tell("what may have changed")
@@ -139,11 +141,9 @@ def diagnose_change(
         frame,
         tuple(_settled(frame, each) for each in shown),
         chance(frame, before, looked, seed),
-        tuple(each.suspect.names for each in looked),
         _was(reference, frame),
-        _spread(frame, before),
     )
-    verdict = judge(found)
+    verdict = judge(found, loss)
     return ChangeDiagnosis(both, reference, verdict, found, _proposals(found, verdict))
 
 
@@ -204,11 +204,10 @@ def _several(bench: Bench, frame: Frame, single: Sequence[Fitted], asked: Sequen
 
 
 def _rest(frame: Frame, best: Fitted) -> tuple[float, float]:
-    """Squares that one change leaves in NEW beyond noise, and how many of them another must take away."""
-    gain = float(frame.seen @ frame.seen) - best.square
+    """Squares that one change leaves in NEW beyond noise, and how many of them another must take away to be noticed."""
     new = frame.run >= len(frame.pair.old.runs)
-    left = float((best.residual[new] ** 2).sum()) - float(new.sum())
-    return left, max(2 * SURE, SECOND * gain, HALF * left)
+    count = int(new.sum())
+    return float((best.residual[new] ** 2).sum()) - count, needed(Data(1.0, 0.0, count))
 
 
 def _alone(several: Sequence[Fitted], single: Sequence[Fitted]) -> list[Guess]:
@@ -224,7 +223,7 @@ def _alone(several: Sequence[Fitted], single: Sequence[Fitted]) -> list[Guess]:
 
 
 def _needed(frame: Frame, best: Fitted, several: Sequence[Fitted]) -> list[Fitted]:
-    """Those of two changes that take away most of what the best of one leaves, where that shows."""
+    """Those of two changes that take away what would be noticed of what the best of one leaves."""
     _, least = _rest(frame, best)
     return [each for each in several if best.square - each.square > least and each.apart(best) >= frame.pair.worth]
 
@@ -244,17 +243,10 @@ def _was(reference: Candidate, frame: Frame) -> dict[str, tuple[float, float]]:
     }
 
 
-def _spread(frame: Frame, before: Before) -> tuple[float, ...]:
-    """Mean square of the residuals of each of OLD's trials."""
-    run = np.concatenate([rows.run for rows in before.rows])
-    return tuple(float(np.mean(before.seen[run == k] ** 2)) for k in frame.pair.old_runs)
-
-
 def _proposals(found: Found, verdict: ChangeVerdict) -> tuple[Proposal, ...]:
     """Where the alternatives differ most."""
     if verdict.status != "ambiguous":
         return ()
-    fits = {fitted.suspect.names: fitted for fitted, _ in found.fits}
-    chosen = [fits[names] for names in verdict.alternatives]
+    chosen = [found.fit_of(names) for names in verdict.alternatives]
     rivals = [(each.suspect.hypothesis, each.suspect.values(each.after[None])[0]) for each in chosen]
     return propose(found.frame.pair.new, rivals)

@@ -30,6 +30,7 @@ def to_json(diagnosis: ChangeDiagnosis) -> dict[str, Any]:
             "sentence": verdict.sentence,
             "kinds": list(verdict.kinds),
             "changes": [_size(each) for each in verdict.changes],
+            "confidence": {name: _number(value) for name, value in verdict.confidence.items()},
         },
         "difference": None
         if verdict.difference is None
@@ -55,7 +56,7 @@ def to_json(diagnosis: ChangeDiagnosis) -> dict[str, Any]:
                     name: _number(float(value)) for name, value in zip(fitted.suspect.open, fitted.after, strict=True)
                 },
                 "gain": _number(found.gain(fitted)),
-                "needed": _number(found.needed(fitted)),
+                "needed": _number(found.needed),
                 "moves_mm": _mm(fitted.rms),
             }
             for fitted, _ in found.fits

@@ -30,7 +30,7 @@ def gains_figure(found: Found) -> Figure:
     fits = [fitted for fitted, _ in found.fits]
     at = np.arange(len(fits))
     gains = np.array([max(found.gain(fitted), 0.5) for fitted in fits])
-    needed = np.array([found.needed(fitted) for fitted in fits])
+    needed = np.full(len(fits), found.needed)
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.3 * len(fits)), layout="constrained")
         axes = figure.add_subplot()

@@ -10,20 +10,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidates import Candidate, Guess
-from hsr_pin.diagnosis.crew import Crew
-from hsr_pin.diagnosis.evidence import certainly_better
-from hsr_pin.diagnosis.search import APART, laws_first
-from hsr_pin.diagnosis.thresholds import mean_square
+from hsr_pin.diagnosis.candidate import Candidate, candidate
+from hsr_pin.diagnosis.fit_pool import FitPool
+from hsr_pin.diagnosis.proposals import Proposal
+from hsr_pin.diagnosis.resampling import certainly_better
+from hsr_pin.diagnosis.screening import laws_first
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import fit
-from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
 
 #: Quick fits, and full ones, for each further effect.
 _GLANCES, _FINISHED = 6, 3
 #: Share of the mean square beyond noise on held-out trials that a further effect must take away.
 _HELPS = 0.5
+#: A damping that is another by more than this factor is far from the declared one.
+_ELSEWHERE = 1.5
 #: Share of the mean square that each number of a law must take away to be preferred to a law with fewer.
 _NUMBER = 0.1
 
@@ -32,7 +33,7 @@ def described(
     experiment: Experiment,
     hypothesis: Hypothesis,
     parts: Sequence[Part],
-    crew: Crew,
+    pool: FitPool,
     *,
     max_effects: int = 3,
     seed: int = 0,
@@ -43,27 +44,27 @@ def described(
     A diagnosis asks which of the models can be told apart, and tries many; a description needs but one that is near.
     """
     base = fit(experiment, hypothesis)
-    best = Candidate(base, tuple(leave_one_out(experiment, base)))
+    best = candidate(experiment, base, {})
     noise = experiment.noise_rms**2
     while len(best.names) < max_effects:
         tell(f"what describes the first recording: effect {len(best.names) + 1}")
-        ranked = sorted(crew.guess(best, [part for part in parts if part.name not in best.names]), key=lambda guess: -guess.gain)
+        ranked = sorted(pool.propose([(best, [part for part in parts if part.name not in best.names])])[0], key=lambda guess: -guess.gain)
         tasks = [(best.fit, each) for guess in ranked[:_GLANCES] for each in (guess, *_as_declared(guess, best))]
-        quick = laws_first(sorted(crew.glance(tasks), key=lambda fitted: fitted.rms))
-        better = min(crew.finish(quick[:_FINISHED]), key=_cost, default=best)
-        helps = mean_square(best) - mean_square(better) > _HELPS * (mean_square(best) - noise)
+        quick = laws_first(sorted(pool.quick(tasks), key=lambda fitted: fitted.rms))
+        better = min(pool.full(quick[:_FINISHED]), key=_cost, default=best)
+        helps = best.heldout_square - better.heldout_square > _HELPS * (best.heldout_square - noise)
         if not helps or not certainly_better(better.heldout, best.heldout, seed):
             break
         best = better
     return best
 
 
-def _as_declared(guess: Guess, best: Candidate) -> tuple[Guess, ...]:
+def _as_declared(guess: Proposal, best: Candidate) -> tuple[Proposal, ...]:
     """The same guess about an arm that is damped as declared, where the fit is far from that.
 
     A slow actuator and a damped arm are two lags in a row, and these can be exchanged: the one is a basin beside the other.
     """
-    if abs(np.log(best.fit.named["damping_scale"])) < np.log(APART):
+    if abs(np.log(best.fit.named["damping_scale"])) < np.log(_ELSEWHERE):
         return ()
     at = guess.hypothesis.free.index("damping_scale")
     return (replace(guess, starts=tuple(np.where(np.arange(len(each)) == at, 1.0, each) for each in guess.starts)),)
@@ -71,4 +72,4 @@ def _as_declared(guess: Guess, best: Candidate) -> tuple[Guess, ...]:
 
 def _cost(candidate: Candidate) -> float:
     """[m^2] mean square on held-out trials, more for each number that bends to it."""
-    return mean_square(candidate) * (1 + _NUMBER) ** len(candidate.fit.values)
+    return candidate.heldout_square * (1 + _NUMBER) ** len(candidate.fit.values)

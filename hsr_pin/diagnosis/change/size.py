@@ -17,9 +17,6 @@ from hsr_pin.trajectory import Array
 
 #: Share of the diagonal of the normal matrix that is added to it: where a trial is left out, and where none is.
 _DAMPING, _NEARLY_NONE = 1e-3, 1e-9
-#: A step is named only where it can be no less than this share of what it seems: of 157 that were named in two sealed runs five
-#: could be less, and four of these were wrong.
-CLEAR = 0.4
 
 
 @dataclass(frozen=True)
@@ -49,15 +46,6 @@ class Size:
         """Whether it is certainly another than it was."""
         still = 1.0 if self.name in ARM else 0.0
         return self.step is not None and not self.step[0] <= still <= self.step[1]
-
-    @property
-    def clear(self) -> bool:
-        """Whether it is known how large the step is: the near end of its interval is no less than `CLEAR` of its middle."""
-        if self.step is None:
-            return False
-        still = 1.0 if self.name in ARM else 0.0
-        low, high = sorted(abs(end - still) for end in self.step)
-        return self.moved and low >= CLEAR * (low + high) / 2
 
 
 def left_out(frame: Frame, fitted: Fitted) -> tuple[Array, Array]:

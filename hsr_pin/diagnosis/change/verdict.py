@@ -1,48 +1,46 @@
-"""From what was fitted to what may be said of a change."""
+"""From fitted changes to what is reported: the posterior over hypotheses of which numbers differ between two recordings.
+
+Residuals of the second recording are whitened by what the first predicts of it, so that noise and scatter have unit variance there.
+A hypothesis of a change is a model of these residuals like any other; that nothing has changed is the model without causes. What the
+same change would explain between the first recording's own trials is scatter, which is asked of no hypothesis.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from hsr_pin.diagnosis.change.chance import Chance
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.size import Size, left_out, sizes
+from hsr_pin.diagnosis.change.suspects import Suspect
 from hsr_pin.diagnosis.change.swing import slack
 from hsr_pin.diagnosis.change.words import listed, millimetres, told
-from hsr_pin.trajectory import Array
+from hsr_pin.effects.effect import KINDS
+from hsr_pin.inference import Cause, Data, Decision, Loss, Model, Posterior, decide, posterior
+from hsr_pin.inference.calibration import calibrated
+from hsr_pin.inference.evidence import variance
+from hsr_pin.inference.model import information
 
-#: A change is there if it explains at least so much (a difference of log-likelihoods, doubled), and this many times what the same
-#: change would explain between OLD's own trials ...
-SURE, TIMES = 60.0, 2.0
-#: ... (and if it moves the markers by what is worth a word: `Pair.worth`).
-#: A second change must take away this share of what the first does.
-SECOND = 0.05
-#: A change is not named where another of no certain size, without it, explains more by this share of what it does.
-BETTER = 0.02
-#: Another change explains as much if it lacks no more than this: neither model is exact. A share of what the best explains,
-#: a share of what it leaves, a share of what it does not foretell of trials that it was not fitted to, and a number of
-#: log-likelihoods besides; each further parameter costs so many.
-TIED, OF_LEFT, UNFORETOLD, NEARLY, PARAMETER = 0.002, 1.0, 0.1, 15.0, 8.0
-#: Nothing else has changed if no larger share than this of what OLD does not foretell is left ...
-REST = 0.1
-#: ... and a change that explains less than this is not named.
-HALF = 0.5
-#: What is left in NEW is no scatter of trials where its mean square is so many times that of the worst of OLD's; nor is what OLD
-#: does not foretell of NEW where it is so many times as far as that.
-FARTHER = 2.0
+#: Where nothing has changed, NEW is no farther from what OLD predicts than this many times the scatter of trials.
+_FARTHER = 2.0
+#: Share of what OLD does not predict of NEW that may be left where a change is said to explain it.
+_REST = 0.1
+#: Odds at which a change counts as seen, where it is said how small a change would have been.
+_ODDS = 20.0
+#: Probabilities below this are not listed.
+_LISTED = 0.01
 
 
 @dataclass(frozen=True)
 class Difference:
-    """How far NEW is from what OLD foretells, RMS distances [m].
+    """How far NEW is from what OLD predicts, RMS distances [m].
 
     Attributes:
         before: where nothing is taken to have changed.
@@ -63,13 +61,15 @@ class ChangeVerdict:
 
     Attributes:
         status: "identified", "partly_identified", "ambiguous", "unexplained", "unchanged" or "insufficient".
-        effects: names of what has certainly changed, sorted; plain numbers of the arm under their own names.
-        alternatives: sets of names that these recordings cannot tell apart, the best first.
+        effects: names of what is reported as changed, sorted; plain numbers of the arm under their own names.
+        alternatives: sets of names that these recordings cannot tell apart, the most probable first.
         sentence: the verdict as a person would say it.
-        kinds: of physics that have certainly changed, sorted.
+        kinds: of physics that are reported, sorted.
         changes: from what to what, of the best model of the change, then of the alternatives.
         difference: how far NEW is from OLD; None where that could not be told.
         limits: name -> the smallest change that would have been seen; plain numbers: relative.
+        confidence: name or kind -> its probability.
+        decision: the report that the loss chose; None where nothing was fitted.
     """
 
     status: str
@@ -80,6 +80,8 @@ class ChangeVerdict:
     changes: tuple[Size, ...] = ()
     difference: Difference | None = None
     limits: Mapping[str, float] = field(default_factory=dict)
+    confidence: Mapping[str, float] = field(default_factory=dict)
+    decision: Decision | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,52 +91,19 @@ class Found:
     Attributes:
         frame: what residuals are seen through.
         fits: (change, the frame it was fitted in), the best first; one for each set of names.
-        chance: what OLD shows of ``looked`` by chance.
-        looked: of which changes.
+        chance: what OLD shows by chance of the most promising changes.
         was: 95 % intervals of the values of OLD's model, by name.
-        spread: mean square of the residuals of each of OLD's trials.
     """
 
     frame: Frame
     fits: tuple[tuple[Fitted, Frame], ...]
     chance: Chance
-    looked: tuple[tuple[str, ...], ...]
     was: Mapping[str, tuple[float, float]]
-    spread: tuple[float, ...]
 
-    @cached_property
-    def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
-        """Of each of the fits, by its names."""
-        return {f.suspect.names: sizes(frame, f, self.was, self.inflation(f)) for f, frame in self.fits}
-
-    def moved(self, fitted: Fitted) -> int:
-        """How many numbers are certainly others than they were."""
-        return sum(size.moved for size in self.sizes[fitted.suspect.names])
-
-    def sure(self, fitted: Fitted) -> bool:
-        """Whether a change is there: it explains enough, moves the markers, and how large each of it is is known."""
-        explains = self.gain(fitted) > self.needed(fitted) and fitted.rms >= self.frame.pair.worth
-        return explains and {each.name for each in self.sizes[fitted.suspect.names] if each.clear} == set(fitted.suspect.names)
-
-    def suffices(self, fitted: Fitted, wider: Fitted) -> bool:
-        """Whether a special case of a change explains as good as all that it does, and its further numbers may be none."""
-        more = self.moved(wider) > self.moved(fitted) and not self._alike(wider)
-        return wider.suspect.contains(fitted.suspect) and not more and self.gain(fitted) > (1 - REST) * self.gain(wider)
-
-    def _alike(self, fitted: Fitted) -> bool:
-        """Whether the numbers that set a change apart from its special cases may all be the same."""
-        steps = {size.parameter: size.step for size in self.sizes[fitted.suspect.names] if size.step is not None}
-        apart = [[steps[name] for name in names if name in steps] for names in fitted.suspect.unlike]
-        return bool(apart) and all(each and max(low for low, _ in each) <= min(high for _, high in each) for each in apart)
-
-    def told(self, fitted: Fitted) -> tuple[Size, ...]:
-        """What is said of a change: no damping that a swing at another rate may make."""
-        found = self.sizes[fitted.suspect.names]
-        own = [size for size in found if size.parameter == "damping_scale" and size.step is not None]
-        if not own or len(fitted.suspect.names) < 2 or own[0].step is None:
-            return found
-        (low, high), (least, most) = own[0].step, slack(self.frame.pair, fitted)
-        return tuple(size for size in found if size is not own[0]) if least < most and low <= most and high >= least else found
+    @property
+    def new(self) -> NDArray[np.bool_]:
+        """(n,) which rows are of NEW."""
+        return np.asarray(self.frame.run >= len(self.frame.pair.old.runs))
 
     @property
     def nothing(self) -> float:
@@ -145,164 +114,169 @@ class Found:
         """Of the squared residuals, what a change takes away."""
         return self.nothing - fitted.square
 
-    def needed(self, fitted: Fitted) -> float:
-        """Gain from which on a change is there."""
-        own = [self.chance.gains[:, k].max() for k, names in enumerate(self.looked) if set(names) <= set(fitted.suspect.names)]
-        return self.noisier(fitted) * max(SURE, TIMES * float(max(own, default=self.chance.largest)))
+    @cached_property
+    def data(self) -> Data:
+        """The scale of the whitened residuals: unit noise, and the scatter that OLD's own trials show."""
+        count = int(self.new.sum())
+        return Data(1.0, self.chance.largest / count, count)
 
-    def noisier(self, fitted: Fitted) -> float:
-        """Mean square of what is left in NEW, at least 1: its noise may be more than OLD's."""
-        return max(1.0, float(np.mean(fitted.residual[self.new] ** 2)))
+    @cached_property
+    def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
+        """Of each of the fits, by its names."""
+        return {f.suspect.names: sizes(frame, f, self.was, max(1.0, self.chance.inflation)) for f, frame in self.fits}
 
-    def inflation(self, fitted: Fitted) -> float:
-        """Of the variance of its size, by what OLD shows."""
-        own = [self.chance.inflation(k) for k, names in enumerate(self.looked) if set(names) <= set(fitted.suspect.names)]
-        return max(own, default=1.0)
+    @cached_property
+    def posterior(self) -> Posterior:
+        """Over all changes that move the markers by what can be reported, and that nothing has changed."""
+        least = min([self.nothing, *(fitted.square for fitted, _ in self.fits)])
+        expected = float(self.data.count) * self._noisier
+        floor = max(0.0, least - expected)  # left by all, beyond what noise leaves
+
+        def misfit(square: float) -> float:
+            return (square - least + floor) / self.data.count
+
+        models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
+        seen = {id(models[0]): None}
+        for fitted, _ in self.fits:
+            if fitted.rms >= self.frame.pair.worth:
+                models.append(_model(fitted, misfit(fitted.square), {size.name for size in self.reported(fitted)}))
+                seen[id(models[-1])] = fitted.suspect
+
+        def special_case(one: Model, other: Model) -> bool:
+            return _special_case(seen[id(one)], seen[id(other)])
+
+        return posterior(models, self.data, calibrated(), special_case)
 
     @property
-    def new(self) -> NDArray[np.bool_]:
-        """(n,) which rows are of NEW."""
-        return np.asarray(self.frame.run >= len(self.frame.pair.old.runs))
+    def _noisier(self) -> float:
+        """Mean square of OLD's residuals, at least 1: what its own trials leave is expected of NEW."""
+        old = self.frame.seen[~self.new]
+        return max(1.0, float(np.mean(old**2)))
 
-    def inexact(self, fitted: Fitted) -> float:
-        """Squares left in NEW beyond what OLD's trials have, and as many others of them might have (one-sided, 95 %)."""
-        left, own, count = fitted.residual[self.new] ** 2, np.array(self.spread), len(self.frame.pair.new.runs)
-        doubt = float(stats.t.ppf(0.95, len(own) - 1) * own.std(ddof=1)) * sqrt(1 / len(own) + 1 / count)
-        return max(0.0, float(left.sum()) - max(1.0, float(own.mean()) + doubt) * len(left))
+    def reported(self, fitted: Fitted) -> tuple[Size, ...]:
+        """What is reported of a change: no damping that a swing at another rate may make."""
+        found = self.sizes[fitted.suspect.names]
+        own = [size for size in found if size.parameter == "damping_scale" and size.step is not None]
+        if not own or len(fitted.suspect.names) < 2 or own[0].step is None:
+            return found
+        (low, high), (least, most) = own[0].step, slack(self.frame.pair, fitted)
+        return tuple(size for size in found if size is not own[0]) if least < most and low <= most and high >= least else found
 
-    def left(self, residual: Array) -> float:
-        """Squares left in NEW beyond what could be a bad trial of OLD; 0 where it could."""
-        left = residual[self.new] ** 2
-        return float(left.sum()) - len(left) * max(self.spread) if left.mean() > FARTHER * max(1.0, *self.spread) else 0.0
+    def fit_of(self, names: tuple[str, ...]) -> Fitted:
+        """The best fit in which just these have changed."""
+        own = [fitted for fitted, _ in self.fits if tuple(sorted({s.name for s in self.reported(fitted)})) == names]
+        return min(own, key=lambda fitted: fitted.square)
 
     def difference(self, fitted: Fitted) -> Difference:
-        """How far a change brings NEW to what OLD foretells."""
+        """How far a change brings NEW to what OLD predicts."""
         frame = next(frame for each, frame in self.fits if each is fitted)
         _, residual = left_out(frame, fitted)
-        was, is_ = (float((each[self.new] ** 2).sum()) for each in (self.frame.seen, residual))
-        share = (was - is_) / max(self.gain(fitted) + self.left(fitted.residual), was - is_, 1e-300)
+        was, is_, least = (float((each[self.new] ** 2).sum()) for each in (self.frame.seen, residual, fitted.residual))
+        beyond = max(0.0, least - self.data.count * self._noisier)
+        share = (was - is_) / max(self.gain(fitted) + beyond, was - is_, 1e-300)
         return Difference(self.frame.off(), frame.off(fitted.moved), self.frame.scatter, float(np.clip(share, 0.0, 1.0)))
 
-    def nearer(self, fitted: Fitted) -> bool:
-        """Whether a change brings NEW nearer in metres too, and does not only what counts most."""
-        difference = self.difference(fitted)
-        return difference.after < difference.before
-
-    def cost(self, fitted: Fitted) -> float:
-        """Squares left, more for every further parameter (G. Schwarz, Ann. Stat. 6, 1978)."""
-        return fitted.square + PARAMETER * len(fitted.after)
+    @property
+    def needed(self) -> float:
+        """Gain from which on a change of one number would be more probable than none by odds of twenty to one."""
+        return needed(self.data)
 
 
-def judge(found: Found) -> ChangeVerdict:
-    """The verdict."""
-    sure = [fitted for fitted, _ in found.fits if found.sure(fitted)]
-    if not sure:
-        return _nothing(found)
-    sure = [fitted for fitted in sure if not needless(found, fitted, sure)]
-    first = min(sure, key=found.cost)
-    first = min((each for each in sure if found.suffices(each, first)), key=found.cost, default=first)
-    first = undivided(found, first, sure)
-    best, *others = ties = tied(found, first, [each for each in sure if found.gain(each) > HALF * found.gain(first)])
-    if not found.nearer(best):
-        return _nothing(found)
-    left = found.left(best.residual)
-    total = found.gain(best) + left
-    other = better(found, best)
+def needed(data: Data) -> float:
+    """Of the squared residuals, what one cause must take away to be more probable than none by odds of twenty to one."""
+    numbers = calibrated()
+    return data.count * variance(0.0, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
+
+
+def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
+    """A change as the judgement sees it; the prior of a number is about what it was."""
+    facts, suspect = fitted.suspect.facts, fitted.suspect
+    widths = np.array([fact.prior_width(value) for fact, value in zip(facts, fitted.after, strict=True)])
+    steps = [
+        log(max(after, 1e-9) / before) / fact.ratio_width
+        if fact.ratio_width is not None
+        else (after - before) / width * sized
+        for fact, after, before, width, sized in zip(facts, fitted.after, suspect.start, widths, suspect.sizes, strict=True)
+    ]
+    causes = tuple(Cause(name, kind) for name, kind in suspect.kinds.items() if name in names)
+    return Model(causes, misfit, information([fitted.slopes], widths), np.array(steps))
+
+
+def _special_case(one: Suspect | None, other: Suspect | None) -> bool:
+    if one is None or other is None:
+        return False
+    return set(one.names) < set(other.names) or other.contains(one)
+
+
+def judge(found: Found, loss: Loss | None = None) -> ChangeVerdict:
+    """The verdict.
+
+    Args:
+        found: what it rests on.
+        loss: what each report gains or loses; default: the table of :class:`~hsr_pin.inference.Loss`.
+    """
+    decision = decide(found.posterior, loss)
+    confidence = _confidence(found.posterior)
+    if not decision.sets and not decision.kinds:
+        return _nothing(found, decision, confidence)
+    sets = decision.sets or (decision.names,)
+    best = found.fit_of(sets[0]) if decision.sets else found.fits[0][0]
+    shown = [found.fit_of(names) for names in decision.sets] or [best]
+    changes = tuple(dict.fromkeys(size for each in shown for size in found.reported(each)))
     difference = found.difference(best)
-    own = found.told(best)
-    changes = tuple(dict.fromkeys((*own, *(size for each in others for size in found.told(each)))))
-    names = list(dict.fromkeys(tuple(sorted({size.name for size in found.told(each)})) for each in ties))
-    common = tuple(sorted(set.intersection(*map(set, names))))
-    kinds = tuple(sorted(set.intersection(*({each.suspect.kinds[s.name] for s in found.told(each)} for each in ties))))
-    rest = "nothing else" if left <= REST * total else "something else as well, that no candidate explains"
-    if beside := [size for size in found.sizes[best.suspect.names] if size not in own]:
-        rest += f": {told(beside)} is no more than a swing at another rate may make"
-    share = f"{100 * difference.share:.0f} % of the difference on held-out trials"
+    share = f"{100 * difference.share:.0f} % of the difference on held-out trials, probability {decision.probability:.2f}"
 
-    def said(status: str, sentence: str, effects: tuple[str, ...], sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
-        known = () if status == "unexplained" else kinds
-        return ChangeVerdict(status, effects, tuple(sets), sentence, known, changes, difference)
-
-    if other is not None:
-        what = f"the best that the catalogue offers ({listed(other.suspect.names)}) is of no certain size"
-        return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
-    if left > (1 - HALF) * total or difference.share < HALF:
-        what = f"the best that the catalogue offers ({listed(names[0])}) explains {share}"
-        return said("unexplained", f"Something has changed, by {millimetres(difference.before)}, and {what}.", ())
-    if len(names) > 1:
-        each = ", or ".join(" with ".join(one) for one in names)
-        certain = f"{listed(common)} certainly; " if common else ""
-        return said("ambiguous", f"These recordings cannot tell what has changed: {certain}{each} ({share}).", common, names)
-    status = "identified" if left <= REST * total else "partly_identified"
-    return said(status, f"{told(own)}; {rest} ({share}).", names[0])
-
-
-def needless(found: Found, fitted: Fitted, sure: Sequence[Fitted]) -> bool:
-    """Whether one change less explains as much but for what a second change is not told for."""
-    fewer = [found.gain(other) for other in sure if set(other.suspect.names) < set(fitted.suspect.names)]
-    return bool(fewer) and found.gain(fitted) - max(fewer) < SECOND * max(fewer)
-
-
-def undivided(found: Found, best: Fitted, sure: Sequence[Fitted]) -> Fitted:
-    """In place of two changes the one that is sure, where another beside it explains as much, though of no certain size."""
-    own = set(best.suspect.names)
-    as_good = [each for each, _ in found.fits if each is not best and found.gain(each) >= found.gain(best)]
-    shared = [names for names in (set(each.suspect.names) & own for each in as_good) if 0 < len(names) < len(own)]
-    alone = [each for each in sure if set(each.suspect.names) in shared and found.gain(each) > HALF * found.gain(best)]
-    return min(alone, key=found.cost, default=best)
-
-
-def better(found: Found, best: Fitted) -> Fitted | None:
-    """A change of no certain size that has nothing to do with the best that is certain, and explains clearly more."""
-    others = [each for each, _ in found.fits if not found.sure(each) and not set(best.suspect.names) <= set(each.suspect.names)]
-    other = min(others, key=found.cost, default=None)
-    if other is None or found.suffices(best, other):
-        return None
-    return other if found.cost(best) - found.cost(other) > BETTER * found.gain(best) else None
-
-
-def tied(found: Found, best: Fitted, rivals: Sequence[Fitted]) -> list[Fitted]:
-    """The changes that explain as much as the best, which come first; none that only has more numbers to bend."""
-    explained = found.gain(best)
-    unforetold = (1 - found.difference(best).share) * explained
-    allowed = NEARLY * found.noisier(best) + max(TIED * explained, OF_LEFT * found.inexact(best), UNFORETOLD * unforetold)
-    near = [each for each in rivals if found.cost(each) - found.cost(best) <= allowed]
-    kept = [best]
-    for each in sorted(near, key=found.cost):
-        wider = any(
-            len(each.after) > len(other.after) and (each.square >= other.square or each.suspect.contains(other.suspect))
-            for other in near
+    def said(status: str, sentence: str, sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
+        return ChangeVerdict(
+            status, decision.names, tuple(sets), sentence, decision.kinds, changes, difference, {}, confidence, decision
         )
-        extended = any(set(other.suspect.names) < set(each.suspect.names) for other in near)
-        if each is not best and not wider and not extended:
-            kept.append(each)
-    return kept
+
+    if len(decision.sets) > 1:
+        common = f"{listed(decision.names)} in any case; " if decision.names else ""
+        each = ", or ".join(" with ".join(one) for one in decision.sets)
+        return said("ambiguous", f"These recordings cannot tell what has changed: {common}{each} ({share}).", decision.sets)
+    if not decision.sets:
+        beside = [kind for kind in decision.kinds if kind not in _kinds_of(found, decision.names)]
+        of_kind = [f"something of the kind {kind} ({KINDS[kind]})" for kind in beside]
+        return said("partly_identified", f"{listed([*decision.names, *of_kind])} has changed, among others ({share}).")
+    left = 1 - difference.share
+    rest = "nothing else" if left <= _REST else "something else as well, that no candidate explains"
+    return said("identified" if left <= _REST else "partly_identified", f"{told(found.reported(best))}; {rest} ({share}).")
 
 
-def _nothing(found: Found) -> ChangeVerdict:
+def _kinds_of(found: Found, names: Sequence[str]) -> set[str]:
+    return {cause.kind for model in found.posterior.models for cause in model.causes if cause.name in names}
+
+
+def _confidence(judged: Posterior) -> dict[str, float]:
+    names = {cause.name for model in judged.models for cause in model.causes}
+    stated = {name: judged.of_name(name) for name in names} | {kind: judged.of_kind(kind) for kind in KINDS}
+    return {name: round(value, 3) for name, value in sorted(stated.items()) if value >= _LISTED}
+
+
+def _nothing(found: Found, decision: Decision, confidence: Mapping[str, float]) -> ChangeVerdict:
+    """Where no change is reported: nothing has changed that shows, or something that no candidate explains."""
     before, scatter = found.frame.off(), found.frame.scatter
     beyond = sqrt(max(0.0, before**2 - scatter**2))
     difference = Difference(before, before, scatter, 0.0)
-    if (found.left(found.frame.seen) or before > FARTHER * scatter) and beyond >= found.frame.pair.worth:
-        said = (
-            f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate surely explains it."
-        )
-        return ChangeVerdict("unexplained", (), (), said, difference=difference)
-    limits = {fitted.suspect.names[0]: _limit(found, fitted, seen) for fitted, seen in found.fits if len(fitted.after) == 1}
+    if before > _FARTHER * scatter and beyond >= found.frame.pair.worth:
+        sentence = f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate is certain."
+        return ChangeVerdict("unexplained", (), (), sentence, (), (), difference, {}, confidence, decision)
+    limits = {fitted.suspect.names[0]: _limit(found, fitted) for fitted, _ in found.fits if len(fitted.after) == 1}
     words = {"keq_scale": "stiffness", "damping_scale": "damping"}
     seen_from = [f"of {words[name]} by {100 * limits[name]:.2g} %" for name in words if name in limits]
     would = f" A change {' or '.join(seen_from)} would have shown." if seen_from else ""
-    said = (
-        f"Nothing has changed that shows: what the first recording foretells of the second is {millimetres(before)} off, and "
-        f"{millimetres(scatter)} would be no surprise.{would}"
+    sentence = (
+        f"Nothing has changed that shows: the second recording is {millimetres(before)} from what the first predicts of it, and "
+        f"{millimetres(scatter)} is expected of trials that repeat.{would}"
     )
-    return ChangeVerdict("unchanged", (), (), said, difference=difference, limits=limits)
+    return ChangeVerdict("unchanged", (), (), sentence, (), (), difference, limits, confidence, decision)
 
 
-def _limit(found: Found, fitted: Fitted, frame: Frame) -> float:
-    """Size that a change would need to be taken for one, relative where it has one in OLD."""
+def _limit(found: Found, fitted: Fitted) -> float:
+    """Size that a change would need to be reported, relative where it has one in OLD."""
     slope, start = fitted.slopes[:, 0], float(fitted.suspect.start[0])
-    by_gain = sqrt(found.needed(fitted) / max(float(slope @ slope), 1e-300))
-    moved, step = fitted.rms, abs(float(fitted.after[0]) - start)
-    by_size = found.frame.pair.worth * step / moved if moved > 0 else 0.0
+    by_gain = sqrt(found.needed / max(float(slope @ slope), 1e-300))
+    step = abs(float(fitted.after[0]) - start)
+    by_size = found.frame.pair.worth * step / fitted.rms if fitted.rms > 0 else 0.0
     return max(by_gain, by_size) / (start if start else 1.0)

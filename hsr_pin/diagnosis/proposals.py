@@ -1,7 +1,4 @@
-"""Every effect tried on an experiment: screening (where its fit starts), refinement (where it ends), cross-validation.
-
-A candidate is the arm with fitted stiffness and damping, with effects of the catalogue, or with another of its numbers open.
-"""
+"""What may be added to a fitted model, where its fit would start, and how much it promises: probes and quick fits."""
 
 from __future__ import annotations
 
@@ -15,7 +12,6 @@ import numpy as np
 from hsr_pin.identification.evaluation import Case, respond_each
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
 from hsr_pin.identification.nuisance import Eliminated
 from hsr_pin.parameters import Parameter
@@ -29,7 +25,7 @@ _SHAPED = (0.25, 2.0)
 _STARTS = 2
 #: Probes and quick fits look at this many runs at most, and at hardly more samples than this of each.
 _ENOUGH, _SAMPLES = 8, 400
-#: Factors on the damping and the amplitude of a first guess at which it is tried too: an effect may grow faster than its
+#: Factors on the damping and the amplitude of a initial estimate at which it is tried too: an effect may grow faster than its
 #: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
 #: Factors on the damping, and sizes over their scale, of laws that make the torque late.
@@ -38,60 +34,14 @@ _LATE = ((0.5, 0.2), (0.6, 1.5))
 _WORSE = 2.0
 #: Links and error of a step [m at the tip] of the chain that is screened.
 _LINKS, _TOLERANCE = 8, 5e-4
-#: No first guess goes further than this from neutral, over the parameter's scale, or than it was probed.
+#: No initial estimate goes further than this from neutral, over the parameter's scale, or than it was probed.
 _FARTHEST = 6.0
 #: What moves the residuals by less than this share of what the most telling number does tells nothing.
 _BLIND = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """A fitted model and its error on held-out trials.
-
-    Attributes:
-        fit: of the nominal model with these effects, K and C.
-        heldout: for each run (T, M, 2) [m] predicted minus measured by a model fitted to the other runs.
-    """
-
-    fit: Fit
-    heldout: tuple[Array, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of its effects, and of the arm's numbers that are open beside stiffness and damping; sorted."""
-        return tuple(sorted(part.name for part in self.fit.hypothesis.parts))
-
-    @property
-    def nameable(self) -> bool:
-        """Whether all of them are causes, none the flexible law of a kind."""
-        return not any(part.flexible for part in self.fit.hypothesis.parts)
-
-    def contains(self, other: Candidate) -> bool:
-        """Whether the other model is a special case of this one: each of its parts is here too, or one that contains it.
-
-        What both have in common contains nothing beside itself. Of the same laws one is that has a size of its own at each level
-        where the other has one for all.
-        """
-        own, others = ({part.name: part for part in each.fit.hypothesis.parts} for each in (self, other))
-        if own.keys() == others.keys():
-            unlike = [(own[name], part) for name, part in others.items() if own[name].reading != part.reading]
-            return bool(unlike) and all(mine.contains(part) for mine, part in unlike)
-        general = [part for name, part in own.items() if name not in others]
-        return all(name in own or any(mine.contains(part) for mine in general) for name, part in others.items())
-
-    def bends_more(self, than: Candidate) -> bool:
-        """Whether it needs a size for each level to do what the other model does with fewer numbers."""
-        apart = any(part.levels for part in self.fit.hypothesis.parts)
-        return apart and len(self.fit.values) > len(than.fit.values)
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """Kinds of physics that they belong to, sorted."""
-        return tuple(sorted({part.kind for part in self.fit.hypothesis.parts}))
-
-
-@dataclass(frozen=True, eq=False)
-class Guess:
+class Proposal:
     """Where to start a fit from.
 
     Attributes:
@@ -105,8 +55,8 @@ class Guess:
     gain: float
 
 
-def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[Guess]:
-    """First guesses for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
+def proposals(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[Proposal]:
+    """Proposals for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
 
     Each effect is probed with a small amplitude (each of them, where it has several) at several values of its shape
     parameters, all in one batch. The change it makes is taken as linear in the amplitudes; those that fit best, with the open
@@ -117,12 +67,12 @@ def guesses(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[
     residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
     known = _Known(residual, slopes * base.hypothesis.scale)
     probed: dict[Part, list[Array]] = {}  # of one size or another an effect changes as much more or less, here or there
-    found: list[Guess] = []
+    found: list[Proposal] = []
     for effect in effects:
         plain = replace(effect, resized=False, levels=())
         if plain not in probed:
             probed[plain] = _changes(experiment, base, plain, without)
-        found += _guess(experiment, base, effect, known, probed[plain])
+        found += _propose(experiment, base, effect, known, probed[plain])
     return found
 
 
@@ -140,7 +90,7 @@ def _changes(experiment: Experiment, base: Fit, effect: Part, without: Sequence[
     ]
 
 
-def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Guess]:
+def _propose(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Proposal]:
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     amplitudes, probes = _amplitudes(new), _probes(new)
@@ -156,11 +106,11 @@ def _guess(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen:
         changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
         if not np.isfinite(changes).all():
             continue
-        answer = _linear_guess(base, whole, np.append(base.values, probe), known, changes)
+        answer = _linear_propose(base, whole, np.append(base.values, probe), known, changes)
         shape = tuple(value for value, fact in zip(probe, new, strict=True) if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
     best = _distinct(answers)[:_STARTS]
-    return [Guess(whole, tuple(start for _, start in best), best[0][0])] if best else []
+    return [Proposal(whole, tuple(start for _, start in best), best[0][0])] if best else []
 
 
 def _amplitudes(facts: Sequence[Parameter]) -> list[int]:
@@ -194,12 +144,12 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
     return list(found.values())
 
 
-def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
-    """Of each of the guessed values, and those in the next valleys, the one that simulates best; then the best of the others."""
-    moved = [(k, _moved(guess.hypothesis, start, *factors)) for k, start in enumerate(guess.starts) for factors in _VALLEYS]
-    groups, tried = zip(*moved, *((-1, point) for point in _late(guess)), strict=True)
+def _starts(experiment: Experiment, proposal: Proposal) -> tuple[Array, ...]:
+    """Of each of the proposed values, and those in the next valleys, the one that simulates best; then the best of the others."""
+    moved = [(k, _moved(proposal.hypothesis, start, *factors)) for k, start in enumerate(proposal.starts) for factors in _VALLEYS]
+    groups, tried = zip(*moved, *((-1, point) for point in _late(proposal)), strict=True)
     points, squares = np.array(tried), []
-    for run, seen in zip(experiment.runs, _side_by_side(experiment, guess.hypothesis, points), strict=True):
+    for run, seen in zip(experiment.runs, _side_by_side(experiment, proposal.hypothesis, points), strict=True):
         missed = np.nan_to_num(seen - run.compared[:, None], nan=experiment.dataset.length)
         squares.append(np.where(np.isfinite(run.compared[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
     sizes = np.sqrt(np.sum(squares, axis=0))
@@ -211,18 +161,18 @@ def _starts(experiment: Experiment, guess: Guess) -> tuple[Array, ...]:
     return tuple(points[k] for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
 
 
-def _late(guess: Guess) -> list[Array]:
+def _late(proposal: Proposal) -> list[Array]:
     """Of a law that makes the torque late, values (P,) with much less damping: a strongly damped arm looks late by itself.
 
-    Seen from there lateness is worth next to nothing, so that its size is none of the guess's.
+    Seen from there lateness is worth next to nothing, so that its size is none of the proposal's.
     """
-    facts, part = guess.hypothesis.parameters, guess.hypothesis.parts[-1]
+    facts, part = proposal.hypothesis.parameters, proposal.hypothesis.parts[-1]
     if part.kind != "actuation_time":
         return []
     own = [k for k, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{part.name}.")]
     points = []
     for damping, size in itertools.product(*_LATE):
-        point = _moved(guess.hypothesis, guess.starts[0], damping, 1.0)
+        point = _moved(proposal.hypothesis, proposal.starts[0], damping, 1.0)
         point[own] = [np.clip(facts[k].neutral + size * facts[k].scale / len(own), facts[k].lower, facts[k].upper) for k in own]
         points.append(point)
     return points
@@ -240,17 +190,11 @@ def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: flo
     return moved
 
 
-def glance(experiment: Experiment, base: Fit, guess: Guess) -> Fit:
-    """A quick fit from the best of a guess's starts, to some of the runs; the best of them."""
+def quick_fit(experiment: Experiment, base: Fit, proposal: Proposal) -> Fit:
+    """A quick fit from the best of a proposal's starts, to some of the runs; the best of them."""
     experiment, base = _thinned(experiment, base)
-    answers = [fit(experiment, _rough(guess.hypothesis), start=start, quick=True) for start in _starts(experiment, guess)]
-    return replace(min(answers, key=lambda fitted: fitted.rms), hypothesis=guess.hypothesis)
-
-
-def finish(experiment: Experiment, start: Fit) -> Candidate:
-    """The full fit after a quick one, and every run predicted from the others."""
-    answer = fit(experiment, start.hypothesis, start=start.values)
-    return Candidate(answer, tuple(leave_one_out(experiment, answer)))
+    answers = [fit(experiment, _rough(proposal.hypothesis), start=start, quick=True) for start in _starts(experiment, proposal)]
+    return replace(min(answers, key=lambda fitted: fitted.rms), hypothesis=proposal.hypothesis)
 
 
 def _rough(hypothesis: Hypothesis) -> Hypothesis:
@@ -258,7 +202,7 @@ def _rough(hypothesis: Hypothesis) -> Hypothesis:
     return replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
 
 
-def glanced(experiment: Experiment) -> list[int]:
+def looked_at(experiment: Experiment) -> list[int]:
     """Which of its runs probes and quick fits look at: of many some in which the arm moves little, some in which it moves far.
 
     A stop that is met in two trials of ten is not to be looked for in the others.
@@ -270,7 +214,7 @@ def glanced(experiment: Experiment) -> list[int]:
 
 def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     """Some of the samples of some of the runs, and a fit as it stands on them."""
-    thin, kept = _some_of(experiment), glanced(experiment)
+    thin, kept = _some_of(experiment), looked_at(experiment)
 
     def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
         return tuple(items[k][:: run.every] for k, run in zip(kept, thin.runs, strict=True))
@@ -292,7 +236,7 @@ def _some_of(experiment: Experiment) -> Experiment:
 
     What a hand may have done is left to full fits: far from the truth it explains a swing as well as what is lacking would.
     """
-    runs = (experiment.runs[k] for k in glanced(experiment))
+    runs = (experiment.runs[k] for k in looked_at(experiment))
     few = tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs)
     return replace(experiment, runs=few, hand=False)
 
@@ -333,7 +277,7 @@ class _Known:
         return np.asarray(-self._back @ (self._basis.T @ rows))
 
 
-def _linear_guess(base: Fit, hypothesis: Hypothesis, start: Array, known: _Known, changes: Array) -> tuple[float, Array]:
+def _linear_propose(base: Fit, hypothesis: Hypothesis, start: Array, known: _Known, changes: Array) -> tuple[float, Array]:
     """The predicted gain, and the values (P,) that should bring it.
 
     ``changes`` (n, A): what each amplitude alone makes of the residuals (n,), as large as it is in ``start`` (P,).

@@ -53,27 +53,6 @@ def squares(heldout: Sequence[Array], blocks: int = _FEW) -> Squares:
     return Squares(np.array(sums), np.array(counts))
 
 
-def structure(heldout: Sequence[Array]) -> float:
-    """[m^2] mean square of the part of the residuals that lasts from one sample to the next.
-
-    The covariance of neighbouring samples: white marker noise drops out of it by itself, whatever its size, so that it is known
-    ten times better than the mean square beyond an estimated noise floor. What swings so fast that a neighbour tells nothing of
-    it, or the opposite, shows two or three samples on: whatever its frequency, seven tenths of it do in one of the three.
-    """
-    return max(abs(_covariance(heldout, lag)) for lag in (1, 2, 3))
-
-
-def _covariance(heldout: Sequence[Array], lag: int) -> float:
-    """[m^2] of samples so far apart, where those between them were seen too."""
-    total, count = 0.0, 0
-    for residual in heldout:
-        product = (residual[lag:] * residual[:-lag]).sum(axis=-1)
-        there = np.asarray(np.isfinite(residual).all(axis=-1))
-        seen = np.logical_and.reduce([there[k : len(there) - lag + k] for k in range(lag + 1)])
-        total, count = total + float(product[seen].sum()), count + int(seen.sum())
-    return total / count if count else 0.0
-
-
 @lru_cache(maxsize=32)
 def draws(blocks: int, seed: int) -> Array:
     """(R, K) how often each block is drawn in each of R resamples."""
@@ -107,10 +86,3 @@ def certainly_better(better: Sequence[Array], worse: Sequence[Array], seed: int)
         gain_interval(squares([worse[k] for k in some], _PIECES), squares([better[k] for k in some], _PIECES), seed)[0] > 0
         for some in kept
     )
-
-
-def frequency_of_gain(better: Sequence[Array], worse: Sequence[Array], seed: int) -> float:
-    """In what share of resampled pieces of the trials one model's mean squared distance is lower than another's."""
-    one, other = squares(better, _PIECES), squares(worse, _PIECES)
-    drawn = draws(len(other.sums), seed)
-    return float(np.mean(drawn @ (other.sums - one.sums) > 0))

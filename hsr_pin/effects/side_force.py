@@ -1,0 +1,35 @@
+"""A constant force across the arm at one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hsr_pin.effects.effect import Effect
+from hsr_pin.parameters import parameter
+
+
+@dataclass(frozen=True)
+class SideForce(Effect):
+    """f = force at the arc length ``at``, across the straight arm and towards positive bending, whatever the arm does."""
+
+    name = "side_force"
+    lacks = "a constant force acts on the arm at one place"
+    cause = "a hose or a cable that pulls, a rubber band"
+    citation = "D. C. Rucker, R. J. Webster, Statics and dynamics of continuum robots with external loading, IEEE T-RO 27 (2011)"
+    kind = "contact"
+
+    force: float = parameter(0.0, lower=-20.0, upper=20.0, unit="N", scale=0.2, amplitude=True, description="across the arm")
+    at: float = parameter(1.0, lower=0.2, upper=1.0, unit="1", scale=0.1, description="arc length over L of where it acts")
+
+    @property
+    def in_space(self) -> bool:
+        return False
+
+    @staticmethod
+    def touch(p: Any, aside: Any) -> Any:
+        return p.force + 0.0 * aside
+
+    @staticmethod
+    def place(p: Any) -> Any:
+        return p.at

@@ -1,0 +1,46 @@
+"""The evidence for one model: a coarsened likelihood with its own discrepancy, an Occam factor, and priors.
+
+No model of a robot is exact, and what it lacks repeats in every trial, so that ten thousand samples carry the information of
+some ten. The likelihood is raised to the power nu / N (J. W. Miller, D. B. Dunson, Robust Bayesian inference via coarsening,
+JASA 114, 2019), and the variance of what a model lacks is profiled for each model (M. C. Kennedy, A. O'Hagan, Bayesian
+calibration of computer models, J. R. Stat. Soc. B 63, 2001):
+
+    v      = S + (floor sigma)^2 + u^2
+    log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h| - ln(variants)
+
+S is what the model leaves beyond noise, sigma^2 the variance of noise and u^2 what does not repeat, all for one coordinate; e_i is
+the information of the residuals about the parameters in units of their prior, and z_j how far each parameter is from the centre of
+its prior in standard deviations. Its tails are Cauchy's: a parameter that is far out costs, and is not excluded.
+"""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from hsr_pin.inference.calibration import Calibration
+from hsr_pin.inference.model import Data, Model
+
+
+def variance(misfit: float, data: Data, calibration: Calibration) -> float:
+    """v: what a model leaves in one coordinate, at least what is asked of no model."""
+    return max(misfit, 0.0) + calibration.floor**2 * data.noise + data.scatter
+
+
+def log_evidence(model: Model, data: Data, calibration: Calibration) -> float:
+    """The logarithm of a model's evidence [nats], up to a constant that all models of the same data share."""
+    v = variance(model.misfit, data, calibration)
+    fits = -0.5 * calibration.samples * log(v)
+    occam = -0.5 * float(np.log1p(calibration.samples / data.count * model.information / v).sum())
+    prior = -float(np.log1p(model.departures**2).sum())
+    for cause in model.causes:
+        prior -= calibration.cause + calibration.flexible * cause.flexible + log(cause.variants)
+    return fits + occam + prior
+
+
+def reachable(model: Model, data: Data, calibration: Calibration) -> float:
+    """The largest log evidence [nats] that a model with one cause more could have: one that leaves nothing."""
+    nothing = variance(0.0, data, calibration)
+    gain = 0.5 * calibration.samples * log(variance(model.misfit, data, calibration) / nothing)
+    return log_evidence(model, data, calibration) + gain - calibration.cause

@@ -1,0 +1,25 @@
+"""Models without a robot: a few laws that act on a few numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hsr_pin.inference import Calibration, Cause, Data, Model
+
+CALIBRATION = Calibration(samples=14.0, cause=1.0, flexible=3.0, floor=0.15, share=0.02)
+DATA = Data(noise=1.0, scatter=0.0, count=4000)
+
+FRICTION = Cause("friction", "friction")
+LAG = Cause("lag", "actuation_time")
+MASS = Cause("mass", "mass_gravity")
+CURVE = Cause("curve", "elastic", flexible=True)
+
+
+def model(causes: Sequence[Cause], misfit: float, *, departures: Sequence[float] = (), information: float = 1e4) -> Model:
+    """A fitted model with two parameters of its own and one for each cause, all of them well known."""
+    count = 2 + len(causes)
+    away = np.zeros(count)
+    away[: len(departures)] = departures
+    return Model(tuple(causes), misfit, np.full(count, information), away)
