@@ -10,7 +10,6 @@ from rich.text import Text
 from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
-from hsr_pin.diagnosis.thresholds import mean_square
 from hsr_pin.diagnosis.words import advice, headline, number, where_sentence
 
 #: Lines of a screen, without the one for the next prompt.
@@ -93,8 +92,8 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     forms = {effect.name: ", ".join(value for _, value in effect.options) for effect in best.fit.hypothesis.effects}
     parts = [f"{name} ({forms[name]})" if forms.get(name) else name for name in best.names]
     heading = f"best model: {' + '.join(parts) or 'stiffness and damping'}"
-    others = [candidate for candidate in ranked(diagnosis.search.tried) if candidate.names != best.names]
-    named = [f"{number(1e3 * mean_square(each) ** 0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
+    others = [candidate for candidate in ranked(diagnosis.search.candidates) if candidate.names != best.names]
+    named = [f"{number(1e3 * each.heldout_square ** 0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
     rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
     own, rows = estimates(best.fit), []
     for each in own:
