@@ -1,12 +1,12 @@
 """Fit the few numbers of the judgement to diagnoses of cases whose answers are known.
 
-python scripts/calibrate.py RESULTS ANSWERS [RESULTS ANSWERS ...] judges every case anew for many values of the numbers, prints how
-the answers come out, and writes ``hsr_pin/inference/calibration.json`` with ``--write``. RESULTS is the folder of verdicts of a check
-(``hsr-blind run``), ANSWERS the file of its answers (``hsr-blind make``) or the folder of their drafts. A check that served here is
-not reported as a result.
+python scripts/calibrate.py RESULTS ANSWERS [RESULTS ANSWERS ...] judges every case anew for many values of the numbers, prints
+how the answers come out, and writes ``hsr_pin/inference/calibration.json`` with ``--write``. RESULTS is the folder of verdicts of
+a check (``hsr-blind run``), ANSWERS the file of its answers (``hsr-blind make``) or the folder of their drafts. A check that
+served here is not reported as a result.
 
-The numbers chosen are the coarsest within one standard error of the best: the fewest samples whose mean log score is no worse than
-the best by more than the standard error of the difference over cases.
+The numbers chosen are the coarsest within one standard error of the best: the fewest samples whose mean log score is no worse
+than the best by more than the standard error of the difference over cases.
 """
 
 from __future__ import annotations
@@ -133,7 +133,11 @@ def main() -> None:
     parser.add_argument("pairs", nargs="+", type=Path, metavar="RESULTS ANSWERS")
     parser.add_argument("--write", action="store_true", help="write the chosen numbers")
     arguments = parser.parse_args()
-    found = [each for results, answers in zip(arguments.pairs[::2], arguments.pairs[1::2], strict=True) for each in cases(results, answers)]
+    found = [
+        each
+        for results, answers in zip(arguments.pairs[::2], arguments.pairs[1::2], strict=True)
+        for each in cases(results, answers)
+    ]
     found = [case for case in found if case.status != "no_gap"]
     report("in use", found, calibrated())
     tried = {}
@@ -176,8 +180,11 @@ def report(title: str, found: Sequence[Case], numbers: Calibration) -> None:
         row[outcome(case, decide(case.judged(numbers)))] += 1
     for row_of, counts in sorted(rows.items()):
         print(f"  {' '.join(row_of):<18}", ", ".join(f"{grade} {count}" for grade, count in sorted(counts.items())))
-    claims = [(p, name in {n for each in case.answer.names for n in each} | set(case.answer.background))
-              for case in found for name, p in _names(case.judged(numbers)).items()]
+    claims = [
+        (p, name in {n for each in case.answer.names for n in each} | set(case.answer.background))
+        for case in found
+        for name, p in _names(case.judged(numbers)).items()
+    ]
     for low, high in ((0.0, 0.2), (0.2, 0.5), (0.5, 0.85), (0.85, 0.95), (0.95, 1.01)):
         own = [(p, so) for p, so in claims if low <= p < high]
         if own:

@@ -9,19 +9,23 @@ PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 
 #: Each room may import itself and the rooms before it.
 FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
-WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "diagnosis"]
-MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
-    "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
-    "diagnosis": {*WAY, "recordings"},
-    "recordings": {*FOUNDATION, "recordings"},
-    "replay": {*FOUNDATION, "robot", "replay"},
-    "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
-    "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
-    "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
-    "blind": {*WAY, "recordings", "replay", "control", "blind", "blind.plants"},
-    "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
-    "cli": {*WAY, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
-}
+WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "inference", "diagnosis"]
+MAY_IMPORT = (
+    {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)}
+    | {
+        "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
+        "inference": {"errors", "trajectory", "inference"},  # it knows no arm
+        "diagnosis": {*WAY, "recordings"},
+        "recordings": {*FOUNDATION, "recordings"},
+        "replay": {*FOUNDATION, "robot", "replay"},
+        "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
+        "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
+        "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
+        "blind": {*WAY, "recordings", "replay", "control", "blind", "blind.plants"},
+        "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
+        "cli": {*WAY, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
+    }
+)
 
 #: What costs time, or may be absent, is imported where it is used.
 ON_USE_ONLY = {"matplotlib", "meshcat", "mujoco", "elastica", "pybullet", "rosbags", "rich", "viser"}

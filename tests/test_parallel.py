@@ -14,15 +14,14 @@ import numpy as np
 import pytest
 
 from hsr_pin import parallel
-from hsr_pin.diagnosis.candidates import Candidate
-from hsr_pin.diagnosis.crew import Crew
+from hsr_pin.diagnosis.candidate import candidate
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
+from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.errors import EffectError, InputError, MissingDependencyError, WorkerError
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.fit import fit
-from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, Part
 from hsr_pin.parallel import Serial, Shared, beforehand, begun, for_each, run, workers
 from hsr_pin.robot.specification import ArmSpecification
@@ -98,14 +97,14 @@ def released():
 
 
 def found(executor, dataset):
-    """Values of what a crew makes of a few effects, to the last digit."""
+    """Values of what a fit pool makes of a few effects, to the last digit."""
     experiment = prepare(dataset)
     base = fit(experiment, Hypothesis(links=6))
-    crew = Crew(experiment, executor)
+    pool = FitPool(experiment, executor)
     parts = [Part(name, EFFECTS[name]()) for name in ("dry_friction", "stiffness_gradient")]
-    guesses = crew.guess(Candidate(base, tuple(leave_one_out(experiment, base))), parts)
-    fits = crew.glance([(base, guess) for guess in guesses])
-    return [(c.fit.named, [h.tobytes() for h in c.heldout]) for c in crew.finish(fits)]
+    (proposals,) = pool.propose([(candidate(experiment, base, {}), parts)])
+    fits = pool.quick([(base, proposal) for proposal in proposals])
+    return [(c.fit.named, [h.tobytes() for h in c.heldout]) for c in pool.full(fits)]
 
 
 def test_answers_are_equal_to_the_last_digit_in_this_process_in_two_others_and_on_a_cluster(released, cluster):
@@ -115,26 +114,6 @@ def test_answers_are_equal_to_the_last_digit_in_this_process_in_two_others_and_o
         assert found(executor, released) == alone
     with workers(cluster=cluster) as executor:
         assert found(executor, released) == alone
-
-
-def test_a_crew_guesses_once_for_the_same_model_and_parts(released):
-    class Counting(Executor):
-        tasks = 0
-
-        def submit(self, function, /, *arguments, **named):
-            self.tasks += 1
-            return Serial().submit(function, *arguments, **named)
-
-    experiment = prepare(released)
-    base = fit(experiment, Hypothesis(links=6))
-    model, executor = Candidate(base, tuple(leave_one_out(experiment, base))), Counting()
-    crew, parts = Crew(experiment, executor), [Part(name, EFFECTS[name]()) for name in ("dry_friction", "stiffness_gradient")]
-    first = crew.guess(model, parts)
-    done = executor.tasks
-    assert crew.guess(model, parts) == first
-    assert executor.tasks == done
-    assert len(crew.guess(model, parts[:1])) == 1
-    assert executor.tasks > done
 
 
 def test_fits_that_take_longest_begin_first_and_candidates_come_as_they_were_asked_for(released):
@@ -148,7 +127,7 @@ def test_fits_that_take_longest_begin_first_and_candidates_come_as_they_were_ask
     experiment, executor = prepare(released), Noting()
     models = [Hypothesis(links=6).with_part(Part(name, EFFECTS[name]())) for name in ("tip_mass", "dry_friction", "soft_spot")]
     starts = [fit(experiment, model, quick=True) for model in models]
-    answers = Crew(experiment, executor).finish(starts)
+    answers = FitPool(experiment, executor).full(starts)
     assert executor.begun == (["dry_friction"], ["soft_spot"], ["tip_mass"])
     assert [answer.fit.hypothesis for answer in answers] == models
 
@@ -197,7 +176,7 @@ def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
     assert not (tmp_path / "elsewhere").exists()
 
 
-@pytest.mark.parametrize("module", ["hsr_pin.diagnosis.crew", "numba"])
+@pytest.mark.parametrize("module", ["hsr_pin.diagnosis.fit_pool", "numba"])
 def test_processes_begin_with_what_a_fit_calls(module):
     with workers(2) as executor:
         assert run(executor, eval, [(f"'{module}' in __import__('sys').modules",)]) == [True]

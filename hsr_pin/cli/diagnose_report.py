@@ -93,7 +93,7 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     parts = [f"{name} ({forms[name]})" if forms.get(name) else name for name in best.names]
     heading = f"best model: {' + '.join(parts) or 'stiffness and damping'}"
     others = [candidate for candidate in ranked(diagnosis.search.candidates) if candidate.names != best.names]
-    named = [f"{number(1e3 * each.heldout_square ** 0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
+    named = [f"{number(1e3 * each.heldout_square**0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
     rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
     own, rows = estimates(best.fit), []
     for each in own:

@@ -1,35 +1,29 @@
 """Where the gap lies, which effect causes it, how far it shrinks.
 
 - ``base_motion``: whether the base moves, and what follows from that
-- ``candidates``: where the fit of each effect starts, and what it is worth
+- ``candidate``: a fitted model, and what the judgement needs to know of it
 - ``change``: what has changed between two recordings
 - ``commands``: plateaus and steps of a command
-- ``confidence``: how likely a name is right
-- ``crew``: many candidates side by side
 - ``diagnose``: diagnose: dataset -> Diagnosis
 - ``document``: a diagnosis as JSON
 - ``estimates``: values and intervals as they are shown
-- ``evidence``: resampling of trials; what lasts beyond noise
 - ``figures``: the pictures of the report
 - ``fingerprint``: what recordings show without a model
-- ``held_damping``: what a slow torque is where no damper takes its place
+- ``fit_pool``: proposals, quick fits and full fits of many models side by side
 - ``inline_svg``: pictures inside a page
 - ``ladder``: how far, rung by rung
 - ``next_experiment``: what to record next
 - ``page``: in what surroundings pages are written
+- ``proposals``: what may be added to a model, where its fit would start, and how much it promises
 - ``pulsation``: what pulses by a clock of its own
-- ``repeats``: how far the arm is from itself
+- ``repeats``: trial-to-trial repeatability
 - ``report``: a diagnosis as one HTML page
+- ``resampling``: errors on held-out trials, with intervals from trials drawn anew
 - ``residual_torque``: the torque along the arm that the model lacks
-- ``rivals``: what explains as much as the best, and which of its parts do not matter
-- ``screening``: of all that could be added, the little that a quick fit is spent on
-- ``search``: effects added one at a time, several sets side by side
+- ``screening``: which proposals get a quick fit
+- ``search``: which models are fitted, until none could be credible any more
 - ``smooth``: motion smoothed and differentiated; ranks
-- ``spread``: how what is missing is spread along the arm
-- ``support``: what speaks for each part and kind
-- ``thresholds``: when a model is better, as good, or good enough
-- ``traces``: what traces of a gap add to a verdict
-- ``verdict``: what may be said
+- ``verdict``: what is reported of the posterior, in words
 - ``where``: maps along the arm, time, operating range and trials
 - ``words``: names and numbers as a person would say them
 """

@@ -131,7 +131,19 @@ def diagnose(
     if executor is not None:
         beforehand(executor, ready, kinds, space)
     with workers(jobs, cluster, executor) as executor:
-        study = _Study(parts, Hypothesis(links=links), declared_links, max_effects, aside, plane, executor, loss or Loss(), seed, tell, advance)
+        study = _Study(
+            parts,
+            Hypothesis(links=links),
+            declared_links,
+            max_effects,
+            aside,
+            plane,
+            executor,
+            loss or Loss(),
+            seed,
+            tell,
+            advance,
+        )
         return study.of(experiment)
 
 
@@ -183,7 +195,8 @@ class _Study:
         self.tell("where the gap lies")
         rungs = self._rungs(found, experiment)
         if self.aside:
-            verdict = predicted_no_better(verdict, *(squares(rungs[k][2]).mean ** 0.5 for k in (0, -1)), found.best.names)
+            alone, best = (squares(rungs[k][2]).mean ** 0.5 for k in (0, -1))
+            verdict = predicted_no_better(verdict, alone, best, found.best.names)
         verdict = turned_plane(verdict, self.plane)
         where = replace(located, defect=local_defect(found.best))
         return Diagnosis(
@@ -241,7 +254,7 @@ class _Study:
         ]
 
     def _rungs(self, found: Search, experiment: Experiment) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-        """Name, effects and held-out residuals of the fitted models on the way down: on the trials set aside, if there are any."""
+        """Name, effects and held-out residuals of the models on the way to the best; on the trials set aside, if any."""
         aside = taken(self.aside, form_of(experiment)) if self.aside else None
 
         def heldout(model: Candidate) -> Sequence[Array]:

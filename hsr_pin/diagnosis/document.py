@@ -64,10 +64,7 @@ def _posterior(search: Search, decision: Decision | None, loss: Loss) -> dict[st
         "probability": None if decision is None else _number(decision.probability),
         "calibration": asdict(calibrated()),
         "data": asdict(search.data),
-        "unfitted": [
-            _judged(model)
-            for model in search.posterior.models[len(search.candidates) :]
-        ],
+        "unfitted": [_judged(model) for model in search.posterior.models[len(search.candidates) :]],
     }
 
 

@@ -68,7 +68,7 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
     shown = shown_candidates(diagnosis)
     best, noise = diagnosis.search.best.names, 1e3 * diagnosis.limits.noise
     said = {best, *diagnosis.verdict.alternatives}
-    values = [1e3 * candidate.heldout_square ** 0.5 for candidate in shown]
+    values = [1e3 * candidate.heldout_square**0.5 for candidate in shown]
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
         axes = figure.add_subplot()

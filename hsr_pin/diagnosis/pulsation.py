@@ -67,7 +67,7 @@ class Pulsation:
 
 
 def pulsation(experiment: Experiment, torques: Sequence[ResidualTorque]) -> Pulsation | None:
-    """Of the torque that a fitted model lacks; None in space, and where there are too few driven trials, or they are too short."""
+    """Of the torque that a fitted model lacks; None in space, and where driven trials are too few or too short."""
     driven = [k for k, run in enumerate(experiment.runs) if run.span > 0]
     if len(driven) < _RUNS or len(experiment.directions) > 1 or len(torques) < len(experiment.runs):
         return None

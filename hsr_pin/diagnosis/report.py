@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,8 @@ from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.output import write_text
 from hsr_pin.trajectory import Array
 
+#: Rows of the table of probabilities, and the least probability that is listed.
+_ROWS, _LISTED = 8, 0.01
 _COUNTED = re.compile(r"(\d+) of (\d+) samples")
 
 
@@ -66,6 +68,8 @@ def report(diagnosis: Diagnosis) -> str:
         recordings=[_recording(run, diagnosis) for run in diagnosis.experiment.runs],
         notes=_notes(diagnosis),
         tried=0 if diagnosis.search is None else len(diagnosis.search.candidates),
+        sets=_sets(diagnosis),
+        gains=", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in asdict(diagnosis.loss).items()),
         **_figures(diagnosis),
     )
 
@@ -137,6 +141,13 @@ def _rungs(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return rows
 
 
+def _sets(diagnosis: Diagnosis) -> list[tuple[tuple[str, ...], float]]:
+    """The most probable sets of causes, with their probabilities."""
+    if diagnosis.search is None:
+        return []
+    return [(names, p) for names, p in diagnosis.search.posterior.sets.items() if p >= _LISTED][:_ROWS]
+
+
 def _models(diagnosis: Diagnosis) -> list[Model]:
     """The best model, and those that the recordings cannot tell from it."""
     if diagnosis.search is None:
@@ -150,7 +161,7 @@ def _model(candidate: Candidate, levels: Sequence[float]) -> Model:
     fit = candidate.fit
     doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
     options = effect_options(fit, levels)
-    return Model(model_name(candidate), candidate.heldout_square ** 0.5, estimates(fit), scales(fit), options, doubts)
+    return Model(model_name(candidate), candidate.heldout_square**0.5, estimates(fit), scales(fit), options, doubts)
 
 
 def _named(diagnosis: Diagnosis) -> list[type[Effect]]:

@@ -21,8 +21,8 @@ _ALONE, _BESIDE = 12, 5
 _VARIANTS = 3
 #: Two variants of one law whose predicted gains differ by less than this are the same on these recordings.
 _EQUAL = 1e-6
-#: A quick fit that ended at a stiffness or damping which differs by more than the first factor from that of the best, and leaves more
-#: than the second times its error, is made once more from there: the misfit of a swinging arm has several basins.
+#: A quick fit that ended at a stiffness or damping which differs by more than the first factor from that of the best, and leaves
+#: more than the second times its error, is made once more from there: the misfit of a swinging arm has several basins.
 _ELSEWHERE, _WORSE = 1.5, 1.2
 
 

@@ -167,9 +167,7 @@ def search(
         state.add(_parts_of_best(pool, state))
 
 
-def judged(
-    candidates: Sequence[Candidate], data: Data, calibration: Calibration, unfitted: Sequence[Model] = ()
-) -> Search:
+def judged(candidates: Sequence[Candidate], data: Data, calibration: Calibration, unfitted: Sequence[Model] = ()) -> Search:
     """The posterior over fitted models, and over others of which no more is known than what they leave."""
     of_model = {id(each.model): each for each in candidates}
 

@@ -84,7 +84,7 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
     if status == "unexplained":
         sentences.append("Do not trust the values of a model that does not explain the gap; the maps say where and when it lies.")
     if status == "partly_identified":
-        sentences.append("Simulate with what is certain; its values hold as far as what is left lets them.")
+        sentences.append("Simulate with what is reported; its values hold as far as what is left lets them.")
     if search is not None and (bounds := search.best.fit.on_bound()):
         sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond, or something else stands behind it.")
     if status == "no_gap":

@@ -63,6 +63,6 @@ class Restraint(Effect):
         return p.at
 
     def tangent(self, keq: Array, length: Array) -> tuple[Any, Any]:
-        # of an arm that is nearly straight and bends evenly, at the base: the lever is as long as the place is far, and that moves by
-        # half of this length times the angle of the arm up to it
+        # of an arm that is nearly straight and bends evenly, at the base: the lever is as long as the place is far, and that
+        # moves by half of this length times the angle of the arm up to it
         return IMPLICIT * self.contact_stiffness * (self.at * length) ** 2 / 2 * self.at, 0.0

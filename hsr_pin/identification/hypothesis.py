@@ -18,15 +18,20 @@ from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 
-#: Open numbers of the arm itself, as factors on what was declared. Stiffness, mass and gain are usually measured, to within a third
-#: or so; damping is often guessed, and right within a factor of three.
+#: Stiffness, mass and gain are usually measured to within a third or so; damping is often guessed, within a factor of three. As
+#: standard deviations of the logarithm of what is true over what was declared.
+_MEASURED, _GUESSED = 0.3, 1.0
+#: Open numbers of the arm itself, as factors on what was declared.
 ARM = {
-    "keq_scale": Parameter("keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness over the declared one", ratio_width=0.3),
-    "damping_scale": Parameter("damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping over the declared one", ratio_width=1.0),
-    "mass_scale": Parameter("mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm over the declared one", ratio_width=0.3),
-    "torque_gain": Parameter(
-        "torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "torque that arrives over the commanded one", ratio_width=0.3
-    ),
+    fact.name: fact
+    for fact in (
+        Parameter("keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness over the declared one", ratio_width=_MEASURED),
+        Parameter("damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping over the declared one", ratio_width=_GUESSED),
+        Parameter("mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm over the declared one", ratio_width=_MEASURED),
+        Parameter(
+            "torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "torque that arrives over the commanded", ratio_width=_MEASURED
+        ),
+    )
 }
 #: Those that are factors on a number of the arm.
 _FACTORS = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}

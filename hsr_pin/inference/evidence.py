@@ -6,11 +6,12 @@ JASA 114, 2019), and the variance of what a model lacks is profiled for each mod
 calibration of computer models, J. R. Stat. Soc. B 63, 2001):
 
     v      = S + (floor sigma)^2 + u^2
-    log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h| - ln(variants)
+    log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h| -
+    ln(variants)
 
-S is what the model leaves beyond noise, sigma^2 the variance of noise and u^2 what does not repeat, all for one coordinate; e_i is
-the information of the residuals about the parameters in units of their prior, and z_j how far each parameter is from the centre of
-its prior in standard deviations. Its tails are Cauchy's: a parameter that is far out costs, and is not excluded.
+S is what the model leaves beyond noise, sigma^2 the variance of noise and u^2 what does not repeat, all for one coordinate; e_i
+is the information of the residuals about the parameters in units of their prior, and z_j how far each parameter is from the
+centre of its prior in standard deviations. Its tails are Cauchy's: a parameter that is far out costs, and is not excluded.
 """
 
 from __future__ import annotations

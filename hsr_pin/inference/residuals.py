@@ -16,8 +16,8 @@ _LAGS = (1, 2, 3)
 def lasting_square(residuals: Sequence[Array]) -> float:
     """Mean square of the part of residuals that lasts from one sample to the next; in space of a distance, over its coordinates.
 
-    It is the covariance of samples a few steps apart: white noise drops out of it by itself, whatever its size, so that it is known
-    ten times better than the mean square beyond an estimated noise floor.
+    It is the covariance of samples a few steps apart: white noise drops out of it by itself, whatever its size, so that it is
+    known ten times better than the mean square beyond an estimated noise floor.
 
     Args:
         residuals: for each trial (T, M, A), M channels of A coordinates; NaN in gaps.

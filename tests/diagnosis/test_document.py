@@ -20,17 +20,16 @@ CANDIDATE = {
     "fit_rms_mm": NUMBER,
 }
 LEFT = {"mm": NUMBER, "percent_of_length": NUMBER, "share": NUMBER, "not_repeatable_mm": MAYBE}
-SUPPORT = {
-    "name": str,
-    "kind": str,
-    "share": NUMBER,
-    "lead": NUMBER,
-    "margin": NUMBER,
-    "frequency": NUMBER,
-    "drift": MAYBE,
-    "clear": NUMBER,
-    "shown": NUMBER,
-    "rest": NUMBER,
+JUDGED = {"causes": [dict], "misfit": NUMBER, "information": [NUMBER], "departures": [NUMBER]}
+CANDIDATE |= JUDGED | {"probability": NUMBER, "log_evidence": NUMBER, "special_cases": [int]}
+POSTERIOR = {
+    "sets": [{"effects": [str], "probability": NUMBER}],
+    "loss": dict,
+    "expected_gain": MAYBE,
+    "probability": MAYBE,
+    "calibration": dict,
+    "data": {"noise": NUMBER, "scatter": NUMBER, "count": int},
+    "unfitted": [JUDGED],
 }
 SCHEMA = {
     "schema": int,
@@ -43,8 +42,8 @@ SCHEMA = {
         "kinds": [str],
         "confidence": dict,
         "left": LEFT,
-        "support": [SUPPORT],
     },
+    "posterior": POSTERIOR,
     "arm": (dict, type(None)),
     "ladder": [
         {
@@ -66,19 +65,17 @@ SCHEMA = {
         "sentence": str,
         "frequency_hz": MAYBE,
         "defect": (dict, type(None)),
-        "spread": (dict, type(None)),
-        "spread_beside_arm": (dict, type(None)),
         "base": (dict, type(None)),
+        "pulsation": (dict, type(None)),
     },
     "next_experiment": [{"name": str, "separation": MAYBE}],
-    "thresholds": {"worth_mm": NUMBER, "closed_mm": NUMBER, "explained": NUMBER},
+    "limits": {"closed_mm": NUMBER, "share": NUMBER},
     "fingerprint": {
         "kinds": [str],
         "prints": [dict],
         "starts": [{"seconds": MAYBE, "told": (bool, type(None)), "word": str}],
     },
     "repeats": (dict, type(None)),
-    "damping_held": (dict, type(None)),
     "notes": [str],
 }
 

@@ -1,4 +1,4 @@
-"""Each effect, tried: the first guess points at it, the fit ends on it, and what cannot be simulated is passed over."""
+"""Each effect, tried: its probe points at it, the fit ends on it, and what cannot be simulated is passed over."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis import candidates
-from hsr_pin.diagnosis.candidates import Guess, _starts, finish, glance, glanced, guesses
+from hsr_pin.diagnosis import proposals as module
+from hsr_pin.diagnosis.candidate import full_fit
+from hsr_pin.diagnosis.proposals import Proposal, _starts, looked_at, proposals, quick_fit
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
@@ -34,13 +35,13 @@ def fitted(text):
 
 
 @lru_cache
-def guessed(text):
-    """First guesses for the whole catalogue, the most promising first, each kind once."""
+def proposed(text):
+    """Proposals for the whole catalogue, the most promising first, each kind once."""
     experiment, base = fitted(text)
     parts = [part for kind in EFFECTS.values() for part in readings(kind)]
     first = {}
-    for guess in sorted(guesses(experiment, base, parts), key=lambda guess: -guess.gain):
-        first.setdefault(guess.hypothesis.effects[-1].name, guess)
+    for proposal in sorted(proposals(experiment, base, parts), key=lambda proposal: -proposal.gain):
+        first.setdefault(proposal.hypothesis.effects[-1].name, proposal)
     return first
 
 
@@ -48,19 +49,19 @@ def part(kind):
     return Part(kind.name, neutral(kind))
 
 
-def own_guess(text):
+def own_proposal(text):
     experiment, base = fitted(text)
-    (guess,) = guesses(experiment, base, [part(EFFECTS[text.split(":")[0]])])
-    return experiment, base, guess
+    (proposal,) = proposals(experiment, base, [part(EFFECTS[text.split(":")[0]])])
+    return experiment, base, proposal
 
 
 @each_effect
 def test_an_effect_is_among_the_six_that_its_own_data_point_at(text):
-    assert text.split(":")[0] in list(guessed(text))[:6]
+    assert text.split(":")[0] in list(proposed(text))[:6]
 
 
 def test_data_without_an_effect_point_at_none():
-    assert max(guess.gain for guess in guessed("").values()) < 0.5
+    assert max(proposal.gain for proposal in proposed("").values()) < 0.5
 
 
 @pytest.mark.parametrize(
@@ -77,31 +78,31 @@ def test_data_without_an_effect_point_at_none():
 def test_the_first_start_is_near_the_true_amplitude(text):
     effect = parse_effect(text)
     (fact,) = effect.parameters()
-    _, base, guess = own_guess(text)
-    place = guess.hypothesis.free.index(f"{effect.name}.{fact.name}")
-    assert guess.starts[0][place] == pytest.approx(getattr(effect, fact.name), rel=0.3)
-    assert len(guess.starts[0]) == len(base.values) + 1
-    assert guess.gain > 0.5
+    _, base, proposal = own_proposal(text)
+    place = proposal.hypothesis.free.index(f"{effect.name}.{fact.name}")
+    assert proposal.starts[0][place] == pytest.approx(getattr(effect, fact.name), rel=0.3)
+    assert len(proposal.starts[0]) == len(base.values) + 1
+    assert proposal.gain > 0.5
 
 
 def test_starts_are_within_bounds_and_never_neutral():
     for text in ("dry_friction:level=0.06", ""):
-        for guess in guessed(text).values():
-            facts = guess.hypothesis.parameters
-            for start in guess.starts:
+        for proposal in proposed(text).values():
+            facts = proposal.hypothesis.parameters
+            for start in proposal.starts:
                 assert all(fact.lower <= value <= fact.upper for fact, value in zip(facts, start, strict=True))
                 away = [
                     abs(value - fact.neutral) / fact.scale for fact, value in zip(facts, start, strict=True) if fact.amplitude
                 ]
                 assert min(away) > 0.05
-            assert 0 <= guess.gain <= 1
+            assert 0 <= proposal.gain <= 1
 
 
-def test_guesses_come_in_the_order_of_the_effects_that_were_asked_for():
+def test_proposals_come_in_the_order_of_the_effects_that_were_asked_for():
     experiment, base = fitted(CATALOGUE[0])
     names = ["tip_mass", "dry_friction", "actuator_lag"]
-    found = guesses(experiment, base, [part(EFFECTS[name]) for name in names])
-    assert [guess.hypothesis.effects[-1].name for guess in found] == names
+    found = proposals(experiment, base, [part(EFFECTS[name]) for name in names])
+    assert [proposal.hypothesis.effects[-1].name for proposal in found] == names
 
 
 def two_levels(biases):
@@ -118,9 +119,9 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
     soft, stiff = 1.11, 2.33
     experiment, base = two_levels({soft: 0.08, stiff: 0.08 * (stiff / soft if sizes_change else 1)})
     simulated = []
-    plain = candidates._side_by_side
-    monkeypatch.setattr(candidates, "_side_by_side", lambda *given: simulated.append(given) or plain(*given))
-    stays, goes, each = guesses(experiment, base, readings(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
+    plain = module._side_by_side
+    monkeypatch.setattr(module, "_side_by_side", lambda *given: simulated.append(given) or plain(*given))
+    stays, goes, each = proposals(experiment, base, readings(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
     assert len(simulated) == 1
     assert (stays.hypothesis.resized, goes.hypothesis.resized) == ((), ("torque_bias",))
     right, wrong = (goes, stays) if sizes_change else (stays, goes)
@@ -132,8 +133,8 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
 
 def test_a_size_of_its_own_at_each_level_is_guessed_where_the_levels_disagree():
     biases = {1.11: 0.08, 2.33: -0.06}
-    *one_size, each = guesses(*two_levels(biases), readings(EFFECTS["torque_bias"], levels=2, each=tuple(biases)))
-    assert each.gain > 0.95 > 0.7 > max(guess.gain for guess in one_size)
+    *one_size, each = proposals(*two_levels(biases), readings(EFFECTS["torque_bias"], levels=2, each=tuple(biases)))
+    assert each.gain > 0.95 > 0.7 > max(proposal.gain for proposal in one_size)
     assert each.starts[0][-2:] == pytest.approx(list(biases.values()), rel=0.1)
 
 
@@ -141,9 +142,9 @@ def test_a_size_of_its_own_at_each_level_is_guessed_where_the_levels_disagree():
 def test_a_quick_and_a_full_fit_agree_and_end_on_the_truth(text):
     effect = parse_effect(text)
     (fact,) = effect.parameters()
-    experiment, base, guess = own_guess(text)
-    quick = glance(experiment, base, guess)
-    full = finish(experiment, quick)
+    experiment, base, proposal = own_proposal(text)
+    quick = quick_fit(experiment, base, proposal)
+    full = full_fit(experiment, quick, {})
     scale = np.array([each.scale for each in full.fit.hypothesis.parameters])
     assert np.all(np.abs(quick.values - full.fit.values) < scale)
     assert full.fit.rms < 1.02 * quick.rms
@@ -156,8 +157,8 @@ def test_a_lag_that_damping_stood_in_for_is_found_behind_it():
     experiment = prepare(made(text))
     base = fit(experiment, Hypothesis())
     assert base.named["damping_scale"] > 2.0  # 0.8 is true
-    (guess,) = guesses(experiment, base, [part(EFFECTS["actuator_lag"])])
-    found = glance(experiment, base, guess).named
+    (proposal,) = proposals(experiment, base, [part(EFFECTS["actuator_lag"])])
+    found = quick_fit(experiment, base, proposal).named
     assert found["damping_scale"] == pytest.approx(0.8, abs=0.1)
     assert found["actuator_lag.time_constant"] == pytest.approx(0.08, rel=0.05)
 
@@ -166,21 +167,21 @@ def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(m
     """There lateness is worth nothing, and six times next to nothing is next to nothing still."""
     experiment = prepare(made("actuator_lag:time_constant=0.08"))
     whole = Hypothesis().with_part(part(EFFECTS["actuator_lag"]))
-    guess = Guess(whole, (np.array([1.0, 6.0, 0.001]),), 0.0)
+    proposal = Proposal(whole, (np.array([1.0, 6.0, 0.001]),), 0.0)
 
     def latest():
-        return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, guess))
+        return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, proposal))
 
     assert latest() >= 0.03
-    monkeypatch.setattr("hsr_pin.diagnosis.candidates._LATE", ((), ()))
+    monkeypatch.setattr("hsr_pin.diagnosis.proposals._LATE", ((), ()))
     assert latest() < 0.01
 
 
 def test_a_soft_spot_is_looked_for_in_two_places():
     experiment = prepare(made("soft_spot:depth=0.7,centre=0.35,width=0.08"))
     base = fit(experiment, Hypothesis())
-    (guess,) = guesses(experiment, base, [part(EFFECTS["soft_spot"])])
-    assert glance(experiment, base, guess).named["soft_spot.centre"] == pytest.approx(0.35, abs=0.1)
+    (proposal,) = proposals(experiment, base, [part(EFFECTS["soft_spot"])])
+    assert quick_fit(experiment, base, proposal).named["soft_spot.centre"] == pytest.approx(0.35, abs=0.1)
 
 
 @pytest.mark.long
@@ -195,8 +196,8 @@ def test_a_soft_spot_is_looked_for_in_two_places():
 def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth, centre, width, links):
     experiment = prepare(made(f"soft_spot:depth={depth},centre={centre},width={width}"))
     base = fit(experiment, Hypothesis(links=links))
-    (guess,) = guesses(experiment, base, [part(EFFECTS["soft_spot"])])
-    answer = finish(experiment, glance(experiment, base, guess)).fit
+    (proposal,) = proposals(experiment, base, [part(EFFECTS["soft_spot"])])
+    answer = full_fit(experiment, quick_fit(experiment, base, proposal), {}).fit
     assert answer.rms < 1.03 * np.sqrt(2) * 3e-4
     assert answer.named["soft_spot.centre"] == pytest.approx(centre, abs=0.01)
 
@@ -204,15 +205,15 @@ def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth,
 def test_of_many_trials_those_in_which_the_arm_moves_farthest_and_least_are_looked_at():
     torques = (0.2, 0.3, 0.25, 0.9, 0.3, 0.2, 0.35, 0.05, 0.25, 0.3)
     experiment = prepare(made(trials=[(1.11, 0.05, (torque, 0.0)) for torque in torques], duration=0.6, links=4))
-    looked_at = glanced(experiment)
-    assert len(looked_at) == 8 and {3, 7, 6} <= set(looked_at) and looked_at == sorted(looked_at)
+    chosen = looked_at(experiment)
+    assert len(chosen) == 8 and {3, 7, 6} <= set(chosen) and chosen == sorted(chosen)
     few = prepare(made(**SMALL))
-    assert glanced(few) == [0, 1, 2]
+    assert looked_at(few) == [0, 1, 2]
 
 
 def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():
-    experiment, base, guess = own_guess("tip_mass:mass=0.05")
-    candidate = finish(experiment, glance(experiment, base, guess))
+    experiment, base, proposal = own_proposal("tip_mass:mass=0.05")
+    candidate = full_fit(experiment, quick_fit(experiment, base, proposal), {})
     assert [part.shape for part in candidate.heldout] == [run.compared.shape for run in experiment.runs]
     for own, kept in zip(candidate.fit.residuals, candidate.heldout, strict=True):
         assert not np.array_equal(own, kept)
@@ -248,13 +249,13 @@ class Broken(Effect):
 
 def test_a_probe_whose_simulation_fails_is_passed_over():
     experiment, base = fitted("stiffening:cubic=0.4")
-    (guess,) = guesses(experiment, base, [part(Fragile)])
-    place = guess.hypothesis.free.index("fragile.mood")
-    assert all(start[place] < 0.6 for start in guess.starts)
-    assert guess.gain > 0.5
+    (proposal,) = proposals(experiment, base, [part(Fragile)])
+    place = proposal.hypothesis.free.index("fragile.mood")
+    assert all(start[place] < 0.6 for start in proposal.starts)
+    assert proposal.gain > 0.5
 
 
 def test_an_effect_of_which_no_probe_can_be_simulated_is_no_candidate():
     experiment, base = fitted("stiffening:cubic=0.4")
-    found = guesses(experiment, base, [part(Broken), part(EFFECTS["stiffening"])])
-    assert [guess.hypothesis.effects[-1].name for guess in found] == ["stiffening"]
+    found = proposals(experiment, base, [part(Broken), part(EFFECTS["stiffening"])])
+    assert [proposal.hypothesis.effects[-1].name for proposal in found] == ["stiffening"]

@@ -85,10 +85,11 @@ def test_the_verdict_comes_first_and_then_all_that_supports_it(page, diagnosis):
     assert all("marker tip" in words for words in pictures[first + 3 :]) and len(pictures) > first + 3
 
 
-def test_it_shows_numbers_with_intervals_thresholds_and_what_to_simulate(page, diagnosis):
+def test_it_shows_numbers_with_intervals_limits_and_what_to_simulate(page, diagnosis):
     assert re.search(r"tip mass: mass at the tip 0\.0\d+ 0\.0\d+ to 0\.0\d+ kg", page.text)
     assert "--effect tip_mass:mass=0.0" in page.text
-    assert f"worth having if it takes {1e3 * diagnosis.thresholds.worth:#.3g} mm" in page.text
+    assert f"less than {1e3 * diagnosis.limits.closed:#.3g} mm beyond noise is too small to report" in page.text
+    assert re.search(r"tip mass [01]\.\d\d", page.text)  # its probability
     assert "Nothing was left out." in page.text
 
 

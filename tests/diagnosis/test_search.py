@@ -7,8 +7,8 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.identification.hypothesis import readings
 
-from .fabricated import DATA, FakePool, candidate
 from ..inference.fabricated import CALIBRATION
+from .fabricated import DATA, FakePool, candidate
 
 GAP = 4e-3
 EVERY = [part for kind in EFFECTS.values() for part in readings(kind)]
@@ -70,7 +70,9 @@ def test_every_variant_of_a_likely_law_is_fitted():
 
 
 def test_a_special_case_is_tried_in_place_of_a_law_that_contains_it():
-    pool = FakePool({"": GAP, "unequal_lag": 0.0, "actuator_lag": 0.0}, quick_gaps={"": GAP, "unequal_lag": 0.0}, unseen=("actuator_lag",))
+    pool = FakePool(
+        {"": GAP, "unequal_lag": 0.0, "actuator_lag": 0.0}, quick_gaps={"": GAP, "unequal_lag": 0.0}, unseen=("actuator_lag",)
+    )
     found = searched(pool)
     assert "actuator_lag" in pool.fitted
     assert found.posterior.sets[("actuator_lag",)] > found.posterior.sets.get(("unequal_lag",), 0.0)

@@ -97,7 +97,7 @@ def test_of_the_whole_catalogue_the_law_is_named(recorded, law, names, values):
     assert found.verdict.status in ("identified", "ambiguous")
     sets = [set(each) for each in found.verdict.alternatives] or [set(found.verdict.effects)]
     assert {law.name} in sets and all(each <= names for each in sets)
-    best = next(each for each in found.search.tried if each.names == (law.name,))
+    best = found.search.leader((law.name,))
     for name, value in values.items():
         assert best.fit.named[name] == pytest.approx(value, abs=0.03 * max(abs(value), 0.3))
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import diagnose
-from hsr_pin.diagnosis.traces import beside
-from hsr_pin.diagnosis.verdict import Verdict
+from hsr_pin.diagnosis.verdict import Verdict, turned_plane
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.identify import identify
 from hsr_pin.identification.plane import in_its_plane, plane_of
@@ -83,10 +82,10 @@ def test_a_fit_turns_it_back_and_says_so():
 
 
 def test_a_verdict_that_names_keeps_its_names():
-    trace = plane_of(prepare(recorded("upright", 9.0)))
-    named = Verdict("identified", ("stiffening",), (), "So it is.", ("elastic",), {"measurement": 0.9})
-    told = beside(named, trace)
-    assert (told.status, told.effects, told.kinds) == ("identified", ("stiffening",), ("elastic", "measurement"))
-    assert told.confidence["measurement"] == 0.9 and told.sentence.startswith("So it is. ")
-    assert beside(named, None) is named
-    assert beside(replace(named, status="no_gap", effects=()), trace).status == "partly_identified"
+    plane = plane_of(prepare(recorded("upright", 9.0)))
+    named = Verdict("identified", ("stiffening",), (), "So it is.", ("elastic",))
+    said = turned_plane(named, plane)
+    assert (said.status, said.effects, said.kinds) == ("identified", ("stiffening",), ("elastic", "measurement"))
+    assert said.sentence.startswith("So it is. ")
+    assert turned_plane(named, None) is named
+    assert turned_plane(replace(named, status="no_gap", effects=()), plane).status == "partly_identified"

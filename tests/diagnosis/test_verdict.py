@@ -20,7 +20,10 @@ def verdict(*candidates, nominal=GAP, **options):
 def test_one_law_that_closes_the_gap_is_identified():
     said = verdict(candidate("bending_stop"), candidate("tip_mass", gap=3e-3))
     assert (said.status, said.effects, said.kinds) == ("identified", ("bending_stop",), ("elastic",))
-    assert said.sentence.startswith("bending_stop is missing from the model (probability 0.99)") or "probability 1.00" in said.sentence
+    assert (
+        said.sentence.startswith("bending_stop is missing from the model (probability 0.99)")
+        or "probability 1.00" in said.sentence
+    )
     assert said.confidence["bending_stop"] > 0.95 and said.confidence["elastic"] > 0.95
 
 

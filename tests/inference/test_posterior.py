@@ -67,7 +67,7 @@ def test_the_credible_set_is_the_smallest_that_holds_its_level():
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_stated_probabilities_are_as_often_right_as_they_say(seed):
-    """Signals with a discrepancy that repeats: of what is stated with 0.6 to 0.9 and with more, so much is right, within chance."""
+    """Of sets that are stated with 0.5 to 0.9, and with more, as many are right as they say, within chance."""
     rng = np.random.default_rng(seed)
     stated, right = [], []
     for _ in range(300):

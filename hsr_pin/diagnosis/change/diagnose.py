@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-
 from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined

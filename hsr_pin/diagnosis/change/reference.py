@@ -48,7 +48,9 @@ def described(
     noise = experiment.noise_rms**2
     while len(best.names) < max_effects:
         tell(f"what describes the first recording: effect {len(best.names) + 1}")
-        ranked = sorted(pool.propose([(best, [part for part in parts if part.name not in best.names])])[0], key=lambda guess: -guess.gain)
+        ranked = sorted(
+            pool.propose([(best, [part for part in parts if part.name not in best.names])])[0], key=lambda guess: -guess.gain
+        )
         tasks = [(best.fit, each) for guess in ranked[:_GLANCES] for each in (guess, *_as_declared(guess, best))]
         quick = laws_first(sorted(pool.quick(tasks), key=lambda fitted: fitted.rms))
         better = min(pool.full(quick[:_FINISHED]), key=_cost, default=best)

@@ -1,8 +1,8 @@
 """From fitted changes to what is reported: the posterior over hypotheses of which numbers differ between two recordings.
 
-Residuals of the second recording are whitened by what the first predicts of it, so that noise and scatter have unit variance there.
-A hypothesis of a change is a model of these residuals like any other; that nothing has changed is the model without causes. What the
-same change would explain between the first recording's own trials is scatter, which is asked of no hypothesis.
+Residuals of the second recording are whitened by what the first predicts of it, so that noise and scatter have unit variance
+there. A hypothesis of a change is a model of these residuals like any other; that nothing has changed is the model without
+causes. What the same change would explain between the first recording's own trials is scatter, which is asked of no hypothesis.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class Found:
             return (square - least + floor) / self.data.count
 
         models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
-        seen = {id(models[0]): None}
+        seen: dict[int, Suspect | None] = {id(models[0]): None}
         for fitted, _ in self.fits:
             if fitted.rms >= self.frame.pair.worth:
                 models.append(_model(fitted, misfit(fitted.square), {size.name for size in self.reported(fitted)}))
@@ -193,9 +193,7 @@ def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
     facts, suspect = fitted.suspect.facts, fitted.suspect
     widths = np.array([fact.prior_width(value) for fact, value in zip(facts, fitted.after, strict=True)])
     steps = [
-        log(max(after, 1e-9) / before) / fact.ratio_width
-        if fact.ratio_width is not None
-        else (after - before) / width * sized
+        log(max(after, 1e-9) / before) / fact.ratio_width if fact.ratio_width is not None else (after - before) / width * sized
         for fact, after, before, width, sized in zip(facts, fitted.after, suspect.start, widths, suspect.sizes, strict=True)
     ]
     causes = tuple(Cause(name, kind) for name, kind in suspect.kinds.items() if name in names)
