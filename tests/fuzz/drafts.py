@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from hsr_pin.recordings.sections import around
 from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
+from hsr_pin.trajectory import Marker, Section
 
 #: Samples of a trial and the time between them [s]: short, since there are many.
 SAMPLES, STEP = 40, 0.025
-#: What drives an arm, and whether it bends in space.
-KINDS = ("torque", "pressures", "release", "space")
+#: What drives an arm, and whether it bends in space, as one or in sections under the pressures of chambers.
+KINDS = ("torque", "pressures", "release", "space", "sections")
+#: Of the arm in sections: its parts, and what the chambers P1 to P3 of the first and Q1 to Q3 of the second give.
+SECTIONS = (Section(0.14, 0.09, 2.0, 0.1), Section(0.1, 0.06, 2.6, 0.12))
+#: Of arms in space; one stands beside the backbone.
+MARKERS = (Marker("base", 0.0), Marker("mid", 0.12, 0.02, 1.0), Marker("tip", 0.24))
+GAIN, CHAMBERS = 0.4, (("P1", "P2", "P3"), ("Q1", "Q2", "Q3"))
 
 
 @dataclass
@@ -26,6 +33,7 @@ class Draft:
     Attributes:
         top, robot: keys of ``dataset.toml`` and of its table ``[robot]``, with their values as TOML has them.
         markers, trials: the same for each ``[[marker]]`` and ``[[trial]]``.
+        more: head and keys of every other table.
         tables: name of the file -> its rows of fields, the header first.
         texts: what is done to a file's bytes at last: name -> functions.
     """
@@ -34,16 +42,17 @@ class Draft:
     robot: dict[str, str]
     markers: list[dict[str, str]]
     trials: list[dict[str, str]]
+    more: list[tuple[str, dict[str, str]]]
     tables: dict[str, list[list[str]]]
     texts: list = field(default_factory=list)
 
     def sections(self):
         """Every table of keys."""
-        return [self.top, self.robot, *self.markers, *self.trials]
+        return [self.top, self.robot, *self.markers, *self.trials, *(table for _, table in self.more)]
 
     def declaration(self) -> str:
         """The text of ``dataset.toml``."""
-        parts = [("", self.top), ("[robot]", self.robot)]
+        parts = [("", self.top), ("[robot]", self.robot), *self.more]
         parts += [("[[marker]]", each) for each in self.markers] + [("[[trial]]", each) for each in self.trials]
         return "\n".join(
             line for head, values in parts for line in (head, *(f"{key} = {value}" for key, value in values.items()))
@@ -74,29 +83,25 @@ def copied(draft: Draft) -> Draft:
 
 def draft_of(kind: str) -> Draft:
     """One of :data:`KINDS`."""
-    generator, space = np.random.default_rng(1), {"bending": "space"} if kind == "space" else {}
-    arm = ArmSpecification(links=8, placement="mid", tip_mass=0.03, **space)
+    generator, space = np.random.default_rng(1), kind in ("space", "sections")
+    arm = ArmSpecification(links=8, placement="mid", tip_mass=0.03, bending="space" if space else "plane")
+    if kind == "sections":
+        arm = ArmSpecification.in_sections(SECTIONS, links=8, placement="mid", tip_mass=0.03)
+    markers = {"markers": MARKERS} if space else {}
     time = np.arange(SAMPLES) * STEP
     tables, trials = {}, []
     for number, torque in enumerate((0.4, -0.6) if kind != "pressures" else (0.3, 0.6), 1):
-        if kind == "release":
-            command, start = np.zeros(SAMPLES), Settled(torque)
-        else:
-            command, start = np.where(time < 0.1 - 1e-9, 0.0, torque), Settled(0.0)
-        if space:
-            command = np.stack([command, 0.5 * command], axis=1)
-        motion = simulate(Scenario(arm, time, command, start)).trajectory
+        step = np.where(time < 0.1 - 1e-9, 0.0, torque)
+        inputs, command = _driven(kind, step)
+        start = Settled(torque) if kind == "release" else Settled(0.0)
+        motion = simulate(Scenario(arm, time, command, start, **markers)).trajectory
         seen = motion.positions + 2e-4 * generator.standard_normal(motion.positions.shape)
-        names = {"torque": ["tau"], "space": ["tau_x", "tau_y"]}.get(kind, [])
-        inputs = list(zip(names, np.atleast_2d(command.T), strict=False))
-        if kind == "pressures":
-            pressures = PAPER.pressures_for_torque(1.11, command)
-            inputs = [("P1", pressures[:, 0]), ("P2", pressures[:, 1])]
-        header = ["t", *(name for name, _ in inputs), *(f"{m.name}_{axis}" for m in motion.markers for axis in "xyz")]
-        columns = [time, *(values for _, values in inputs), *seen.reshape(SAMPLES, -1).T]
+        header = ["t", *inputs, *(f"{m.name}_{axis}" for m in motion.markers for axis in "xyz")]
+        columns = [time, *inputs.values(), *seen.reshape(SAMPLES, -1).T]
         rows = [[f"{value:.6f}" for value in row] for row in np.stack(columns, axis=1)]
         tables[f"trial_{number:02d}.csv"] = [header, *rows]
-        trials.append({"file": f'"trial_{number:02d}.csv"', "keq": "1.11", "damping": "0.05"})
+        level = {} if kind == "sections" else {"keq": "1.11", "damping": "0.05"}
+        trials.append({"file": f'"trial_{number:02d}.csv"', **level})
     return Draft(
         top={"format": "2" if space else "1", "name": f'"{kind}"', "description": '"one line"'},
         robot={
@@ -106,7 +111,37 @@ def draft_of(kind: str) -> Draft:
             "mount": '"hanging"',
             **({"bending": '"space"'} if space else {}),
         },
-        markers=[{"name": f'"{m.name}"', "arc_length": f"{m.arc_length}"} for m in motion.markers],
+        markers=[
+            {"name": f'"{m.name}"', "arc_length": f"{m.arc_length}"}
+            | ({"radius": f"{m.radius}", "angle": f"{m.angle}"} if m.radius else {})
+            for m in motion.markers
+        ],
         trials=trials,
+        more=_in_sections() if kind == "sections" else [],
         tables=tables,
     )
+
+
+def _driven(kind: str, step: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Columns of the input, and the torque that they command; a release has none."""
+    if kind == "release":
+        return {}, np.zeros(SAMPLES)
+    if kind == "pressures":
+        return dict(zip(("P1", "P2"), PAPER.pressures_for_torque(1.11, step).T, strict=True)), step
+    if kind == "space":
+        return {"tau_x": step, "tau_y": 0.5 * step}, np.stack([step, 0.5 * step], axis=1)
+    if kind == "sections":
+        columns = {name: np.abs(step) * (k + 1) / 3 for names in CHAMBERS for k, name in enumerate(names)}
+        torques = [row for k, names in enumerate(CHAMBERS) for row in around(len(names), GAIN, 0.0, k + 1, len(CHAMBERS))]
+        return columns, np.stack(list(columns.values()), axis=1) @ np.array(torques)
+    return {"tau": step}, step
+
+
+def _in_sections() -> list[tuple[str, dict[str, str]]]:
+    """The tables of sections and of their chambers."""
+    parts = [("[[section]]", {key: f"{value}" for key, value in asdict(section).items()}) for section in SECTIONS]
+    inputs = [
+        {"columns": str(list(names)).replace("'", '"'), "section": f"{k + 1}", "gain": f"{GAIN}", "angle": "0.0"}
+        for k, names in enumerate(CHAMBERS)
+    ]
+    return [*parts, *(("[[input]]", each) for each in inputs)]
