@@ -55,7 +55,9 @@ def _kind() -> Any:
             try:
                 super().save_overload(signature, code)
             except OSError as error:
-                reason = f"cannot keep machine code in {self.cache_path} ({error.strerror}), and makes it in every process"
+                reason = (
+                    f"cannot keep machine code in {self.cache_path} ({error.strerror or error}), and makes it in every process"
+                )
                 _say(f"{reason}: make room there, or name another folder as NUMBA_CACHE_DIR")
 
     return LenientCache
