@@ -22,6 +22,8 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 PRESSURE_UNITS = {"bar": 1.0, "mbar": 1e-3, "Pa": 1e-5, "kPa": 1e-2, "MPa": 10.0, "psi": 0.0689475729}
 #: N m in one of each unit of torque.
 TORQUE_UNITS = {"Nm": 1.0, "Nmm": 1e-3}
+#: No laboratory is larger, and no unit of length longer [m].
+FARTHEST = 1e6
 #: What a mapping may say of the arm, in the words of dataset.toml.
 ARM = ("robot", "section", "measured", "marker")
 #: Where times of commands are.
@@ -201,6 +203,8 @@ def _space(section: Section) -> dict[str, Any]:
     facts: dict[str, Any] = {}
     if isinstance(section.values.get("unit"), int | float):  # the pixel of a camera
         facts["factor"] = section.number("unit", "m")
+        if facts["factor"] > FARTHEST:
+            raise section.fault("unit", "unit", expected=f"at most {FARTHEST:g} m", received=facts["factor"])
         facts["unit"] = f"{facts['factor']:g} m"
     else:
         facts["unit"] = _one_of(section, "unit", UNITS, "m")
@@ -215,10 +219,14 @@ def _space(section: Section) -> dict[str, Any]:
         facts["x"] = section.text("x")
     if "origin" in section.values:
         origin = section.values["origin"]
-        if not (isinstance(origin, list) and len(origin) == 3 and all(type(value) in (int, float) for value in origin)):
-            raise section.fault("origin", "origin", expected="three numbers [m]", received=repr(origin)[:60])
+        if not (isinstance(origin, list) and len(origin) == 3 and all(_is_near(value) for value in origin)):
+            raise section.fault("origin", "origin", expected=f"three numbers [m], up to {FARTHEST:g}", received=repr(origin)[:60])
         facts["origin"] = tuple(map(float, origin))
     return facts
+
+
+def _is_near(value: object) -> bool:
+    return type(value) in (int, float) and abs(value) <= FARTHEST  # type: ignore[arg-type]
 
 
 def _file(section: Section) -> dict[str, Any]:

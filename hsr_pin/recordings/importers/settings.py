@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from hsr_pin.errors import InputError
+from hsr_pin.recordings.declaration import LONGEST
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.command_rows import IN_PLANE
-from hsr_pin.recordings.importers.mapping import TableMapping
+from hsr_pin.recordings.importers.mapping import FARTHEST, TableMapping
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.trajectory import BENDS, MOUNTS, Channel, Section
 
@@ -112,8 +113,12 @@ class ImportSettings:
         for name in names:
             if names.count(name) > 1:
                 raise InputError("markers", expected="each name once", received=f"{name!r} twice")
-        if self.origin is not None and (len(self.origin) != 3 or not all(math.isfinite(value) for value in self.origin)):
-            raise InputError("origin", expected="three numbers [m]", received=repr(self.origin))
+        if self.origin is not None and (len(self.origin) != 3 or not all(abs(value) <= FARTHEST for value in self.origin)):
+            raise InputError("origin", expected=f"three numbers [m], up to {FARTHEST:g}", received=repr(self.origin))
+        for body in self.markers:
+            if body.radius > (LONGEST if self.length is None else self.length):
+                expected = "a distance from the backbone [m] no longer than the arm"
+                raise InputError(f"radius of marker {body.name}", expected=expected, received=f"{body.radius:g}")
         self._check_numbers("mass", [self.mass], zero=False)
         self._check_numbers("diameter", [self.diameter], zero=False)
         self._check_numbers("length", [] if self.length is None else [self.length], zero=False)

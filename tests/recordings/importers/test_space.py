@@ -430,6 +430,8 @@ def test_what_cannot_be_is_refused(changes, said, take, tmp_path):
         ("[robot]", "[poses]\nbase = [1, 2, 3]\n[robot]", "pose 'base': expected four columns of a quaternion"),
         ("[robot]", "[poses]\nbas = [1, 2, 3, 4]\n[robot]", "did you mean 'base'"),
         ("[robot]", "[space]\norigin = [1, 2]\n[robot]", "origin: expected three numbers [m]"),
+        ("[robot]", "[space]\norigin = [0, 0, 1e300]\n[robot]", "origin: expected three numbers [m], up to 1e+06"),
+        ("[robot]", "[space]\nunit = 1e300\n[robot]", "unit: expected at most 1e+06 m, got 1e+300"),
     ],
 )  # fmt: skip
 def test_a_mapping_that_is_wrong_says_where(old, new, said, take):
