@@ -140,7 +140,7 @@ def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
     """Those of tiers other than the clean one, if there are any."""
     by = {
         tier: [o for o in found if o.answer.tier == tier and o.answer.kind not in RIGHT]
-        for tier in ("messy", "forms", "space", "real")
+        for tier in ("messy", "forms", "space", "others", "real")
     }
     rates: dict[str, Rate] = {}
     for tier, cases in by.items():

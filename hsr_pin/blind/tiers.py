@@ -4,6 +4,7 @@
 - ``messy``: the same with one effect at most, four to eight small ones beside it, and a bad recording
 - ``forms``: a law in another form than the catalogue's, as clean as the first
 - ``space``: arms that bend about two axes, with one effect, or none, or one from outside
+- ``others``: plants by other authors, clean, with one effect or two, or none, or one from outside (`hsr_pin.blind.others`)
 - ``real``: recordings of hardware with a cause withheld (`hsr_pin.blind.real`)
 - ``change``: two recordings of one messy arm, of which something is another in the second, or nothing
 """
@@ -19,8 +20,8 @@ from hsr_pin.blind.cases import INPUTS, MOUNTS, PAIR_SIZES, PROGRAMS, Case, Cont
 from hsr_pin.blind.plants.laws import CATALOGUE, FORMS, OUTSIDE, PARAMETERS
 from hsr_pin.errors import InputError
 
-#: Tiers that the plants record -> share of a check; the last only where it is asked for.
-TIERS: dict[str, float] = {"clean": 0.27, "messy": 0.53, "forms": 0.20, "space": 0.0}
+#: Tiers that the plants record -> share of a check; the last two only where they are asked for.
+TIERS: dict[str, float] = {"clean": 0.27, "messy": 0.53, "forms": 0.20, "space": 0.0, "others": 0.0}
 #: Kind of case -> share of its tier.
 MESSY_SHARES: dict[str, float] = {"single": 0.625, "none": 0.2, "outside": 0.175}
 CHANGE_SHARES: dict[str, float] = {"appears": 0.35, "grows": 0.2, "parameter": 0.2, "nothing": 0.25}
@@ -49,6 +50,10 @@ def plan(seed: int, counts: Mapping[str, int], programs: Sequence[str] = PROGRAM
             from hsr_pin.blind.in_space import plan_in_space
 
             cases += plan_in_space(np.random.default_rng([seed, place]), count)
+        elif count and tier == "others":
+            from hsr_pin.blind.others import plan_others
+
+            cases += plan_others(np.random.default_rng([seed, place]), count)
         elif count:
             rng = np.random.default_rng([seed, place])
             cases += _recorded(rng, tier, (_messy if tier == "messy" else _forms)(rng, count), programs)

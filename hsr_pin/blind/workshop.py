@@ -72,6 +72,10 @@ def build(case: Case, folder: Path, workshop: Workshop, attempt: int = 0) -> Ans
         from hsr_pin.blind.in_space import build_in_space
 
         return build_in_space(case, folder, workshop, attempt)
+    if case.tier == "others":
+        from hsr_pin.blind.others import build_other
+
+        return build_other(case, folder, attempt)
     return (_build_messy if case.tier == "messy" else _build_clean)(case, folder, workshop, attempt)
 
 

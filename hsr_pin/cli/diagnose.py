@@ -16,6 +16,7 @@ from hsr_pin.parallel import workers
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import Diagnosis
+    from hsr_pin.inference import Loss
 
 #: Stages beside the effects: reading, stiffness and damping, where.
 _OTHER_STAGES = 3
@@ -37,6 +38,7 @@ _EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
 @click.option("--jobs", type=click.IntRange(1, 1000), metavar="N", help="Processes.  [default: one per core]")
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers do it, in place of processes here.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the resampling: same seed, same answer.")
+@click.option("--loss", metavar="A=N,...", help="What a report gains or loses, as in wrong_name=-8 (see docs/evidence.md).")
 @click.option("--json", "json_file", metavar="FILE", help="Write the diagnosis for programs; - for standard output.")
 @click.option("--html", "html_file", metavar="FILE", help="Write a self-contained report.")
 @force_option
@@ -98,12 +100,20 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         for name in effects:  # before the recordings, which take longer
             effect_named(name)
     given = {name: options[name] for name in ("max_effects", "links", "seed")} | trials_from(options)
+    loss = loss_from(options)
     with workers(options["jobs"], options["cluster"]) as executor:
         recordings = read_dataset(dataset)
         from hsr_pin.diagnosis.diagnose import diagnose
 
         with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
-            return diagnose(recordings, effects=effects, **given, executor=executor, tell=tell, advance=advance)
+            return diagnose(recordings, effects=effects, loss=loss, **given, executor=executor, tell=tell, advance=advance)
+
+
+def loss_from(options: dict[str, Any]) -> Loss | None:
+    """The loss that was given; None for the usual one."""
+    from hsr_pin.inference import Loss
+
+    return None if options["loss"] is None else Loss.of(options["loss"])
 
 
 @contextmanager

@@ -53,7 +53,7 @@ def tell_since(dataset: str, options: dict[str, Any]) -> None:
 
 
 def _history(folders: list[str], options: dict[str, Any]) -> History:
-    from hsr_pin.cli.diagnose import progress
+    from hsr_pin.cli.diagnose import loss_from, progress
     from hsr_pin.diagnosis.change.history import history
     from hsr_pin.effects import effect_named
     from hsr_pin.recordings.read import read_dataset
@@ -68,9 +68,10 @@ def _history(folders: list[str], options: dict[str, Any]) -> History:
                 effect_named(name)
     sessions = [read_dataset(folder) for folder in folders]
     given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed", "delay")}
+    loss = loss_from(options)
     stages = options["max_effects"] + _STAGES * (len(sessions) - 1)
     with progress(stages) as (tell, advance):
-        return history(sessions, effects=effects, **given, tell=tell, advance=advance)
+        return history(sessions, effects=effects, loss=loss, **given, tell=tell, advance=advance)
 
 
 def _document(found: History) -> str:

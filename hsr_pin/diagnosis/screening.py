@@ -15,7 +15,7 @@ from hsr_pin.identification.fit import Fit
 from hsr_pin.identification.hypothesis import ARM
 from hsr_pin.trajectory import Array
 
-#: Quick fits beside the arm alone, and beside each of several models.
+#: The most promising proposals that get a quick fit beside the arm alone, and beside each of several models.
 _ALONE, _BESIDE = 12, 5
 #: Variants of one law that come before the variants of others.
 _VARIANTS = 3
@@ -31,19 +31,18 @@ def screened(proposals: Sequence[Proposal], *, alone: bool) -> list[Proposal]:
 
     Args:
         proposals: for adding a part to one model.
-        alone: whether that model is the arm alone: then the best law of every kind of physics is among them.
+        alone: whether that model is the arm alone: then every law is among them, in its most promising variant.
     """
-    enough = _ALONE if alone else _BESIDE
     ranked = _distinct(sorted(proposals, key=lambda each: -each.gain))
     if alone:  # damping hides what is late where it was fitted without any law
         ranked = sorted(_no_less_than_special_cases(ranked), key=lambda each: -each.gain)
     ranked = _of_many_laws(ranked)
-    chosen, kinds = ranked[:enough], set[str]()
+    chosen = ranked[: _ALONE if alone else _BESIDE]
+    laws = {each.hypothesis.parts[-1].name for each in chosen}
     for each in ranked if alone else ():
-        kind = each.hypothesis.parts[-1].kind
-        if kind not in kinds and each not in chosen:
+        if (name := each.hypothesis.parts[-1].name) not in laws:
             chosen.append(each)
-        kinds.add(kind)
+            laws.add(name)
     return chosen
 
 

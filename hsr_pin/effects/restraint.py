@@ -31,7 +31,7 @@ class Restraint(Effect):
     passive = True
 
     contact_stiffness: float = parameter(
-        0.0, lower=0.0, upper=1000.0, unit="N/m", scale=20.0, amplitude=True, description="of what holds it"
+        0.0, lower=0.0, upper=5000.0, unit="N/m", scale=20.0, amplitude=True, description="of what holds it"
     )
     distance: float = parameter(
         0.05,

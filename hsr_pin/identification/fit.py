@@ -17,6 +17,8 @@ from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
 _FULL, _QUICK = (1e-4, 25), (1e-2, 7)
+#: A value is on a bound that is nearer than this share of the way from bound to bound.
+_AT = 1e-3
 #: Searches in a fit at most, and the change [over the scales] that needs no other.
 _PASSES, _SETTLED = 4, 2e-2
 
@@ -80,7 +82,8 @@ class Fit:
         return tuple(
             fact.name
             for fact, value in zip(self.hypothesis.parameters, self.values, strict=True)
-            if min(value - fact.lower, fact.upper - value) < 1e-3 * fact.scale and abs(value - fact.neutral) > 1e-3 * fact.scale
+            if min(value - fact.lower, fact.upper - value) < _AT * (fact.upper - fact.lower)
+            and abs(value - fact.neutral) > _AT * fact.scale
         )
 
 

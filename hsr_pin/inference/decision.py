@@ -8,9 +8,11 @@ at once will want it dearer than whoever looks first.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import combinations
+from math import isfinite, nan
 
+from hsr_pin.errors import InputError, quoted
 from hsr_pin.inference.posterior import Names, Posterior
 
 #: Sets of causes that are looked at, the most probable first: what is less likely than all of these changes no report.
@@ -38,6 +40,32 @@ class Loss:
     wrong_name: float = -4.0
     none_right: float = -3.0
     wrong_kind: float = -2.0
+
+    @classmethod
+    def of(cls, text: str) -> Loss:
+        """From ``wrong_name=-8,part=0``: the entries that are given, the others as they are.
+
+        Raises:
+            InputError: an entry that there is not, or a value that is no finite number.
+        """
+        known = {fact.name for fact in fields(cls)}
+        given: dict[str, float] = {}
+        for item in filter(None, (part.strip() for part in text.split(","))):
+            name, _, value = (part.strip() for part in item.partition("="))
+            if name not in known:
+                raise InputError("loss", expected=f"entries among {', '.join(sorted(known))}", received=quoted(name))
+            given[name] = _finite(name, value)
+        return cls(**given)
+
+
+def _finite(name: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise InputError(f"loss {name}", expected=f"a number, as in {name}=-4", received=quoted(text))
+    return value
 
 
 @dataclass(frozen=True)

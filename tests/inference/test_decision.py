@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from hsr_pin.errors import InputError
 from hsr_pin.inference import Cause, Loss, Posterior, decide
 from tests.inference.fabricated import CURVE, FRICTION, LAG, MASS, model
 
@@ -55,6 +57,13 @@ def test_dearer_wrong_names_make_the_report_more_careful():
 def test_the_expected_gain_of_a_certain_report_is_that_of_the_table():
     report = decide(found(([], 10, 0.0), ([FRICTION], 0, 1.0)))
     assert report.gain == Loss().exact and report.probability == 1.0
+
+
+def test_a_loss_is_read_from_text_and_what_it_does_not_know_is_refused():
+    assert Loss.of("wrong_name=-8, part=0") == Loss(wrong_name=-8.0, part=0.0)
+    for text in ("wrong=-8", "wrong_name", "wrong_name=much", "wrong_name=inf"):
+        with pytest.raises(InputError, match="loss"):
+            Loss.of(text)
 
 
 def test_the_stated_probability_is_that_of_the_whole_report():

@@ -1,0 +1,68 @@
+"""Cases of plants by other authors: planned as those of the clean tier are, recorded by each plant in its own way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hsr_pin.blind.answers import Answer
+from hsr_pin.blind.cases import PAIR_SIZES, Case, Content, balanced, crossed, quotas
+from hsr_pin.blind.kinds import names_of
+from hsr_pin.blind.plants.others import NAMES, plant
+from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.errors import SimulationFailure
+
+#: Kind of case -> its share of the cases of a plant.
+SHARES: dict[str, float] = {"single": 0.56, "pair": 0.12, "none": 0.14, "outside": 0.18}
+#: Every so many cases the tracks are smoothed, as exports of motion capture are.
+SMOOTHED = 4
+
+
+def plan_others(rng: np.random.Generator, count: int) -> list[Case]:
+    """So many cases, as many of each plant."""
+    cases: list[Case] = []
+    for name, share in zip(NAMES, quotas(count, dict.fromkeys(NAMES, 1 / len(NAMES))).values(), strict=True):
+        for content, smooth in zip(_contents(rng, name, share), balanced(rng, range(SMOOTHED), share), strict=True):
+            program = "smoothed" if smooth == 0 else "as seen"
+            cases.append(Case("", *content, name, "", program, "tau", int(rng.integers(1 << 31)), "others"))
+    return cases
+
+
+def _contents(rng: np.random.Generator, name: str, count: int) -> list[Content]:
+    number, own = quotas(count, SHARES), plant(name)
+    found: list[Content] = [("none", (), ())] * number["none"]
+    for kind, laws in (("single", own.CATALOGUE), ("outside", own.OUTSIDE)):
+        found += [(kind, (law,), (size,)) for law, size in crossed(rng, list(laws), number[kind], tuple(SIZES))]
+    for _ in range(number["pair"]):
+        laws = rng.choice(list(own.CATALOGUE), 2, replace=False)
+        found.append(("pair", tuple(map(str, laws)), tuple(str(rng.choice(PAIR_SIZES)) for _ in laws)))
+    return found
+
+
+def build_other(case: Case, folder: Path, attempt: int) -> Answer:
+    """Write the recording of a case into a new folder.
+
+    Raises:
+        SimulationFailure: a law cannot be as strong as it should.
+    """
+    own = plant(case.plant)
+    laws = list(zip(case.effects, case.sizes, strict=True))
+    try:
+        truth: dict[str, Any] = own.record(folder, case.seed + attempt, laws, smooth=case.program == "smoothed")
+    except ValueError as error:
+        raise SimulationFailure(f"{case.name}: {error}", None) from error
+    kinds = own.CATALOGUE | own.OUTSIDE
+    size = case.sizes[0] if len(case.sizes) == 1 else ""
+    facts = {"plant": case.plant, "program": case.program, "seed": case.seed, "sizes": list(case.sizes), "truth": truth}
+    return Answer(
+        case.name,
+        case.kind,
+        case.effects,
+        size,
+        facts,
+        case.tier,
+        tuple(map(names_of, case.effects)),
+        tuple(tuple(kinds[effect]) for effect in case.effects),
+    )
