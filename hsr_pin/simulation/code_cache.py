@@ -8,6 +8,8 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
+_SAID: set[str] = set()
+
 
 def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options: Any) -> tuple[Any, bool]:
     """A function through one of numba's decorators, and whether its machine code is kept: not where there is no folder for it."""
@@ -46,7 +48,7 @@ def _kind() -> Any:
             try:
                 return super().load_overload(signature, context)
             except Exception:  # whatever becomes of bytes that are no pickle
-                _say(f"the machine code kept in {self.cache_path} is damaged, and is made anew")
+                _say("damaged", f"the machine code kept in {self.cache_path} is damaged, and is made anew")
                 with suppress(OSError):
                     self.flush()
                 return None
@@ -58,12 +60,13 @@ def _kind() -> Any:
                 reason = (
                     f"cannot keep machine code in {self.cache_path} ({error.strerror or error}), and makes it in every process"
                 )
-                _say(f"{reason}: make room there, or name another folder as NUMBA_CACHE_DIR")
+                _say("full", f"{reason}: make room there, or name another folder as NUMBA_CACHE_DIR")
 
     return LenientCache
 
 
-@cache
-def _say(sentence: str) -> None:
-    """On standard error; each sentence once in a process."""
-    print(f"hsr_pin: {sentence}", file=sys.stderr, flush=True)
+def _say(trouble: str, sentence: str) -> None:
+    """On standard error; of each trouble once in a process, wherever else it is met."""
+    if trouble not in _SAID:
+        _SAID.add(trouble)
+        print(f"hsr_pin: {sentence}", file=sys.stderr, flush=True)

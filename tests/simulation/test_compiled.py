@@ -117,8 +117,7 @@ def test_a_damaged_cache_is_told_once_and_made_anew(installation, damage, part):
             path.write_bytes({"empty index": b"", "no pickle": b"\0no pickle" * 9}.get(damage, content[: len(content) // 2]))
     found, said = installation.run(part)
     assert not found["law"] and found["address"]
-    assert said.count("is damaged, and is made anew") >= 1
-    assert len(set(said.splitlines())) == len(said.splitlines())
+    assert said.count("is damaged, and is made anew") == 1
     again, silent = installation.run(part)
     if damage == "a folder":  # which stands in the way for good
         assert "cannot keep machine code in" in silent
@@ -132,9 +131,8 @@ def test_a_full_disk_is_told_once_and_what_was_written_is_mended(installation, p
     found, said = installation.run(part, limit=1000)
     assert found["address"]
     (line,) = [line for line in said.splitlines() if "compiling" not in line]
-    folder = installation.folder / "hsr_pin" / ("effects" if part == "law" else "simulation") / "__pycache__"
-    if part == "law":
-        assert line.startswith(f"hsr_pin: cannot keep machine code in {folder} (File too large), and makes it in every process")
+    folder = installation.folder / "hsr_pin" / "effects" / "__pycache__"  # of the law, which is compiled first
+    assert line.startswith(f"hsr_pin: cannot keep machine code in {folder} (File too large), and makes it in every process")
     assert line.endswith("make room there, or name another folder as NUMBA_CACHE_DIR")
     assert [installation.run(part)[0]["law"] for _ in range(2)] == [False, True]
 
