@@ -43,11 +43,13 @@ _OF: dict[str, tuple[str, ...]] = {
     "marker_offset": ("measurement",),
     "markers_beside": ("measurement",),
     "marker_slip": ("measurement",),
+    "partial_lag": ("actuation_time",),
     "partial_bias": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "preset_bend": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
     "restraint": ("contact",),
+    "ringing_drive": ("actuation_time",),
     "side_force": ("contact",),
     "resting_place": ("actuation_map", "friction"),
     "skew_plane": ("measurement", "actuation_map"),  # leaves the plane: muscles askew, or cameras
@@ -85,6 +87,7 @@ _OF: dict[str, tuple[str, ...]] = {
     "torque_profile": ("actuation_map",),
     # Plain parameters.
     "damping_scale": ("damping",),
+    "gain_drift": ("actuation_map",),
     "keq_drift": ("elastic", "creep"),
     "keq_scale": ("elastic",),
     "mass_scale": ("mass_gravity",),
@@ -121,7 +124,7 @@ FLEXIBLE = (
 )
 
 #: Of the arm itself: not effects, and no names in a verdict on one recording.
-PLAIN = ("damping_scale", "keq_drift", "keq_scale", "mass_scale", "torque_gain")
+PLAIN = ("damping_scale", "gain_drift", "keq_drift", "keq_scale", "mass_scale", "torque_gain")
 
 
 def kinds_of(law: str) -> tuple[str, ...]:

@@ -42,20 +42,21 @@ def _contents(rng: np.random.Generator, name: str, count: int) -> list[Content]:
 
 
 def build_other(case: Case, folder: Path, attempt: int) -> Answer:
-    """Write the recording of a case into a new folder.
+    """Write the recording of a case into a new folder; a law that cannot be as strong as it should is smaller at later attempts.
 
     Raises:
         SimulationFailure: a law cannot be as strong as it should.
     """
-    own = plant(case.plant)
-    laws = list(zip(case.effects, case.sizes, strict=True))
+    own, steps = plant(case.plant), list(SIZES)
+    sizes = tuple(steps[max(0, steps.index(size) - max(0, attempt - 1))] for size in case.sizes)
+    laws = list(zip(case.effects, sizes, strict=True))
     try:
         truth: dict[str, Any] = own.record(folder, case.seed + attempt, laws, smooth=case.program == "smoothed")
     except ValueError as error:
         raise SimulationFailure(f"{case.name}: {error}", None) from error
     kinds = own.CATALOGUE | own.OUTSIDE
-    size = case.sizes[0] if len(case.sizes) == 1 else ""
-    facts = {"plant": case.plant, "program": case.program, "seed": case.seed, "sizes": list(case.sizes), "truth": truth}
+    size = sizes[0] if len(sizes) == 1 else ""
+    facts = {"plant": case.plant, "program": case.program, "seed": case.seed, "sizes": list(sizes), "truth": truth}
     return Answer(
         case.name,
         case.kind,

@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.resampling import squares
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import ARM, Hypothesis
 from hsr_pin.identification.misfit import floor
 from hsr_pin.inference import Cause, Data, Model
 from hsr_pin.inference.model import information
@@ -71,7 +71,8 @@ class Candidate:
 def key_of(hypothesis: Hypothesis) -> Key:
     """What a hypothesis has beside stiffness and damping, in which variant."""
     readings = tuple(sorted((part.reading for part in hypothesis.parts), key=repr))
-    return readings + tuple((name,) for name in hypothesis.free if "@" in name and "." not in name)
+    of_arm = tuple((name,) for name in hypothesis.free if name.partition("@")[0] in ARM and "@" in name)
+    return readings + of_arm
 
 
 def data_of(experiment: Experiment, unrepeatable: float) -> Data:

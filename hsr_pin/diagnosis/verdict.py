@@ -22,6 +22,7 @@ _IN_WORDS = {
     "torque_gain": "another gain of the torque (torque_gain)",
     "mass_scale": "another mass (mass_scale)",
     "keq_drift": "a stiffness that changes over the session (keq_drift)",
+    "gain_drift": "a gain of the torque that changes over the session (gain_drift)",
 }
 
 

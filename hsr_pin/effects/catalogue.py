@@ -21,9 +21,11 @@ from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.marker_slip import MarkerSlip
 from hsr_pin.effects.partial_bias import PartialBias
+from hsr_pin.effects.partial_lag import PartialLag
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.restraint import Restraint
+from hsr_pin.effects.ringing_drive import RingingDrive
 from hsr_pin.effects.side_force import SideForce
 from hsr_pin.effects.soft_spot import SoftSpot
 from hsr_pin.effects.spatial import SPATIAL
@@ -54,6 +56,8 @@ EFFECTS: dict[str, type[Effect]] = {
         DampingGradient,
         ActuatorLag,
         UnequalLag,
+        PartialLag,
+        RingingDrive,
         DeadTime,
         TorqueBias,
         PartialBias,

@@ -16,7 +16,8 @@ class MarkerSlip(Effect):
     """p_seen = p + slip w(s) t, t along the backbone towards the tip: to first order in the slip, exact on a straight link.
 
     ``which`` "outward": w = s, a marker's share of the way to the outermost one, as if a sleeve that carries them had slid;
-    "between": w = 4 s (1 - s), the outermost is where it should be, as if the others had been read off wrongly.
+    "between": w = 4 s (1 - s), the outermost is where it should be, as if the others had been read off wrongly; "all": w = 1, as
+    if all had been measured from another place than the base.
     """
 
     name = "marker_slip"
@@ -33,11 +34,11 @@ class MarkerSlip(Effect):
         unit="m",
         scale=0.005,
         amplitude=True,
-        description="towards the tip, of the outermost marker or of one in the middle",
+        description="towards the tip, of the outermost marker, of one in the middle, or of all",
     )
-    which: str = option("outward", "between", description="which markers are off")
+    which: str = option("outward", "between", "all", description="which markers are off")
 
     def observe(self, view: View) -> Array:
         share = view.arc_lengths / np.max(view.arc_lengths, axis=-1, keepdims=True)
-        weight = 4 * share * (1 - share) if self.which == "between" else share
+        weight = {"outward": share, "between": 4 * share * (1 - share), "all": np.ones_like(share)}[self.which]
         return np.asarray(view.positions + (np.asarray(self.slip)[..., None] * weight)[..., None] * view.tangents)

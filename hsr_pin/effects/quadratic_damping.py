@@ -33,7 +33,7 @@ class QuadraticDamping(Effect):
     coefficient: float = parameter(
         0.0,
         lower=0.0,
-        upper=0.1,
+        upper=2.0,
         unit="Nm s^2/rad^2",
         scale=0.005,
         amplitude=True,

@@ -84,6 +84,8 @@ def _model(document: dict[str, Any], declared: dict[str, Any], keq: float | None
     if "keq_drift" in values:
         scaled["keq"] *= 1 + values["keq_drift"]
         origin = (*origin, "the stiffness is that of the last trial: it changed over the session (keq_drift)")
+    if "gain_drift" in values:
+        origin = (*origin, "the gain of the torque is that of the last trial: it changed over the session (gain_drift)")
     told: tuple[str, ...] = (
         f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted",
     )
@@ -92,7 +94,7 @@ def _model(document: dict[str, Any], declared: dict[str, Any], keq: float | None
     return CorrectedModel(
         replace(arm, **{**scaled, **changes}),
         effects,
-        _factor(values, "torque_gain", arm.keq),
+        _factor(values, "torque_gain", arm.keq) * (1 + values.get("gain_drift", 0.0)),
         tuple(Marker(row["name"], **_floats({"radius": 0.0, "angle": 0.0, **row}, *_PLACE)) for row in declared["markers"]),
         origin=(*origin, *told),
     )

@@ -36,15 +36,18 @@ ARM = {
 #: Those that are factors on a number of the arm.
 _FACTORS = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
 #: Of the session: by how much the arm's stiffness differs in the last trial from the first (L. Mullins, Rubber Chem. Technol. 42,
-#: 1969), and after what part of the session most of that has come.
+#: 1969), and after what part of the session most of that has come; and by how much the torque does, evenly.
 SESSION = {
     "keq_drift": Parameter("keq_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "stiffness gained from the first trial to the last"),
     "keq_drift.settling": Parameter(
         "keq_drift.settling", "1", 0.5, 0.05, 5.0, 0.2, False, "part of the session over which it is gained"
     ),
+    "gain_drift": Parameter("gain_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "torque gained from the first trial to the last"),
 }
+#: Open number of the arm -> by what it changes over the session.
+_DRIFTS = {"keq_scale": "keq_drift", "torque_gain": "gain_drift"}
 #: Candidates beside the effects, which stiffness and damping leave open, and the kind of physics that each belongs to.
-PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drift": "elastic"}
+PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drift": "elastic", "gain_drift": "actuation_map"}
 #: Those that are the same in every trial.
 ACTING = tuple(name for name in PLAIN if name not in SESSION)
 #: Trials from which on a change over the session may be asked for.
@@ -264,13 +267,15 @@ class Hypothesis:
         """(C,) the value of an open number of the arm in a run, for values (C, P); 1 where it is not open."""
         columns = [k for k, name in enumerate(self.free) if name.partition("@")[0] == base and self.acts(name, run)]
         factor = values[:, columns[0]] if columns else np.ones(len(values))
-        if base == "keq_scale" and "keq_drift" in self.free:
-            factor = factor * (1 + values[:, self.free.index("keq_drift")] * self._gone(run, values))
+        if (drift := _DRIFTS.get(base)) in self.free:
+            factor = factor * (1 + values[:, self.free.index(str(drift))] * self._gone(str(drift), run, values))
         return factor
 
-    def _gone(self, run: Run, values: Array) -> Array:
-        """(C,) how much of what changes over the session has come in a run."""
-        name = "keq_drift.settling"
+    def _gone(self, drift: str, run: Run, values: Array) -> Array:
+        """(C,) how much of what changes over the session has come in a run: evenly, or settling."""
+        name = f"{drift}.settling"
+        if name not in SESSION:
+            return np.full(len(values), run.place)
         settling = values[:, self.free.index(name)] if name in self.free else SESSION[name].neutral
         return np.asarray(np.expm1(-run.place / settling) / np.expm1(-1 / settling))
 

@@ -166,7 +166,7 @@ def test_the_ladder_is_told_on_the_trials_that_are_set_aside(recordings, capsys)
     assert run(command, [str(recordings), *arguments]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["verdict"]["effects"] == ["tip_mass"]
-    assert "the ladder is told on trials to which nothing was fitted: trial_03, trial_04" in document["notes"]
+    assert "the ladder uses trials to which nothing was fitted: trial_03, trial_04" in document["notes"]
     assert [part["label"] for part in document["where"]["trials"]["bins"]] == ["trial_01", "trial_02"]
 
 

@@ -412,3 +412,38 @@ def test_a_partial_bias_is_there_beyond_its_start_half_there_at_it_and_not_befor
     for place, share in ((0.1, 0.0), (0.55, 1 / (1 + math.e)), (0.6, 0.5), (0.95, 1.0)):
         bending = Bending(np.array([-0.4, 0.0, 0.7]), 2.0, KEQ, 1.0, place, ())
         np.testing.assert_allclose(law.moment(law.p, bending), -0.3 * share, rtol=0, atol=0.3 * 1e-3)
+
+
+@pytest.mark.parametrize("at", [1.0, 0.75, 0.5, 0.3])
+def test_a_side_force_bends_the_arm_up_to_where_it_acts_and_no_further(at):
+    """Against F (s - s') of a nearly straight arm of length L, in the limit of many links."""
+    links, length = 64, 0.24
+    arm = ArmSpecification(links=links, placement="mid", keq=KEQ)
+    force = parse_effect(f"side_force:force=0.01,at={at}")
+    columns = Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(np.zeros(links)), (force,))])
+    system, resisting = columns.pinocchio("aba"), np.zeros((1, links))
+    reference.resist(system, np.zeros((1, links)), np.zeros((1, links)), np.zeros((0, 1, links)), resisting)
+    places = (np.arange(links) + 0.5) / links
+    assert -resisting[0] == pytest.approx(0.01 * length * np.maximum(at - places, 0.0), abs=1e-12)
+
+
+def test_a_drive_rings_with_its_period_and_its_damping_ratio():
+    law = parse_effect("ringing_drive:period=0.2,damping_ratio=0.15")
+    step, memory, seen = 0.001, (0.0, 0.0, 0.0), []
+    for _ in range(600):
+        mean, memory = law.respond(law.p, 1.0, memory, step, KEQ)
+        seen.append(mean)
+    w, zeta, t = 2 * math.pi / 0.2, 0.15, (np.arange(600) + 0.5) * step
+    wd = w * math.sqrt(1 - zeta**2)
+    closed = 1 - np.exp(-zeta * w * t) * (np.cos(wd * t) + zeta * w / wd * np.sin(wd * t))
+    np.testing.assert_allclose(seen, closed, atol=2e-4)
+    plain = parse_effect("ringing_drive:period=0")
+    assert plain.respond(plain.p, 0.7, (0.1, 0.1, 0.1), 0.01, KEQ)[0] == 0.7
+
+
+def test_of_a_partial_lag_a_share_comes_at_once():
+    law = parse_effect("partial_lag:time_constant=0.1,at_once=0.25")
+    mean, _ = law.respond(law.p, 1.0, (0.0,), 1e-6, KEQ)
+    assert mean == pytest.approx(0.25, abs=1e-4)
+    mean, _ = law.respond(law.p, 1.0, (0.0,), 100.0, KEQ)
+    assert mean == pytest.approx(1.0, abs=1e-3)

@@ -129,11 +129,11 @@ class Found:
     def posterior(self) -> Posterior:
         """Over all changes that move the markers by what can be reported, and that nothing has changed."""
         least = min([self.nothing, *(fitted.square for fitted, _ in self.fits)])
-        expected = float(self.data.count) * self._noisier
+        expected = len(self.frame.seen) * self._noisier
         floor = max(0.0, least - expected)  # left by all, beyond what noise leaves
 
         def misfit(square: float) -> float:
-            return (square - least + floor) / self.data.count
+            return max(0.0, (square - least + floor) / self.data.count - self.data.scatter)
 
         models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
         seen: dict[int, Suspect | None] = {id(models[0]): None}

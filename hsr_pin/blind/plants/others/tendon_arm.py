@@ -5,7 +5,7 @@ the segment ends (the first is the base, on a very stiff spring unless a law fre
 Lagrange's equations: with two Gauss points a segment, the kinetic energy is a constant matrix times cosines of angle differences.  A
 tendon runs straight from disc to disc, so over a gap it shortens by radius * bend and, to leading order, gap * bend^2 / 24; tension
 times the derivative of the length loads every segment (Camarillo et al. 2008, Rucker and Webster 2011).  A winch obeys rotor * x'' +
-drag * x' = asked tension - tension; a tendon is a one-sided spring with a little loss.  A commanded torque is asked as pretension +-
+drag * x' = asked tension - tension; a tendon is a one-sided spring.  A commanded torque is asked as pretension +-
 torque / (2 radius).  Steps are BDF2 with Newton iterations; long Euler steps settle the arm before a trial.
 
 Nuisances of every arm: the chord term, winches that resist back-driving and follow within about a millisecond, discs with lumped mass
@@ -45,7 +45,7 @@ class Plant(SimpleNamespace):
     Hysteretic elements (segment, element): rub (Nm), tied (the same relative to the segment's stiffness, rad), give (bend scale, rad),
     shape (per element, 0 exponential, 1 spring and slider).  Maxwell branches: branch (stiffness relative to the backbone), relax (s).
     stiff: (b, w) of the moment k e (1 + b (e / 0.6 rad of the whole arm)^2)^w.  quad: Nm (s/rad)^w of the whole arm, and w.  winch:
-    N/m and N s/m of the tendon, reflected rotor in kg, N s/m while taut and while slack, slack in m that is paid out at most.
+    N/m of the tendon, reflected rotor in kg, N s/m while taut and while slack, slack in m that is paid out at most.
     capstan: friction, wrap at rest per disc in rad, sliding in m until it is full.  cog: N of ripple, m of tendon per radian of it.
     base: inertia, damping, stiffness and rest angle of its rocking.  side: constant force across the tip, stiffness, place and sense (0
     is both) of a restraint.  filters: numerators and denominators in s that the asked tension passes.  uneven: lags (s) of a rising and
@@ -59,7 +59,7 @@ def _plant(rng: np.random.Generator, n: int = DISCS) -> Plant:
     return Plant(
         n=n, upright=bool(rng.random() < 0.5), k=zero + 1, c=zero + 1, preset=zero + rng.uniform(-5e-4, 5e-4) / n, play=zero, low=zero - 9,
         high=zero + 9, a=zero + RADIUS, rub=np.zeros((n, 5)), tied=np.zeros((n, 5)), give=np.ones((n, 5)), shape=(0, 0, 0, 0, 0),
-        branch=(0.0,), relax=(1.0,), stiff=(0.0, 1.0), quad=(0.0, 2.0), winch=(1e4, 2.0, 0.002, 2.0, 2.0, 0.002), capstan=(0.0, 0.0, 5e-5),
+        branch=(0.0,), relax=(1.0,), stiff=(0.0, 1.0), quad=(0.0, 2.0), winch=(1e4, 0.002, 3.0, 3.0, 0.002), capstan=(0.0, 0.0, 5e-5),
         cog=(0.0, 1.0), base=(1e-3, 0.0, 1e6, 0.0), side=(0.0, 0.0, 0.0, 0.0), length=LENGTH, mass=MASS, tip_mass=0.0, tilt=0.0,
         pretension=PRETENSION, delay=0.0, filters=(), uneven=(), bias=0.0, warp=None, gain=None, scale=1.0,
         markers=np.append(inner, LENGTH), offset=np.zeros(below + 1))
@@ -81,7 +81,7 @@ def _arm(p: Plant, keq: float, damping: float) -> Arm:
     m = np.concatenate([np.full(240, (1 - DISC_SHARE) * p.mass / 240), DISC_SHARE * p.mass * disc, [p.tip_mass]])
     here, following, lever = np.eye(n, n + 3), np.eye(n, n + 3, 1), _levers(n, p.length, s)
     at = np.kron(here, 1 - XI[:, None]) + np.kron(following, XI[:, None])
-    lumps = np.r_[p.base[0], np.full(n, p.mass * (DIAMETER / 2) ** 2 / 4 / n), p.winch[2], p.winch[2]]
+    lumps = np.r_[p.base[0], np.full(n, p.mass * (DIAMETER / 2) ** 2 / 4 / n), p.winch[1], p.winch[1]]
     own = dict(h=h, inertia=lever.T @ (m[:, None] * lever), first=m @ lever, tip=lever[-1].copy(), lumps=lumps, at=at,
                nodes=at.T.copy(), bends=following - here, k=k, c=n * damping * p.c, rub=p.rub + p.tied * k[:, None],
                chord=p.length / DISCS * n / DISCS, gx=GRAVITY * math.sin(p.tilt), ga=GRAVITY * math.cos(p.tilt) * (1 - 2 * p.upright))
@@ -120,12 +120,12 @@ def _residual(p, y, v, acc, y1, sig1, mx1, cap1, ask, hold, ex, fac, a0, live, s
         mx[:, q] = ex[q] * mx1[:, q] + p.k * p.branch[q] * fac[q] * gone
         m += mx[:, q]
         slope[:n] += p.k * p.branch[q] * fac[q]
-    kt, loss, _, taut, loose, slack = p.winch
+    kt, _, taut, loose, slack = p.winch
     drive, ratio, tied = np.zeros(2), np.ones(n), np.zeros((n, n))
     for j in range(2):
         arm = (1.0 - 2.0 * j) * p.a                        # tendon taken in per radian of each segment
         wound = y[n + 1 + j] - np.sum(arm * bend + p.chord * bend * bend / 24.0)
-        speed, turn = v[n + 1 + j] - np.sum((arm + p.chord * bend / 12.0) * rate), y[n + 1 + j] / p.cog[1] + 0.7 + 2.0 * j
+        turn = y[n + 1 + j] / p.cog[1] + 0.7 + 2.0 * j
         if p.capstan[0] > 0.0:                             # Euler and Eytelwein at every disc, a Dahl state for the sense of sliding
             slid, r, f = np.sum(arm * gone), 1.0, np.zeros(n)
             for i in range(n):
@@ -138,12 +138,12 @@ def _residual(p, y, v, acc, y1, sig1, mx1, cap1, ask, hold, ex, fac, a0, live, s
                 slid -= arm[i] * gone[i]
             for i in range(n):
                 tied[i] += ask[j] * ratio[i] * arm[i] * arm * np.minimum(f, f[i])
-        pull = max(0.0, (kt * wound + loss * speed) / np.mean(ratio)) if wound > 0.0 else 0.0
+        pull = kt * max(0.0, wound) / np.mean(ratio)
         m -= pull * ratio * (arm + p.chord * bend / 12.0)
         drag = taut + (loose - taut) * min(1.0, max(0.0, -wound / 5e-4))  # half a millimetre of slack frees the winch
         drive[j] = drag * v[n + 1 + j] + pull - ask[j] + kt * min(0.0, wound + slack) - p.cog[0] * math.sin(turn)
         slope[n + j] = a0 * drag - p.cog[0] / p.cog[1] * math.cos(turn)
-        slope[n + 2 + j] = kt + a0 * loss if wound > 0.0 or wound < -slack else 0.0
+        slope[n + 2 + j] = kt if wound > 0.0 or wound < -slack else 0.0
     res = p.nodes @ tq + m @ p.bends + p.lumps * acc
     res[0] += p.base[1] * v[0] + p.base[2] * (y[0] - p.base[3])
     res[n + 1:] += drive
@@ -297,7 +297,7 @@ def _ring(p: Plant, d: Draw) -> dict:
     w, heavy = 2 * math.pi / d.x, p.winch[0] * (d.x / (2 * math.pi)) ** 2
     drag = 2 * (0.05 + 0.1 * d.r) * math.sqrt(p.winch[0] * heavy)
     return d.pick({"filters": p.filters + (([w * w], [1, 2 * (0.1 + 0.15 * d.r) * w, w * w]),)},
-                  {"winch": p.winch[:2] + (heavy, drag, drag, p.winch[5])})
+                  {"winch": (p.winch[0], heavy, drag, drag, p.winch[4])})
 
 # Every law: the kinds that describe it, the strength where the search starts and the largest, what it changes in the plant.
 LAWS: dict[str, tuple[str, float, float, Callable[[Plant, Draw], dict]]] = {
@@ -348,7 +348,7 @@ LAWS: dict[str, tuple[str, float, float, Callable[[Plant, Draw], dict]]] = {
     "ringing_servo": ("actuation_time", 0.1, 0.6, _ring),
     # Pretension is lost, and slow winches pay out slack and have to wind it up.  The mount rocks; the winches ride on it.
     "slack_tendon": ("actuation_map actuation_time", 0.7, 1, lambda p, d: {
-        "pretension": p.pretension * (1 - d.x), "winch": p.winch[:4] + (250 + 250 * d.q, 0.004 + 0.004 * d.r)}),
+        "pretension": p.pretension * (1 - d.x), "winch": p.winch[:3] + (250 + 250 * d.q, 0.004 + 0.004 * d.r)}),
     "base_on_springs": ("mass_gravity elastic", 0.2, 3, lambda p, d: {
         "base": (0.002, (0.002 + 0.004 * d.r) / math.sqrt(d.x), 3 / d.x, p.base[3])}),
     # The torque per command changes over the trials, steadily or as a motor warms.  The torque ripples with the winch's angle.

@@ -12,6 +12,7 @@ A law's gap is measured on the arm that has this law alone, also when several ar
 """
 from __future__ import annotations
 import copy
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,6 +21,8 @@ import numpy as np
 from numba import njit
 from scipy.signal import butter, filtfilt, savgol_filter
 
+_LOADED_AS, __name__ = __name__, "valve_arm"                # One name for numba's cache, however this module was loaded.
+sys.modules.setdefault(__name__, sys.modules.get(_LOADED_AS) or type(sys)(__name__))
 LENGTH, MASS, DIAMETER, GRAVITY = 0.24, 0.15, 0.04, 9.81    # m, kg, m, m/s^2
 GEAR = 1 / 1.5e5                                            # N m per Pa: muscle area times lever arm, 1.5 bar for 1 N m.
 BAR, SUPPLY, ATMOSPHERE, POLYTROPIC = 1e5, 6e5, 1e5, 1.2    # Pa, Pa, Pa, exponent of the gas
@@ -32,7 +35,6 @@ SCALARS = np.dtype([(name, "f8") for name in (
     "cool_share cool_time line_time pressure_stiff restraint_form restraint_k restraint_x stretch stretch_pressure").split()]
     + [("share", "f8", 3), ("relax", "f8", 3), ("slip_k", "f8", 4), ("slip_y", "f8", 4)])
 
-# ---------------------------------------------------------------- the rod and its laws, compiled
 @njit(cache=True)
 def _section(a, sec, kappa, rate, old, new, h, settle, stiff):
     """Return a section's moment [N m], stiffness [N m^2] and viscosity [N m^2 s]; write its new inner state."""
@@ -202,7 +204,6 @@ def mesh(elements: int, points: tuple[float, ...]) -> tuple[np.ndarray, ...]:
 
 class Arm:
     """An arm with its laws: scalars, a row of constants per Gauss point, and how the camera sees the markers."""
-
     def __init__(self, hanging: bool, places: Sequence[float], elements: int = 5) -> None:
         s, w = mesh(elements, ())[0][:-2], mesh(elements, ())[1]
         one, self.up, self.elements = np.ones(len(s)), 1.0 if hanging else -1.0, elements
@@ -416,9 +417,8 @@ def record(folder: Path, seed: int, laws: Sequence[tuple[str, str]], *, smooth: 
     folder.mkdir(parents=True, exist_ok=True)
     text = [f'format = 1\nname = "valve-arm-{seed}"\ndescription = "The torque of a row holds until the next row."\n\n[robot]',
             f'length = {LENGTH}\nmass = {MASS}\ndiameter = {DIAMETER}\nmount = "{"hanging" if hanging else "upright"}"\ndamping = {damping}']
-    names = [*(f"m{i + 1}" for i in range(len(inner))), "tip"]
+    names, cut = [*(f"m{i + 1}" for i in range(len(inner))), "tip"], rng.uniform(6, 12)     # Hz
     text += [f'\n[[marker]]\nname = "{name}"\narc_length = {place}' for name, place in zip(names, places)]
-    cut = rng.uniform(6, 12)                                # Hz
     for number, trial in enumerate(trials, 1):
         flat = arm.see(trial, trial.keq * factors[0], damping * factors[1], FINE)
         tracks = np.stack([flat[..., 0], 0 * flat[..., 0], flat[..., 1]], axis=2).reshape(len(flat), -1)
@@ -434,7 +434,7 @@ def record(folder: Path, seed: int, laws: Sequence[tuple[str, str]], *, smooth: 
     (folder / "dataset.toml").write_text("\n".join(text) + "\n")
     return {"laws": told, "keq_factor": float(factors[0]), "damping_factor": float(factors[1]), "noise_mm": noise * 1e3, "smooth": smooth}
 
-if __name__ == "__main__":                                  # The self-check.
+if _LOADED_AS == "__main__":                                  # The self-check.
     time, (_, w, shape, turn, place) = np.arange(300) / 100.0, mesh(5, ())
     jump = Trial(time, np.where(time < 0.2, 0.0, np.where(time < 1.5, 0.7, -0.7)), 0 * time, 1.3)
     exact = Arm(False, [LENGTH], 20).see(jump, 1.3, 0.05, 2.5e-4)
