@@ -12,6 +12,7 @@ from hsr_pin.blind.cases import PAIR_SIZES, Case, Content, balanced, crossed, qu
 from hsr_pin.blind.kinds import names_of
 from hsr_pin.blind.plants.others import NAMES, plant
 from hsr_pin.blind.plants.scaling import SIZES
+from hsr_pin.blind.workshop import DRAWS
 from hsr_pin.errors import SimulationFailure
 
 #: Kind of case -> its share of the cases of a plant.
@@ -50,20 +51,23 @@ def build_other(case: Case, folder: Path, attempt: int) -> Answer:
     own, steps = plant(case.plant), list(SIZES)
     sizes = tuple(steps[max(0, steps.index(size) - max(0, attempt - 1))] for size in case.sizes)
     laws = list(zip(case.effects, sizes, strict=True))
+    if attempt == DRAWS - 1:  # of two that do not go together, one
+        laws, sizes = laws[:1], sizes[:1]
     try:
         truth: dict[str, Any] = own.record(folder, case.seed + attempt, laws, smooth=case.program == "smoothed")
     except ValueError as error:
         raise SimulationFailure(f"{case.name}: {error}", None) from error
+    effects = tuple(name for name, _ in laws)
     kinds = own.CATALOGUE | own.OUTSIDE
     size = sizes[0] if len(sizes) == 1 else ""
     facts = {"plant": case.plant, "program": case.program, "seed": case.seed, "sizes": list(sizes), "truth": truth}
     return Answer(
         case.name,
-        case.kind,
-        case.effects,
+        case.kind if len(effects) == len(case.effects) else "single",
+        effects,
         size,
         facts,
         case.tier,
-        tuple(map(names_of, case.effects)),
-        tuple(tuple(kinds[effect]) for effect in case.effects),
+        tuple(map(names_of, effects)),
+        tuple(tuple(kinds[effect]) for effect in effects),
     )

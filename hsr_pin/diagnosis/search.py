@@ -94,6 +94,7 @@ class _State:
     data: Data
     calibration: Calibration
     fitted: dict[Key, Candidate] = field(default_factory=dict)
+    proposed: dict[tuple[Key, tuple[object, ...]], Proposal] = field(default_factory=dict)
     expanded: set[Key] = field(default_factory=set)
     varied: set[Key] = field(default_factory=set)
 
@@ -103,6 +104,15 @@ class _State:
             known = self.fitted.get(each.key)
             if known is None or self.evidence(each) > self.evidence(known):
                 self.fitted[each.key] = each
+
+    def propose(self, asked: Sequence[tuple[Candidate, Sequence[Part]]], pool: FitPool) -> list[list[Proposal]]:
+        """Proposals for adding parts to models; each is made once."""
+        open_ = [(base, [p for p in parts if (base.key, p.reading) not in self.proposed]) for base, parts in asked]
+        new = [each for each in open_ if each[1]]
+        for (base, parts), found in zip(new, pool.propose(new), strict=True):
+            made = {each.hypothesis.parts[-1].reading: each for each in found}
+            self.proposed |= {(base.key, part.reading): made[part.reading] for part in parts if part.reading in made}
+        return [[self.proposed[key] for p in parts if (key := (base.key, p.reading)) in self.proposed] for base, parts in asked]
 
     def evidence(self, candidate: Candidate) -> float:
         return log_evidence(candidate.model, self.data, self.calibration)
@@ -208,7 +218,7 @@ def _targets(state: _State, max_effects: int) -> list[Candidate]:
 
 def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool, state: _State) -> list[Candidate]:
     """Full fits of the best models with one part more than the targets."""
-    asked = pool.propose([(each, [part for part in parts if part.name not in each.names]) for each in targets])
+    asked = state.propose([(each, [part for part in parts if part.name not in each.names]) for each in targets], pool)
     tasks: dict[Key, tuple[Fit, Proposal]] = {}
     for base, proposals in zip(targets, asked, strict=True):
         for proposal in screened(proposals, alone=not base.names):
@@ -256,7 +266,7 @@ def _varied(models: Sequence[Candidate], parts: Sequence[Part], pool: FitPool, s
             if base is not None and relatives:
                 asked.append((base, relatives))
     new: list[Fit] = []
-    for (base, _), proposals in zip(asked, pool.propose(asked), strict=True):
+    for (base, _), proposals in zip(asked, state.propose(asked, pool), strict=True):
         tasks = [(base.fit, each) for each in proposals if key_of(each.hypothesis) not in state.fitted]
         new += _promising(from_one_basin(tasks, pool), state, 1, _SIBLINGS)
     first = {key_of(each.hypothesis): each for each in new}
