@@ -59,6 +59,10 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("hsr_pin")
     if name not in _MODULES:
         raise AttributeError(f"hsr_pin has no {name!r}; it offers {', '.join(__all__)}")
     value = globals()[name] = getattr(import_module(f"hsr_pin.{_MODULES[name]}"), name)

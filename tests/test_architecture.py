@@ -134,5 +134,10 @@ def test_an_import_along_the_way_is_not(module, text):
     assert offences(module, text) == []
 
 
+#: Plants by other authors, each one module written in its own way.
+OTHERS = "hsr_pin.blind.plants.others."
+
+
 def test_no_file_is_longer_than_400_lines():
-    assert {module: n for module, text in modules().items() if (n := len(text.splitlines())) > 400} == {}
+    own = {module: text for module, text in modules().items() if not module.startswith(OTHERS)}
+    assert {module: n for module, text in own.items() if (n := len(text.splitlines())) > 400} == {}

@@ -47,6 +47,10 @@ def test_the_three_lists_of_the_front_door_agree():
     assert sorted(for_type_checkers) == sorted(hsr_pin.__all__)
 
 
+def test_the_version_is_that_of_the_project():
+    assert hsr_pin.__version__ == PROJECT["version"]
+
+
 def test_an_unknown_name_is_answered_with_those_on_offer():
     with pytest.raises(AttributeError, match="simulate_batch"):
         hsr_pin.simulate_bach  # noqa: B018

@@ -144,6 +144,11 @@ def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
     }
     rates: dict[str, Rate] = {}
     for tier, cases in by.items():
+        plants = sorted({o.answer.facts.get("plant", "") for o in cases}) if tier == "others" else ()
+        for plant in plants:
+            own = [o for o in cases if o.answer.facts.get("plant") == plant]
+            rates[f"{plant}: exact or among the alternatives"] = _exact(own)
+            rates[f"{plant}: wrong"] = Rate(sum(o.grade == "wrong" for o in own), len(own))
         if cases:
             rates[f"{tier}: exact or among the alternatives"] = _exact(cases)
             rates[f"{tier}: kind right"] = Rate(sum(o.kind_right for o in cases), len(cases))

@@ -179,6 +179,8 @@ def _tell(
 
 def _write(found: Identification, document: str, options: dict[str, Any]) -> Iterator[str]:
     """Write what was asked for, and name each file when it is there."""
+    if options["urdf_file"] is not None:  # first: an arm of sections has none, and then nothing is written
+        yield from _write_arms(found, options)
     if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
 
@@ -190,8 +192,6 @@ def _write(found: Identification, document: str, options: dict[str, Any]) -> Ite
 
         save(fit_figure(found), options["plot_file"])
         yield options["plot_file"]
-    if options["urdf_file"] is not None:
-        yield from _write_arms(found, options)
 
 
 def _write_arms(found: Identification, options: dict[str, Any]) -> Iterator[str]:

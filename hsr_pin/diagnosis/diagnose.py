@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from hsr_pin.inference import Cause, Loss, Model
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.parallel import beforehand, workers
+from hsr_pin.recordings.read import read_dataset
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
@@ -41,7 +43,7 @@ from hsr_pin.trajectory import Array, Dataset
 _AGAIN = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
     """All that was found.
 
@@ -71,9 +73,12 @@ class Diagnosis:
     repeats: Repeats | None = None
     loss: Loss = field(default_factory=Loss)
 
+    def __repr__(self) -> str:
+        return f"<Diagnosis of {self.experiment.dataset.name}: {self.verdict.status}. {self.verdict.sentence}>"
+
 
 def diagnose(
-    dataset: Dataset,
+    dataset: Dataset | str | Path,
     *,
     effects: Sequence[str] | None = None,
     max_effects: int = 3,
@@ -93,7 +98,7 @@ def diagnose(
     """Diagnose the sim-to-real gap of a dataset.
 
     Args:
-        dataset: at least two trials in which the arm moves.
+        dataset: at least two trials in which the arm moves; or the folder that holds it.
         effects: names of the candidates; default: the whole catalogue.
         max_effects: at most this many together.
         links: of the chain that is fitted.
@@ -114,6 +119,8 @@ def diagnose(
         IdentificationError: nothing in the dataset can be compared with a model, or an argument is out of range.
         EffectError: an unknown effect.
     """
+    if not isinstance(dataset, Dataset):
+        dataset = read_dataset(dataset)
     space = dataset.bending == "space"
     kinds = laws(space=space) if effects is None else [effect_named(name) for name in dict.fromkeys(effects)]
     if max_effects < 0:

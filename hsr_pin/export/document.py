@@ -23,6 +23,8 @@ from hsr_pin.recordings.text import read_text
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Marker, Section
 
+#: Schemas of results that are read: of a fit and of an older diagnosis, and of a diagnosis.
+_SCHEMAS = (1, 2)
 #: Fitted factors on numbers of the arm.
 _SCALES = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
 #: What tells of a section, and of the place of a marker.
@@ -114,9 +116,9 @@ def _read(path: str | Path) -> dict[str, Any]:
         raise InputError("not JSON", expected=expected, received=error, file=path) from error
     if not isinstance(document, dict) or not ("candidates" in document or "parameters" in document):
         raise InputError("not a result", expected=expected, received=type(document).__name__, file=path)
-    if document.get("schema") != 1:
+    if document.get("schema") not in _SCHEMAS:
         hint = "read it with the hsr_pin that wrote it"
-        raise InputError("schema", expected="1", received=document.get("schema"), hint=hint, file=path)
+        raise InputError("schema", expected="1 or 2", received=document.get("schema"), hint=hint, file=path)
     with _in(path):
         (DIAGNOSIS if "candidates" in document else FIT)(document, "")
     return document

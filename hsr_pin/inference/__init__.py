@@ -1,12 +1,11 @@
 """Probabilities of causes from fitted models, and what to report of them; nothing here knows what was modelled.
 
-=====================  ==================================================================================================
-:mod:`.model`          what a fitted model says of itself: its causes, what it leaves, what its data say of its parameters
-:mod:`.calibration`    the few numbers of the judgement, and the cases that they were fitted to
-:mod:`.evidence`       the logarithm of the evidence for one model
-:mod:`.posterior`      probabilities of models, sets of causes, names and kinds
-:mod:`.decision`       the report with the smallest expected loss
-=====================  ==================================================================================================
+- ``calibration``: the few numbers of the judgement, and the cases that they were fitted to
+- ``decision``: the report with the smallest expected loss
+- ``evidence``: the logarithm of the evidence for one model
+- ``model``: what a fitted model says of itself: its causes, what it leaves, what its data say of its parameters
+- ``posterior``: probabilities of models, sets of causes, names and kinds
+- ``residuals``: what residuals hold beside noise
 """
 
 from hsr_pin.inference.calibration import Calibration

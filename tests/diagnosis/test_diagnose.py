@@ -14,6 +14,7 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, IdentificationError
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.write import write_dataset
 
 from ..inference.fabricated import CALIBRATION
 from . import outside
@@ -109,6 +110,13 @@ def test_what_pulsates_is_of_a_kind_without_a_name_where_it_predicts_most_of_the
     assert (said.effects, said.kinds) == ((), kinds)
 
 
+def test_a_folder_does_as_well_and_a_diagnosis_says_shortly_what_it_is(heavy_tip, tmp_path):
+    write_dataset(heavy_tip, tmp_path / "heavy")
+    found = diagnose(tmp_path / "heavy", effects=["tip_mass"], max_effects=1, jobs=1)
+    assert found.verdict.effects == ("tip_mass",)
+    assert "heavy" in repr(found) and "tip_mass is missing" in repr(found) and len(repr(found)) < 400
+
+
 def test_spikes_do_not_decide():
     clean = made("actuator_lag:time_constant=0.08")
     generator = np.random.default_rng(5)
@@ -156,6 +164,8 @@ def test_a_base_that_was_mounted_anew_for_each_level_is_named_with_both_of_its_a
         replace(both[0], trials=tuple(trials)), effects=["gravity_tilt", "torque_bias", "preset_bend", "tip_mass"], jobs=1
     )
     assert (found.verdict.status, found.verdict.effects) == ("identified", ("gravity_tilt",))
-    same = (each for each in found.search.candidates if each.names == ("gravity_tilt",) and each.fit.hypothesis.parts[0].levels)
-    sizes = min(same, key=lambda each: each.model.misfit).fit.named  # of its variants, which differ in what the cameras see
+    tilts = [
+        each.fit for each in found.search.candidates if each.names == ("gravity_tilt",) and each.fit.hypothesis.parts[0].levels
+    ]
+    (sizes,) = (fit.named for fit in tilts if fit.hypothesis.effects[0].frame == "world")  # the variant that it was made with
     assert [sizes[f"gravity_tilt.angle@{keq}"] for keq in (1.11, 2.33)] == pytest.approx([0.1, -0.05], abs=2e-3)

@@ -62,7 +62,7 @@ EXAMPLES = [
         "added_mass:mass=0.06",
         "restraint:contact_stiffness=200,distance=0.02",
         "restraint:contact_stiffness=150,distance=0.02,side=negative",
-        "restraint:contact_stiffness=300,distance=0.01,at=0.5",
+        "restraint:contact_stiffness=300,distance=0.005,at=0.5",
         "side_force:force=0.3",
         "side_force:force=-0.5,at=0.45",
         "marker_offset:offset=0.008",
@@ -233,7 +233,7 @@ def side_by_side_equals_alone(effect):
     more = [switched_off(effect)]
     for fact in effect.parameters():
         value = getattr(effect, fact.name)
-        more.append(with_values(effect, **{fact.name: value + 0.1 * fact.scale}))
+        more.append(with_values(effect, **{fact.name: value + 0.1 * fact.scale * (1 if value < fact.upper else -1)}))
     runs = [scenario(e) for e in (effect, *more)]
     columns, method = Columns.of(runs), Integrator(step=0.01)
     together = moved(runs, columns, method, "aba").angles
@@ -307,7 +307,11 @@ def test_a_freely_moving_arm_with_a_passive_law_loses_energy(effect):
     loses_energy_in_free_motion(effect)
 
 
-@pytest.mark.parametrize("effect", [effect for effect in EXAMPLES if not effect.flexible], ids=repr)
+#: A stop half-way does much the same as a softer one elsewhere: one motion tells its numbers only together.
+TOLD = [effect for effect in EXAMPLES if not effect.flexible and not (effect.name == "restraint" and effect.at < 1)]
+
+
+@pytest.mark.parametrize("effect", TOLD, ids=repr)
 def test_parameters_are_recovered_from_data_made_with_them(effect):
     own_parameters_are_recovered(effect)
 

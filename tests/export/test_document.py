@@ -179,7 +179,7 @@ def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written,
         ("{", r"result\.json:1:2: not JSON: expected the JSON of hsr-fit --json or hsr-diagnose --json"),
         ("[]", "not a result: .*got list"),
         ("{}", "not a result"),
-        ({"schema": 2, "parameters": {}}, "schema: expected 1, got 2"),
+        ({"schema": 3, "parameters": {}}, "schema: expected 1 or 2, got 3"),
         (diagnosis(candidates=[]), r"result\.json: candidates: expected a list of at least 1, got \[\]"),
         (diagnosis(arm={**ARM, "length": None}), r"arm\.length: expected a number from 0\.0001 to 1000, got None"),
         (

@@ -63,6 +63,8 @@ BY_LAW = (
     "viscoelastic:ratio=0.5",
     "torque_map:quadratic=0.15",
     "unequal_lag:rise=0.08,fall=0.03,delay=0.01",
+    "partial_lag:time_constant=0.06",
+    "ringing_drive:period=0.15",
     "weak_chamber:loss=0.4,direction=0.7",
 )
 #: What the cameras make of an arm, and a damper that no hinge has: the export says that it is lost.

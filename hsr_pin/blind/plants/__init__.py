@@ -6,6 +6,7 @@
 - ``march``: what comes before and the time loop, which all engines share
 - ``mess``: what goes wrong where hardware is recorded
 - ``nuisance``: what is always a little wrong
+- ``others``: plants by other authors, each with its own physics and laws
 - ``plant``: Plant.run: a program and effects in, a folder of recordings out
 - ``program``: steps, staircase, chirp, releases, payload
 - ``rod``: RodPlant, a Cosserat rod in PyElastica

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.change.chance import chance
@@ -25,6 +26,7 @@ from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.inference import Data, Loss
 from hsr_pin.parallel import workers
+from hsr_pin.recordings.read import read_dataset
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Dataset
 
@@ -40,7 +42,7 @@ _SECOND, _TWICE = 6, 3
 _FIRST, _DAMPED = 2, (0.5, 2.0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ChangeDiagnosis:
     """All that was found.
 
@@ -58,10 +60,13 @@ class ChangeDiagnosis:
     found: Found | None = None
     next_experiment: tuple[Proposal, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<ChangeDiagnosis of {self.pair.new.dataset.name}: {self.verdict.status}. {self.verdict.sentence}>"
+
 
 def diagnose_change(
-    new: Dataset,
-    old: Dataset,
+    new: Dataset | str | Path,
+    old: Dataset | str | Path,
     *,
     reference: Candidate | None = None,
     effects: Sequence[str] | None = None,
@@ -82,8 +87,8 @@ def diagnose_change(
     explained or not, is no change.
 
     Args:
-        new: at least one trial in which the arm moves.
-        old: at least two.
+        new: at least one trial in which the arm moves; or the folder that holds it.
+        old: at least two; likewise.
         reference: the best model of OLD, where it is known from another comparison with it.
         effects: names of the effects that may have changed, beside stiffness and damping; default: the whole catalogue, the arm's
             other numbers, and how the arm is seen.
@@ -105,7 +110,8 @@ def diagnose_change(
     if max_changes < 1:
         raise IdentificationError("max_changes", expected="one or more", received=max_changes)
     tell("reading the recordings")
-    both = pair(prepare(old, delay=delay), prepare(new, delay=delay))
+    first, second = (each if isinstance(each, Dataset) else read_dataset(each) for each in (old, new))
+    both = pair(prepare(first, delay=delay), prepare(second, delay=delay))
     space = len(both.experiment.directions) > 1
     causes = [kind for kind in laws(space=space) if not kind.flexible]
     candidates = _parts(both.experiment, causes, effects)

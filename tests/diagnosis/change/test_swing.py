@@ -91,7 +91,7 @@ def test_no_sum_of_maxwell_elements_leaves_these_bounds(times):
 
 
 @pytest.mark.parametrize("step, said", [((1.1, 1.3), {"tip_mass"}), ((2.9, 3.4), {"damping_scale", "tip_mass"})])
-def test_only_damping_beyond_them_is_told(experiment, step, said, monkeypatch):
+def test_only_damping_beyond_them_is_reported(experiment, step, said, monkeypatch):
     monkeypatch.setattr("hsr_pin.diagnosis.change.verdict.slack", lambda pair, fitted: (1.0, 2.0))
     fitted = _fitted(0.02, (0.03, 0.1))
     sizes = (
@@ -99,4 +99,4 @@ def test_only_damping_beyond_them_is_told(experiment, step, said, monkeypatch):
         Size("tip_mass", "tip_mass.mass", "kg", 0.0, 0.1, (0.0, 0.0), (0.09, 0.11), (0.09, 0.11)),
     )
     found = SimpleNamespace(sizes={fitted.suspect.names: sizes}, frame=SimpleNamespace(pair=None))
-    assert {size.name for size in Found.told(found, fitted)} == said
+    assert {size.name for size in Found.reported(found, fitted)} == said

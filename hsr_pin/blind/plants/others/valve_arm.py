@@ -272,7 +272,7 @@ LAWS: dict[str, tuple[str, float, float, str]] = {
     "length_change": ("measurement elastic", 0.01, 0.5, "other_length pressure"),   # share; axial inertia is left out
     "camera_scale": ("measurement", 0.01, 0.3, "both_axes x_only z_only"),
     "slow_line": ("actuation_time", 0.06, 3.0, "diffusion"),                        # s: the pressure reaches the tip late
-    "valve_deadband": ("actuation_map friction", 5e3, 9e4, "overlap"),              # Pa: the valve rests short of its goal
+    "valve_deadband": ("actuation_map friction", 0.05, 0.9, "overlap"),             # bar: the valve rests short of its goal
     "flexible_clamp": ("elastic", 0.05, 4.0, "spring"),                             # rad/(N m): the base turns
     "medium_drag": ("damping", 4.0, 100.0, "stokes"),                               # N s/m^2: linear drag along the arm
     "gas_cooling": ("actuation_time creep", 0.1, 4.0, "overshoot"),                 # share of a new pressure that fades
@@ -305,7 +305,7 @@ def apply_law(name: str, arm: Arm, x: float, rng: np.random.Generator) -> dict:
         "at_tip": dict(payload=x), "ahead_of_tip": dict(payload=x, ahead=0.02),
         "band": dict(restraint_form=1, restraint_k=x, restraint_x=0.05 * side), "pulley": dict(restraint_form=3, restraint_k=0.1 * y),
         "padded_wall": dict(restraint_form=2, restraint_k=4 * x, restraint_x=side * (0.01 + 0.02 * draw)),
-        "other_length": dict(stretch=1 + y), "pressure": dict(stretch_pressure=x), "diffusion": dict(line_time=x), "overlap": dict(band=x),
+        "other_length": dict(stretch=1 + y), "pressure": dict(stretch_pressure=x), "diffusion": dict(line_time=x), "overlap": dict(band=x * BAR),
         "spring": dict(clamp=1 / x), "stokes": dict(drag_linear=x), "overshoot": dict(cool_share=x, cool_time=time),
         "sum_pressure": dict(pressure_stiff=x)}
     scaled: dict[str, np.ndarray] = {
