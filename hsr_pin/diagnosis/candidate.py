@@ -75,16 +75,11 @@ def key_of(hypothesis: Hypothesis) -> Key:
     return readings + of_arm
 
 
-def data_of(experiment: Experiment, unrepeatable: float) -> Data:
-    """The scale on which residuals of these recordings count, for one coordinate.
-
-    Args:
-        experiment: the recordings.
-        unrepeatable: [m] RMS distance between trials that repeat one another.
-    """
+def data_of(experiment: Experiment) -> Data:
+    """The scale on which residuals of these recordings count, for one coordinate."""
     axes = len(experiment.axes)
     seen = sum(int(np.isfinite(run.compared).sum()) for run in experiment.runs)
-    return Data(experiment.noise_rms**2 / axes, unrepeatable**2 / axes, seen)
+    return Data(experiment.noise_rms**2 / axes, seen)
 
 
 def full_fit(experiment: Experiment, start: Fit, variants: Mapping[str, int]) -> Candidate:

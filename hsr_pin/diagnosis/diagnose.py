@@ -196,7 +196,7 @@ class _Study:
         self.tell("stiffness and damping")
         experiment, base_fit = as_it_fits(experiment, fit(experiment, self.hypothesis))
         experiment = _able(experiment, base_fit)
-        experiment, found, located = self._searched(experiment, base_fit, scatter or 0.0, limits)
+        experiment, found, located = self._searched(experiment, base_fit, limits)
         declared = lasting_square(_simulated(experiment, self.hypothesis))
         verdict = verdict_of(found, limits, declared, length, scatter=scatter, loss=self.loss)
         self.tell("where the gap lies")
@@ -220,12 +220,10 @@ class _Study:
             self.loss,
         )
 
-    def _searched(
-        self, experiment: Experiment, base_fit: Fit, scatter: float, limits: Limits
-    ) -> tuple[Experiment, Search, Where]:
+    def _searched(self, experiment: Experiment, base_fit: Fit, limits: Limits) -> tuple[Experiment, Search, Where]:
         """The recordings with open commands as the best model takes them, the models that were fitted, and where the gap lies."""
         variants = Counter(part.name for part in self.parts)
-        data, numbers = data_of(experiment, scatter), calibrated()
+        data, numbers = data_of(experiment), calibrated()
         pool = FitPool(experiment, self.executor, variants, self.advance)
         base = candidate(experiment, base_fit, variants)
         located = pool.where(base, self.seed)

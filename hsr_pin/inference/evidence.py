@@ -5,13 +5,13 @@ some ten. The likelihood is raised to the power nu / N (J. W. Miller, D. B. Duns
 JASA 114, 2019), and the variance of what a model lacks is profiled for each model (M. C. Kennedy, A. O'Hagan, Bayesian
 calibration of computer models, J. R. Stat. Soc. B 63, 2001):
 
-    v      = S + (floor sigma)^2 + u^2
+    v      = S + (floor sigma)^2
     log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h| -
     ln(variants)
 
-S is what the model leaves beyond noise, sigma^2 the variance of noise and u^2 what does not repeat, all for one coordinate; e_i
-is the information of the residuals about the parameters in units of their prior, and z_j how far each parameter is from the
-centre of its prior in standard deviations. Its tails are Cauchy's: a parameter that is far out costs, and is not excluded.
+S is what the model leaves beyond noise and sigma^2 the variance of noise, both for one coordinate; what differs between trials
+that repeat one another is a part of every model's S. e_i is the information of the residuals about the parameters in units of
+their prior, and z_j how far each parameter is from the centre of its prior in standard deviations. The prior's tails are Cauchy's: a parameter that is far out costs, and is not excluded.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from hsr_pin.inference.model import Data, Model
 
 def variance(misfit: float, data: Data, calibration: Calibration) -> float:
     """v: what a model leaves in one coordinate, at least what is asked of no model."""
-    return max(misfit, 0.0) + calibration.floor**2 * data.noise + data.scatter
+    return max(misfit, 0.0) + calibration.floor**2 * data.noise
 
 
 def log_evidence(model: Model, data: Data, calibration: Calibration) -> float:

@@ -33,12 +33,10 @@ class Data:
 
     Attributes:
         noise: variance of one coordinate by measurement noise alone.
-        scatter: variance of one coordinate by which trials that repeat one another differ.
         count: number of coordinates.
     """
 
     noise: float
-    scatter: float
     count: int
 
 

@@ -18,7 +18,7 @@ from hsr_pin.inference.residuals import lasting_square
 NOISE, LENGTH = 3e-4, 0.24
 LIMITS = Limits.of(np.sqrt(2) * NOISE, LENGTH)
 TRIALS, SAMPLES = 6, 60
-DATA = Data(noise=NOISE**2, scatter=0.0, count=TRIALS * SAMPLES * 2)
+DATA = Data(noise=NOISE**2, count=TRIALS * SAMPLES * 2)
 
 _generator = np.random.default_rng(0)
 _noise = NOISE * _generator.standard_normal((TRIALS, SAMPLES, 1, 2))

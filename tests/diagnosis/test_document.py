@@ -28,7 +28,7 @@ POSTERIOR = {
     "expected_gain": MAYBE,
     "probability": MAYBE,
     "calibration": dict,
-    "data": {"noise": NUMBER, "scatter": NUMBER, "count": int},
+    "data": {"noise": NUMBER, "count": int},
     "unfitted": [JUDGED],
 }
 SCHEMA = {

@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.inference import Calibration, Cause, Data, Model
 
 CALIBRATION = Calibration(samples=14.0, cause=1.0, flexible=3.0, floor=0.15, share=0.02)
-DATA = Data(noise=1.0, scatter=0.0, count=4000)
+DATA = Data(noise=1.0, count=4000)
 
 FRICTION = Cause("friction", "friction")
 LAG = Cause("lag", "actuation_time")

@@ -99,6 +99,6 @@ def _one_case(rng: np.random.Generator) -> tuple[tuple[tuple[str, ...], float], 
         left = seen - own @ value
         causes = (Cause(f"shape {k}", "elastic"),) if k < 3 else ()
         models.append(Model(causes, float(left @ left) / count, information([own], np.full(own.shape[1], 5.0)), value / 5.0))
-    found = posterior(models, Data(0.0, 0.0, count), numbers).sets
+    found = posterior(models, Data(0.0, count), numbers).sets
     names = next(iter(found))
     return (names, found[names]), ((f"shape {chosen}",) if chosen < 3 else ())

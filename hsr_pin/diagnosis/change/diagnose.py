@@ -212,7 +212,7 @@ def _rest(frame: Frame, best: Fitted) -> tuple[float, float]:
     """Squares that one change leaves in NEW beyond noise, and how many of them another must take away to be noticed."""
     new = frame.run >= len(frame.pair.old.runs)
     count = int(new.sum())
-    return float((best.residual[new] ** 2).sum()) - count, needed(Data(1.0, 0.0, count))
+    return float((best.residual[new] ** 2).sum()) - count, needed(Data(1.0, count))
 
 
 def _alone(several: Sequence[Fitted], single: Sequence[Fitted]) -> list[Guess]:

@@ -116,9 +116,8 @@ class Found:
 
     @cached_property
     def data(self) -> Data:
-        """The scale of the whitened residuals: unit noise, and the scatter that OLD's own trials show."""
-        count = int(self.new.sum())
-        return Data(1.0, self.chance.largest / count, count)
+        """The scale of the whitened residuals: unit noise."""
+        return Data(1.0, int(self.new.sum()))
 
     @cached_property
     def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
@@ -133,7 +132,7 @@ class Found:
         floor = max(0.0, least - expected)  # left by all, beyond what noise leaves
 
         def misfit(square: float) -> float:
-            return max(0.0, (square - least + floor) / self.data.count - self.data.scatter)
+            return max(square - least + floor, self.chance.largest) / self.data.count
 
         models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
         seen: dict[int, Suspect | None] = {id(models[0]): None}
@@ -179,13 +178,18 @@ class Found:
     @property
     def needed(self) -> float:
         """Gain from which on a change of one number would be more probable than none by odds of twenty to one."""
-        return needed(self.data)
+        return needed(self.data, self.chance.largest / self.data.count)
 
 
-def needed(data: Data) -> float:
-    """Of the squared residuals, what one cause must take away to be more probable than none by odds of twenty to one."""
+def needed(data: Data, scatter: float = 0.0) -> float:
+    """Of the squared residuals, what one cause must take away to be more probable than none by odds of twenty to one.
+
+    Args:
+        data: their scale.
+        scatter: mean square that is asked of no change.
+    """
     numbers = calibrated()
-    return data.count * variance(0.0, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
+    return data.count * variance(scatter, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
 
 
 def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
