@@ -1,8 +1,8 @@
-"""What ``hsr-blind score`` prints: rates, grades, calibration, the confusion matrix, every miss."""
+"""What ``hsr-blind score`` prints: rates, grades, calibration, every miss."""
 
 from __future__ import annotations
 
-from textwrap import wrap
+
 
 from hsr_pin.blind.changes import ChangeScore
 from hsr_pin.blind.outcome import GRADES, Outcome
@@ -18,7 +18,7 @@ def report(score: Score) -> str:
         parts.append(_grades(score))
     if trust := score.reliability():
         parts.append(_calibration(trust))
-    return "\n\n".join([*parts, _matrix(score), _misses(score.misses)])
+    return "\n\n".join([*parts, _misses(score.misses)])
 
 
 def report_changes(score: ChangeScore) -> str:
@@ -36,8 +36,9 @@ def _missing(score: Score | ChangeScore) -> str:
 
 
 def _rates(rates: dict[str, Rate]) -> str:
-    width = max(map(len, rates))
-    return "\n".join(f"{name:<{width}}  {rate}" for name, rate in rates.items())
+    known = {name: rate for name, rate in rates.items() if rate.of}
+    width = max(map(len, known), default=0)
+    return "\n".join(f"{name:<{width}}  {rate}" for name, rate in known.items())
 
 
 def _grades(score: Score) -> str:
@@ -57,19 +58,6 @@ def _calibration(found: Reliability) -> str:
     lines = [head, f"with perfect calibration these claims come to {mean:.3f}, and rarely to more than {most:.3f}"]
     lines += [f"  stated {each.low:.1f} to {each.high:.1f} (mean {each.stated:.2f}): right {each.right}" for each in found.bins]
     return "\n".join(lines)
-
-
-def _matrix(score: Score) -> str:
-    """Rows: truth; columns: verdicts, by number: effects have that of their row."""
-    width = max(map(len, score.rows)) + 4
-    shared = {name: k for k, name in enumerate(score.rows, start=1)}
-    lines = ["truth \\ verdict".ljust(width) + "".join(f"{k:3d}" for k in range(1, len(score.columns) + 1))]
-    for name, counts in zip(score.rows, score.counts, strict=True):
-        cells = "".join(f"{count or '.':>3}" for count in counts)
-        lines.append(f"{shared[name]:2d} {name}".ljust(width) + cells)
-    others = [f"{k} {name}" for k, name in enumerate(score.columns, start=1) if shared.get(name) != k]
-    legend = f"columns: 1 to {len(score.columns) - len(others)} as the rows; {'; '.join(others)}"
-    return "\n".join([*lines, *wrap(legend, len(lines[0]))])
 
 
 def _misses(misses: tuple[Outcome, ...]) -> str:

@@ -135,10 +135,14 @@ def test_pairs_of_recordings_are_made_and_scored(tmp_path, quick, monkeypatch, c
 
 
 def test_a_picture_of_confidence_needs_confidence(tmp_path, capsys):
-    show = ["show", str(ROOT / "data" / "blind_2027.json"), "--reliability", str(tmp_path / "trust.png")]
-    assert run(command, show) == 2
+    score = json.loads((ROOT / "data" / "blind_465312.json").read_text())
+    for outcome in score["outcomes"]:
+        outcome["confidence"] = {}
+    file = tmp_path / "score.json"
+    file.write_text(json.dumps(score))
+    assert run(command, ["show", str(file), "--reliability", str(tmp_path / "trust.png")]) == 2
     assert "state a confidence" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize(
