@@ -144,7 +144,7 @@ def section(kind: type[Effect]) -> str:
     rows = [
         f"| `{fact.name}` | {fact.lower:g} to {fact.upper:g} | {fact.unit} | {fact.description} |" for fact in kind.parameters()
     ]
-    options = [f"\nReadings: `{name}` is {' or '.join(choices)}." for name, choices in kind.choices().items()]
+    options = [f"\nVariants: `{name}` is {' or '.join(choices)}." for name, choices in kind.choices().items()]
     return "\n".join(
         [
             f"## {kind.name}\n",
