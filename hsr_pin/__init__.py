@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.identification.comparison import compare
     from hsr_pin.recordings.read import read_dataset
+    from hsr_pin.recordings.samples import sample
     from hsr_pin.recordings.write import write_dataset
     from hsr_pin.robot.pressure import PressureMap
     from hsr_pin.robot.specification import ArmSpecification
@@ -34,6 +35,7 @@ _MODULES = {
     "diagnose": "diagnosis.diagnose",
     "diagnose_change": "diagnosis.change.diagnose",
     "read_dataset": "recordings.read",
+    "sample": "recordings.samples",
     "simulate": "simulation.simulate",
     "simulate_batch": "simulation.batch",
     "step_scenario": "simulation.scenario",
@@ -51,6 +53,7 @@ __all__ = [
     "diagnose",
     "diagnose_change",
     "read_dataset",
+    "sample",
     "simulate",
     "simulate_batch",
     "step_scenario",

@@ -224,6 +224,8 @@ class Dataset:
         sections: that the arm is declared to be made of, in space, from the base on; none: a uniform arm. A trial's ``keq`` and
             ``damping`` are those of all together.
         channels: what was recorded beside the motion, and the torque that each gives.
+        chain: number of links and placement of the joints of the model that simulated it; None where it was recorded.
+        smoothed: samples of the moving average that its tracks went through, an odd number, 1: none; None: nobody says.
     """
 
     name: str
@@ -239,6 +241,8 @@ class Dataset:
     torsion: float = inf
     sections: tuple[Section, ...] = ()
     channels: tuple[Channel, ...] = ()
+    chain: tuple[int, str] | None = None
+    smoothed: int | None = None
 
     @property
     def markers(self) -> tuple[Marker, ...]:

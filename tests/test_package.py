@@ -76,10 +76,13 @@ def wheel(tmp_path_factory):
 
 def test_the_wheel_carries_the_package_the_template_the_data_and_the_licence(wheel):
     names = {*zipfile.ZipFile(wheel).namelist()}
-    for folder in ("urdf_templates", "data"):
+    for folder in ("urdf_templates", "data/samples"):
         shipped = {f"hsr_pin/{path.relative_to(ROOT).as_posix()}" for path in (ROOT / folder).rglob("*") if path.is_file()}
         assert shipped, folder
         assert shipped <= names
+    assert [name for name in names if name.startswith("hsr_pin/data/") and "/samples/" not in name] == [
+        "hsr_pin/data/hsr2022_table2.csv"
+    ]
     modules = {path.relative_to(ROOT).as_posix() for path in (ROOT / "hsr_pin").rglob("*.py")}
     assert modules <= names
     assert "hsr_pin/py.typed" in names
@@ -96,7 +99,7 @@ def test_the_wheel_works_in_a_clean_environment_from_another_folder(wheel, tmp_p
     except AssertionError:
         run(*install)
     run(environment / "bin" / "hsr-urdf", "--links", 3, "--output", "arm.urdf", cwd=tmp_path)
-    assert load_urdf(tmp_path / "arm.urdf") == ArmSpecification(links=3)
+    assert load_urdf(tmp_path / "arm.urdf") == ArmSpecification(links=3, placement="mid")
     script = "import hsr_pin.robot.pressure as p; print(p.__file__, len(p.measured_rows()))"
     where, rows = run(environment / "bin" / "python", "-c", script, cwd=tmp_path).split()
     assert where.startswith(str(environment))

@@ -43,16 +43,18 @@ def _contents(rng: np.random.Generator, name: str, count: int) -> list[Content]:
 
 
 def build_other(case: Case, folder: Path, attempt: int) -> Answer:
-    """Write the recording of a case into a new folder; a law that cannot be as strong as it should is smaller at later attempts.
+    """Write the recording of a case into a new folder.
+
+    A law that cannot be as strong as it should is smaller at later attempts; of two laws one is left out then, and at the last
+    attempt the arm has none.
 
     Raises:
-        SimulationFailure: a law cannot be as strong as it should.
+        SimulationFailure: a law cannot be as strong as it should, or the arm collapses.
     """
     own, steps = plant(case.plant), list(SIZES)
-    sizes = tuple(steps[max(0, steps.index(size) - max(0, attempt - 1))] for size in case.sizes)
-    laws = list(zip(case.effects, sizes, strict=True))
-    if attempt == DRAWS - 1:  # of two that do not go together, one
-        laws, sizes = laws[:1], sizes[:1]
+    count = {DRAWS - 2: 1, DRAWS - 1: 0}.get(attempt, len(case.effects))
+    sizes = tuple(steps[max(0, steps.index(size) - max(0, attempt - 1))] for size in case.sizes[:count])
+    laws = list(zip(case.effects[:count], sizes, strict=True))
     try:
         truth: dict[str, Any] = own.record(folder, case.seed + attempt, laws, smooth=case.program == "smoothed")
     except ValueError as error:
@@ -63,7 +65,7 @@ def build_other(case: Case, folder: Path, attempt: int) -> Answer:
     facts = {"plant": case.plant, "program": case.program, "seed": case.seed, "sizes": list(sizes), "truth": truth}
     return Answer(
         case.name,
-        case.kind if len(effects) == len(case.effects) else "single",
+        case.kind if len(effects) == len(case.effects) else "single" if effects else "none",
         effects,
         size,
         facts,

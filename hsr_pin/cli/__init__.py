@@ -4,7 +4,7 @@ import os
 import sys
 
 #: Whether this process is one of them, and no program that imports one.
-IS_COMMAND = os.path.basename(sys.argv[0]).startswith("hsr-")
+IS_COMMAND = os.path.basename(sys.argv[0]).partition("-")[0] == "hsr"
 
 try:
     from signal import SIG_DFL, SIGINT, default_int_handler, getsignal, signal

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-
-
 from hsr_pin.blind.changes import ChangeScore
 from hsr_pin.blind.outcome import GRADES, Outcome
 from hsr_pin.blind.rate import Rate

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import leave, run
-from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
+from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
 
@@ -23,17 +24,17 @@ _OTHER_STAGES = 3
 #: What a fit leaves of a stage.
 _SHARE = 0.9
 
-_EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
+_EPILOG = "Example: hsr-diagnose sample --html report.html"
 
 
 @click.command(name="hsr-diagnose", epilog=_EPILOG, context_settings={"max_content_width": 100})
-@click.argument("dataset", metavar="DATASET")
+@dataset_argument
 @click.option(
     "--since", metavar="OLD", multiple=True, help="What has changed since this recording of the same arm? Several: in order."
 )
 @click.option("--effects", metavar="A,B,...", help="Candidates.  [default: the whole catalogue]")
 @click.option("--max-effects", type=click.IntRange(0, 19), default=3, show_default=True, help="At most this many together.")
-@click.option("--links", type=click.IntRange(1, 100), default=16, show_default=True, help="Links of the chain that is fitted.")
+@chain_options
 @trial_options
 @click.option("--jobs", type=click.IntRange(1, 1000), metavar="N", help="Processes.  [default: one per core]")
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers do it, in place of processes here.")
@@ -45,12 +46,12 @@ _EPILOG = "Example: hsr-diagnose recordings/sample-steps --html report.html"
 def command(dataset: str, **options: Any) -> None:
     """Diagnose the gap between a simulated and a recorded hybrid soft robot.
 
-    Reads the recordings in the folder DATASET, fits the model to them with and without effects that it may lack, judges each on
-    trials that were not fitted, and says what the recordings support: which effects are missing, which cannot be told apart,
-    that stiffness and damping explain it, or that nothing known does.
+    DATASET is a folder of recordings, or the name of a sample (--list-samples). The model is fitted with and without effects that
+    it may lack. The result is the probability of each cause: effects that are missing, alternatives that these recordings cannot
+    tell apart, another stiffness and damping, or nothing known.
 
-    With --since OLD it says instead what has changed in the arm since that recording: DATASET is judged relative to the best
-    model of OLD and to what that model lacks.
+    With --since OLD the question is what has changed in the arm since that recording: DATASET is compared with what the best
+    model of OLD predicts.
     """
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
     check_outputs(files, read=[dataset_folder(each) for each in (dataset, *options["since"])], force=options["force"])
@@ -99,7 +100,7 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         effects = [name.strip() for name in options["effects"].split(",")]
         for name in effects:  # before the recordings, which take longer
             effect_named(name)
-    given = {name: options[name] for name in ("max_effects", "links", "seed")} | trials_from(options)
+    given = {name: options[name] for name in ("max_effects", "seed")} | chain_from(options) | trials_from(options)
     loss = loss_from(options)
     with workers(options["jobs"], options["cluster"]) as executor:
         recordings = read_dataset(dataset)

@@ -68,9 +68,9 @@ def _written(files: Sequence[str]) -> Text:
 
 
 def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
-    length, room = diagnosis.experiment.dataset.length, width - 45
+    length, room = diagnosis.experiment.dataset.length, width - 48
     lines = [
-        Text(f"{'held-out trials':<{room}}{'RMS [mm]':>9}{'% of L':>8}{'95 % interval':>17}{'of gap²':>10}", style="bold cyan")
+        Text(f"{'held-out trials':<{room}}{'RMS [mm]':>9}{'% of L':>8}{'95 % interval':>20}{'of gap²':>10}", style="bold cyan")
     ]
     for place, rung in enumerate(diagnosis.ladder):
         last = place == len(diagnosis.ladder) - 1
@@ -79,7 +79,7 @@ def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
         share = "" if place == 0 else f"{100 * rung.share:.1f} %".replace("-0.0", "0.0")
         name = _cut("noise floor; the rest unexplained" if last else rung.name, room)
         lines.append(
-            Text(f"{name:<{room}}{number(1e3 * rung.rms):>9}{number(100 * rung.rms / length):>8}{interval:>17}{share:>10}")
+            Text(f"{name:<{room}}{number(1e3 * rung.rms):>9}{number(100 * rung.rms / length):>8}{interval:>20}{share:>10}")
         )
     return lines
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hsr_pin.export.file import Exported
     from hsr_pin.export.model import CorrectedModel
 
-_EPILOG = "Example: hsr-diagnose recordings --json found.json, then hsr-export --from found.json --to mjcf -o arm.xml"
+_EPILOG = "Example: hsr-diagnose sample --json found.json, then hsr-export --from found.json --to mjcf -o arm.xml"
 #: What a result tells of the arm, and must not be told otherwise.
 _TOLD = ("damping", "length", "mass", "diameter", "bending", "torsion")
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import leave, run
-from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
+from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import listed, trial_options, trials_from
 
 if TYPE_CHECKING:
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
     from hsr_pin.identification.paper_procedure import PaperProcedure
     from hsr_pin.identification.profile import Profile
 
-_EPILOG = "Example: hsr-fit recordings/sample-steps --free keq,damping --by-level --urdf fitted.urdf"
+_EPILOG = "Example: hsr-fit valve-arm --free keq,damping --by-level --urdf fitted.urdf"
 #: Stages of the fit itself.
 _STAGES = 4
 
 
 @click.command(name="hsr-fit", epilog=_EPILOG, context_settings={"max_content_width": 100})
-@click.argument("dataset", metavar="DATASET")
+@dataset_argument
 @click.option(
     "--free",
     default="keq,damping",
@@ -43,8 +44,7 @@ _STAGES = 4
     metavar="NAME[:PARAM=VALUE]",
     help="Add an effect and fit all its parameters, from these values on; may be repeated.",
 )
-@click.option("--links", type=click.IntRange(1, 100), default=16, show_default=True, help="Links of the chain that is fitted.")
-@click.option("--placement", type=click.Choice(["mid", "base"]), default="mid", show_default=True, help="Of its joints.")
+@chain_options
 @trial_options
 @click.option("--profile", is_flag=True, help="Intervals by profile likelihood beside the usual ones.")
 @click.option("--paper", is_flag=True, help="Carry out the paper's own procedure (its chain, C by brute force) beside the fit.")
@@ -80,7 +80,8 @@ def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], Non
         read_dataset(dataset),
         free=free,
         effects=effects,
-        **{name: options[name] for name in ("links", "placement", "by_level")},
+        by_level=options["by_level"],
+        **chain_from(options),
         **trials_from(options),
         tell=tell,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from hsr_pin.recordings.write import check_target, mend
 SIGNS = {"hsr-sim": DESCRIPTION, "hsr-import": "# imported from "}
 
 
-def check_folder(folder: str, command: str, read: Sequence[str | None], force: bool) -> None:
+def check_folder(folder: str, command: str, read: Sequence[str | None], force: bool, sources: Sequence[str] = ()) -> None:
     """Refuse a folder for a dataset that holds anything but an older one by the same command, or what is read.
 
     What a killed command left there is mended first, and told.
@@ -27,6 +28,7 @@ def check_folder(folder: str, command: str, read: Sequence[str | None], force: b
         command: one of :data:`SIGNS`.
         read: files that the command reads.
         force: replace any dataset.
+        sources: names of the files that are imported; what was imported from others is not replaced.
 
     Raises:
         OutputError: saying what is there.
@@ -45,6 +47,21 @@ def check_folder(folder: str, command: str, read: Sequence[str | None], force: b
             hint="--force replaces them",
             file=folder,
         )
+    others = _imported_from_others(Path(folder), sources) if sources and not force else []
+    if others:
+        expected, received = "what was imported from the same files", f"recordings of {', '.join(others)}"
+        raise OutputError("will not replace the dataset", expected=expected, received=received, hint="--force replaces them", file=folder)
+
+
+def _imported_from_others(folder: Path, sources: Sequence[str]) -> list[str]:
+    """The files, other than some, that the recordings in a folder were imported from, as the notes there have it."""
+    if not (folder / FILE_NAME).exists():
+        return []
+    sign = SIGNS["hsr-import"]
+    lines = (folder / FILE_NAME).read_text(encoding="utf-8").splitlines()
+    said = [line.removeprefix(sign) for line in lines if line.startswith(sign)]
+    own = tuple(f"{name} {joint}" for name in sources for joint in ("(", "by "))
+    return [re.split(r" \(| by ", each)[0] for each in said if not each.startswith(own)]
 
 
 def _written_by(command: str, folder: Path) -> bool:

@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 
 
 @click.command(name="hsr-import")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, metavar="FILE...")
 @click.option("-o", "--output", metavar="DATASET", help="Folder to write the dataset into.")
+@click.option(
+    "--guess", metavar="TABLE", help="Write a mapping of this table, guessed from its names and numbers, to edit: to -o, or here."
+)
 @click.option("--list", "list_points", is_flag=True, help="Only list the points in the files, with rate, unit and gaps.")
 @click.option(
     "--map",
@@ -71,6 +74,13 @@ if TYPE_CHECKING:
     help="The input, t,P1,P2 or t,tau (in space t,tau_x,tau_y), or as --map says; - is none; likewise.",
 )
 @click.option(
+    "--input-offset",
+    "input_offset",
+    multiple=True,
+    metavar="S",
+    help="Added to the times of the input [s]; auto: estimated from motion and command; likewise.",
+)
+@click.option(
     "--gain", type=float, metavar="NM/BAR", help="In space: all columns of --input are chambers evenly around the arm, of this."
 )
 @click.option(
@@ -91,6 +101,11 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
         --base Arm:base -m mid@0.12=Arm:m1+Arm:m2 -m tip@0.24=Arm:tip
     hsr-import take.csv -o my-arm --bending space --map my-arm.toml --input pressures.csv
     """  # noqa: D301 (click's mark for text as it stands is a backspace)
+    if options["guess"] is not None:
+        _guess(options["guess"], output, options["force"])
+        return
+    if not files:
+        raise click.UsageError("Missing argument 'FILE...'.")
     if list_points:
         _list(files, options["unit"], _mapping(options["mapping"]))
         return
@@ -101,7 +116,8 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
     from hsr_pin.recordings.importers.assemble import import_recordings
     from hsr_pin.recordings.write import write_dataset
 
-    check_folder(options["output"], "hsr-import", [*files, *options["inputs"], options["mapping"]], options["force"])
+    read = [*files, *options["inputs"], options["mapping"]]
+    check_folder(options["output"], "hsr-import", read, options["force"], [Path(file).name for file in files])
     imported = import_recordings(files, _settings(options))
     write_dataset(imported.dataset, options["output"])
     _report(imported, files, options["output"])
@@ -113,6 +129,7 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
     from hsr_pin.recordings.importers.bodies import Body
     from hsr_pin.recordings.importers.declared import declared_settings
     from hsr_pin.recordings.importers.detect import NOTHING
+    from hsr_pin.recordings.importers.settings import AUTO
 
     bodies = [Body.parse(text) for text in options["markers"]]
     if options["base"] is not None:
@@ -124,7 +141,8 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
         **{name: options[name] for name in (*same, "inputs", "description", "torsion", "gain", "angle")},
         name=options["name"] or _name_of(options["output"]),
         markers=bodies,
-        t_start=[None if text == NOTHING else _seconds(text) for text in options["t_start"]],
+        t_start=[None if text == NOTHING else _seconds(text, "--t-start", NOTHING) for text in options["t_start"]],
+        input_offset=[AUTO if text == AUTO else _seconds(text, "--input-offset", AUTO) for text in options["input_offset"]],
         origin=None if options["origin"] is None else _point(options["origin"]),
     )
 
@@ -137,11 +155,11 @@ def _name_of(output: str) -> str:
     return name
 
 
-def _seconds(text: str) -> float:
+def _seconds(text: str, option: str, other: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise click.BadParameter(f"expected a number of s, or -, got {text!r}", param_hint="'--t-start'") from None
+        raise click.BadParameter(f"expected a number of s, or {other}, got {text!r}", param_hint=f"'{option}'") from None
 
 
 def _point(text: str) -> tuple[float, ...]:
@@ -155,6 +173,23 @@ def _mapping(path: str | None) -> TableMapping | None:
     from hsr_pin.recordings.importers.mapping import read_mapping
 
     return None if path is None else read_mapping(path)
+
+
+def _guess(table: str, output: str | None, force: bool) -> None:
+    from hsr_pin.cli.console import say, say_written
+    from hsr_pin.errors import OutputError
+    from hsr_pin.output import check_writable, write_text
+    from hsr_pin.recordings.importers.guess import guessed_mapping
+
+    if output is None:
+        say(guessed_mapping(Path(table)).rstrip("\n"))
+        return
+    if Path(output).exists() and not force:
+        hint = "--force replaces it"
+        raise OutputError("will not replace the file", expected="a new file for the mapping", received="one that is there", hint=hint, file=output)
+    check_writable(output)
+    write_text(output, guessed_mapping(Path(table)))
+    say_written([output])
 
 
 def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None) -> None:

@@ -1,4 +1,4 @@
-"""The files that a command is asked to write: checked before anything is computed, told when they are there."""
+"""What a command reads and writes: its dataset, and files that are checked before anything is computed."""
 
 from __future__ import annotations
 
@@ -14,6 +14,22 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 def force_option(command: Command) -> Command:
     """Give a command ``--force``."""
     return click.option("--force", is_flag=True, help="Replace files that another program wrote.")(command)
+
+
+def dataset_argument(command: Command) -> Command:
+    """Give a command the argument ``DATASET`` and ``--list-samples``."""
+    flag: dict[str, Any] = {"is_flag": True, "is_eager": True, "expose_value": False, "callback": _list_samples}
+    listing = click.option("--list-samples", help="List the sample recordings.", **flag)
+    return click.argument("dataset", metavar="DATASET")(listing(command))
+
+
+def _list_samples(context: click.Context, option: click.Parameter, asked: bool) -> None:
+    if asked and not context.resilient_parsing:
+        from hsr_pin.recordings.samples import SAMPLES
+
+        width = max(map(len, SAMPLES))
+        click.echo("\n".join(f"{name:<{width}}  {what}" for name, what in SAMPLES.items()))
+        context.exit()
 
 
 def check_outputs(files: Mapping[str, Any], *, read: Iterable[Any] = (), force: bool = False) -> None:

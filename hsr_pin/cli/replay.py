@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import leave, run
-from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
+from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 
 if TYPE_CHECKING:
     from hsr_pin.identification.comparison import Comparison, TrialComparison
@@ -16,10 +17,9 @@ if TYPE_CHECKING:
 
 
 @click.command(name="hsr-replay", context_settings={"max_content_width": 100})
-@click.argument("dataset", metavar="DATASET")
+@dataset_argument
 @click.option("--trial", metavar="N", help="Number of the trial, from 1, or its name.  [default: the first]")
-@click.option("--links", type=int, default=4, show_default=True, metavar="N", help="Number of links of the simulated arm.")
-@click.option("--placement", metavar="WORD", default="base", show_default=True, help="Of its joints: base or mid.")
+@chain_options
 @click.option(
     "--effect",
     "effects",
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 def command(dataset: str, **options: Any) -> None:
     """Show a recording beside the simulation of the same input, mount, payload and start, and print the error.
 
-    DATASET is a folder in the recording format. The error is the distance from simulated to measured markers.
+    DATASET is a folder in the recording format, or the name of a sample (--list-samples). The error is the distance from simulated
+    to measured markers.
     """
     from hsr_pin.identification.comparison import compare
 
@@ -80,9 +81,7 @@ def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
     """What to compare, and a word now about what cannot be read, meant or written."""
     from hsr_pin.effects.catalogue import parse_effect
     from hsr_pin.recordings.read import read_dataset
-    from hsr_pin.robot.specification import ArmSpecification
 
-    arm = ArmSpecification(options["links"], placement=options["placement"])
     effects = [parse_effect(text) for text in options["effects"]]
     if options["plot"] is not None:
         from hsr_pin.replay.plots import picture_format
@@ -90,7 +89,7 @@ def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
         picture_format(options["plot"])
     files = {f"--{name}": options[name] for name in ("html", "plot")}
     check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
-    return {"dataset": read_dataset(dataset), "links": arm.links, "placement": arm.placement, "effects": effects}
+    return {"dataset": read_dataset(dataset), **chain_from(options), "effects": effects}
 
 
 def _chosen(comparison: Comparison, trial: str | None) -> TrialComparison:

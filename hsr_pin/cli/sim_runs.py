@@ -160,7 +160,8 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
             Trial(f"trial_{number:02d}", run.motion, run.arm.keq, run.arm.damping, run.arm.tip_mass)
             for number, run in enumerate(runs, 1)
         ),
-        description=f"{DESCRIPTION}: {arm.links} links, joints at {arm.placement}",
+        description=DESCRIPTION,
+        chain=(arm.links, arm.placement),
         notes=(f"simulated: {arm.links} links, placement {arm.placement}, dynamics {dynamics}, effects {effects}",),
     )
 

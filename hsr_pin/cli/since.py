@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from hsr_pin.cli.arm import chain_from
 from hsr_pin.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def _history(folders: list[str], options: dict[str, Any]) -> History:
             if name not in PLACING:
                 effect_named(name)
     sessions = [read_dataset(folder) for folder in folders]
-    given = {name: options[name] for name in ("max_effects", "links", "jobs", "cluster", "seed", "delay")}
+    given = {name: options[name] for name in ("max_effects", "jobs", "cluster", "seed", "delay")} | chain_from(options)
     loss = loss_from(options)
     stages = options["max_effects"] + _STAGES * (len(sessions) - 1)
     with progress(stages) as (tell, advance):

@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.outputs import dataset_argument
 
 if TYPE_CHECKING:
     from hsr_pin.view.session import Session
     from hsr_pin.view.settings import Settings
 
 
-@click.command(name="hsr-view", context_settings={"max_content_width": 100})
-@click.argument("dataset", metavar="DATASET")
-@click.option(
-    "--links", type=click.IntRange(1, 100), default=12, show_default=True, metavar="N", help="Links of the simulated arm."
-)
-@click.option("--placement", type=click.Choice(["mid", "base"]), default="mid", show_default=True, help="Of its joints.")
+@click.command(name="hsr-view", epilog="Example: hsr-view sample", context_settings={"max_content_width": 100})
+@dataset_argument
+@chain_options
 @click.option(
     "--from", "result", metavar="RESULT.json", help="Of hsr-fit --json or hsr-diagnose --json: a button sets what it found."
 )
@@ -37,7 +36,7 @@ def command(dataset: str, **options: Any) -> None:
     from hsr_pin.view.session import Session
 
     content = None if options["report"] is None else _report(options["report"])
-    session = Session.of(read_dataset(dataset), options["links"], options["placement"])
+    session = Session.of(read_dataset(dataset), **chain_from(options))
     found = {} if options["result"] is None else _found(session, options["result"], dataset)
     server = None if content is None else PageServer(content)
     page = Page(session, found=found, report=server.address if server else "", port=options["port"])

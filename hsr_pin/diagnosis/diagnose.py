@@ -27,7 +27,7 @@ from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.hypothesis import ACTING, LINKS, PLAIN, SESSION, TRIALS, Hypothesis, Part, readings
+from hsr_pin.identification.hypothesis import ACTING, PLAIN, SESSION, TRIALS, Hypothesis, Part, chain_of, readings
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
 from hsr_pin.identification.plane import Plane, in_its_plane
@@ -36,6 +36,7 @@ from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.robot.specification import Placement
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Array, Dataset
 
@@ -82,7 +83,8 @@ def diagnose(
     *,
     effects: Sequence[str] | None = None,
     max_effects: int = 3,
-    links: int = LINKS,
+    links: int | None = None,
+    placement: Placement | None = None,
     declared_links: int = 4,
     delay: float = 0.0,
     train: Sequence[str] = (),
@@ -101,7 +103,8 @@ def diagnose(
         dataset: at least two trials in which the arm moves; or the folder that holds it.
         effects: names of the candidates; default: the whole catalogue.
         max_effects: at most this many together.
-        links: of the chain that is fitted.
+        links: of the chain that is fitted; default: 16, or as many as simulated the dataset.
+        placement: of its joints; default: in the middle of each element, or as in the simulation.
         declared_links: of the declared model, with joints at the links' ends as in the paper.
         delay: trials that start from a pose are followed only from so long after their declared start [s].
         train: names or patterns of the trials that the evidence comes from; default: all that are not set aside.
@@ -140,7 +143,7 @@ def diagnose(
     with workers(jobs, cluster, executor) as executor:
         study = _Study(
             parts,
-            Hypothesis(links=links),
+            Hypothesis(**chain_of(dataset, links, placement)),
             declared_links,
             max_effects,
             aside,

@@ -160,8 +160,9 @@ def _said(
     if not decision.sets and not decision.kinds:
         return _nothing(found, limits, nominal, axes)
     if len(decision.sets) > 1:
-        common = f"{listed(names)} {'is' if len(names) == 1 else 'are'} missing in each; " if names else ""
-        return "ambiguous", decision.sets, f"{common}these recordings cannot tell apart: {either(decision.sets)} ({sure})."
+        common = f" Each contains {listed(names)}." if names else ""
+        each = ", or ".join(f"{' with '.join(some)} ({found.posterior.sets[some]:.2f})" for some in decision.sets)
+        return "ambiguous", decision.sets, f"One of these is missing from the model ({sure}): {each}.{common}"
     if not decision.sets:
         beside = sorted(set(decision.kinds) - {_kinds(found).get(name, "") for name in names})
         kinds = f"something of the kind {listed(beside)} ({'; '.join(KINDS[kind] for kind in beside)})" if beside else ""

@@ -12,7 +12,7 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import SimulationFailure
 from hsr_pin.identification.evaluation import respond
 from hsr_pin.identification.experiment import Experiment, prepare
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.phases import PHASES, phases
 from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.integrator import TOLERANCE as SIMULATION_TOLERANCE
@@ -72,8 +72,8 @@ class Comparison:
 def compare(
     dataset: Dataset,
     *,
-    links: int = 4,
-    placement: Placement = "base",
+    links: int | None = None,
+    placement: Placement | None = None,
     effects: Sequence[Effect] = (),
     keq_scale: float = 1.0,
     damping_scale: float = 1.0,
@@ -82,8 +82,8 @@ def compare(
 
     Args:
         dataset: as read.
-        links: of the chain; default: the paper's.
-        placement: of its joints; default: the paper's.
+        links: of the chain; default: 16, or as many as simulated the dataset.
+        placement: of its joints; default: in the middle of each element, or as in the simulation.
         effects: beside the nominal model.
         keq_scale: on the declared Keq.
         damping_scale: on the declared C.
@@ -93,11 +93,11 @@ def compare(
         SimulationFailure: a simulation ended early.
     """
     experiment = prepare(dataset)
-    hypothesis = Hypothesis(tuple(effects), links=links, placement=placement, tolerance=SIMULATION_TOLERANCE)
+    hypothesis = Hypothesis(tuple(effects), **chain_of(dataset, links, placement), tolerance=SIMULATION_TOLERANCE)
     values = np.array([[keq_scale, damping_scale]])
     trials, every = [], []
     for run in experiment.runs:
-        answer = respond(experiment, run, hypothesis, values)
+        answer = respond(experiment, run.whole, hypothesis, values)
         arm = answer.columns.arms.specification(0)
         if not np.isfinite(answer.positions).all():
             failed = float(run.time[int(np.isfinite(answer.positions).all(axis=(1, 2, 3)).sum())])

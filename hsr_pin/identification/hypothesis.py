@@ -16,7 +16,7 @@ from hsr_pin.parameters import Parameter
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.columns import Columns
-from hsr_pin.trajectory import Array
+from hsr_pin.trajectory import Array, Dataset
 
 #: Stiffness, mass and gain are usually measured to within a third or so; damping is often guessed, within a factor of three. As
 #: standard deviations of the logarithm of what is true over what was declared.
@@ -55,10 +55,19 @@ TRIALS = 4
 #: Kinds whose sizes may differ from one set-up of an arm to the next: how it is mounted and loaded, supplied and seen. What it
 #: is made of stays, or goes with the stiffness level.
 SET_UP = ("actuation_map", "mass_gravity", "measurement")
-#: Links of the chain that is fitted: its tip is within 0.05 % of the length of the continuous arm's.
+#: Links of the chain that models an arm: its tip is within 0.05 % of the length of the continuous arm's.
 LINKS = 16
 #: Error of a step in fits [m at the tip].
 TOLERANCE = 2e-4
+
+
+def chain_of(dataset: Dataset, links: int | None, placement: Placement | None) -> dict[str, Any]:
+    """Keyword arguments ``links`` and ``placement`` of the chain that models a dataset.
+
+    Each is the one that is asked for, else that of the model which simulated the dataset, else :data:`LINKS` in the middle.
+    """
+    own_links, own_placement = dataset.chain or (LINKS, "mid")
+    return {"links": links or own_links, "placement": placement or own_placement}
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from hsr_pin.identification.evaluation import predict_all, residuals, rms
 from hsr_pin.identification.experiment import Experiment, prepare, restricted
 from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import LINKS, Hypothesis
+from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.input_form import as_it_fits, form_of, taken
 from hsr_pin.identification.plane import in_its_plane
 from hsr_pin.identification.starts import starts
@@ -68,8 +68,8 @@ def identify(
     *,
     free: Sequence[str] = ("keq_scale", "damping_scale"),
     effects: Sequence[Effect] = (),
-    links: int = LINKS,
-    placement: Placement = "mid",
+    links: int | None = None,
+    placement: Placement | None = None,
     by_level: bool = False,
     train: Sequence[str] = (),
     test: Sequence[str] = (),
@@ -82,8 +82,8 @@ def identify(
         dataset: as read.
         free: names of the parameters, as :func:`hsr_pin.identification.choice.choose` takes them.
         effects: act beside the nominal model, all their parameters open.
-        links: of the chain that is fitted.
-        placement: of its joints.
+        links: of the chain that is fitted; default: 16, or as many as simulated the dataset.
+        placement: of its joints; default: in the middle of each element, or as in the simulation.
         by_level: a stiffness and a damping for each declared Keq instead of one factor for all.
         train: names or patterns ("trial_0[12]") of the trials to fit; default: all that are not set aside.
         test: of the trials set aside to be predicted; default: those not fitted; if there are none, each trial is predicted by a
@@ -97,7 +97,7 @@ def identify(
     tell("reading the recordings")
     whole = in_its_plane(prepare(dataset, delay=delay))[0]
     fitted, predicted = split(whole, train, test)
-    hypothesis = choose(free, effects, fitted.runs, links=links, placement=placement, by_level=by_level)
+    hypothesis = choose(free, effects, fitted.runs, **chain_of(dataset, links, placement), by_level=by_level)
     tell("looking where to start")
     points = starts(fitted, hypothesis)
     tell("fitting")

@@ -15,6 +15,8 @@ from hsr_pin.trajectory import Array
 WEAK = 1e-3
 #: No direction counts as weaker than this: derivatives by differences are not more exact. Nor, where nothing moves, than that.
 _BLIND, _NOTHING = 1e-8, 1e-100
+#: An error of the model that lasts through every trial is not known to be smaller than this share of a sample's floor.
+_LASTING = 0.01
 #: Numbers that differ by less than twice this share are nearly the same.
 ALIKE = 0.025
 
@@ -46,7 +48,8 @@ def uncertainty(fit: Fit) -> Uncertainty:
 
     The covariance is the sandwich H^-1 S H^-1 with S the long-run covariance of the scores g_t = J_t^T r_t by Newey and West
     (Econometrica 55, 1987): a model error that lasts for many samples counts as few, not as many, independent observations. Where
-    that comes out smaller than what white noise of the same size implies, the latter stands.
+    that comes out smaller than what white noise of the same size implies, the latter stands. Nor is an interval smaller than what a
+    lasting error of a hundredth of the floor does: no chain of links is more exact than that.
     """
     facts = fit.hypothesis.parameters
     scale = np.array([fact.scale for fact in facts])
@@ -65,7 +68,8 @@ def uncertainty(fit: Fit) -> Uncertainty:
     freedom = max(count - len(scale), 1.0)
     white = inverse * squares / freedom
     robust = inverse @ middle @ inverse
-    variance = np.maximum(np.diag(robust), np.diag(white))
+    lasting = inverse * count * _LASTING**2
+    variance = np.maximum(np.maximum(np.diag(robust), np.diag(white)), np.diag(lasting))
     standard, sure = np.sqrt(variance), stdtrit(freedom, 0.975)
     bounds = np.array([(fact.lower, fact.upper) for fact in facts])
     reach = (sure * standard * scale)[:, None] * np.array([-1.0, 1.0])

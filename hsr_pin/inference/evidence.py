@@ -11,7 +11,8 @@ calibration of computer models, J. R. Stat. Soc. B 63, 2001):
 
 S is what the model leaves beyond noise and sigma^2 the variance of noise, both for one coordinate; what differs between trials
 that repeat one another is a part of every model's S. e_i is the information of the residuals about the parameters in units of
-their prior, and z_j how far each parameter is from the centre of its prior in standard deviations. The prior's tails are Cauchy's: a parameter that is far out costs, and is not excluded.
+their prior, and z_j how far each parameter is from the centre of its prior in standard deviations. The prior's tails are
+Cauchy's: a parameter that is far out costs, and is not excluded.
 """
 
 from __future__ import annotations

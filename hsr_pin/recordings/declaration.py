@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from hsr_pin.recordings.document import Section, read_document
+from hsr_pin.recordings.plausible import size_doubt
 from hsr_pin.recordings.poses import PARTS
 from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
 from hsr_pin.recordings.text import nearest
@@ -24,6 +25,10 @@ FILE_NAME = "dataset.toml"
 SHORTEST, LONGEST = 1e-3, 50.0
 #: No arm carries more markers; what all pairs of them take grows with their square.
 MOST_MARKERS = 200
+#: Of the chain that simulated a dataset: most links, and where its joints may be.
+MOST_LINKS, PLACEMENTS = 1000, ("base", "mid", "shifted")
+#: No tracks are smoothed over more samples.
+WIDEST = 101
 #: What the input does from sample to sample, the default first.
 INPUTS = ("held", "interpolated")
 
@@ -66,6 +71,8 @@ class Declaration:
     sections: tuple[ArmSection, ...]
     channels: tuple[Channel, ...]
     posed: tuple[Marker, ...]
+    chain: tuple[int, str] | None
+    smoothed: int | None
 
     @property
     def inputs(self) -> tuple[tuple[str, ...], ...]:
@@ -90,9 +97,9 @@ def read_declaration(path: Path) -> Declaration:
     """
     top = read_document(path)
     newer = _version(top) == VERSIONS[1]
-    top.only("format", "name", "description", "robot", "marker", "trial", *(_TABLES_IN_SPACE if newer else ()))
+    top.only("format", "name", "description", "robot", "marker", "trial", "simulation", *(_TABLES_IN_SPACE if newer else ()))
     robot = top.section("robot")
-    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input", *(_ROBOT_IN_SPACE if newer else ()))
+    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input", "smoothed", *(_ROBOT_IN_SPACE if newer else ()))
     length = robot.number("length", "m")
     if not SHORTEST <= length <= LONGEST:
         raise robot.fault(
@@ -115,13 +122,16 @@ def read_declaration(path: Path) -> Declaration:
         if key in table.values and not space:
             raise table.fault(key, key, expected='bending = "space" with it', received=bending)
     mass, markers = robot.number("mass", "kg"), _markers(top, length, space)
+    diameter = robot.number("diameter", "m")
+    if doubt := size_doubt(length, mass, diameter):
+        raise robot.fault(doubt.key, doubt.key, **doubt.facts)
     sections = sections_of(top, robot, length, mass)
     declaration = Declaration(
         name=top.text("name"),
         description=top.text("description", ""),
         length=length,
         mass=mass,
-        diameter=robot.number("diameter", "m"),
+        diameter=diameter,
         mount=mount,
         markers=markers,
         trials=_trials(top, robot, declared_whole(top, sections)),
@@ -129,10 +139,36 @@ def read_declaration(path: Path) -> Declaration:
         torsion=robot.number("torsion", "Nm/rad", zero=True) if "torsion" in robot.values else math.inf,
         sections=sections,
         channels=(),
+        chain=_chain(top),
+        smoothed=_smoothed(robot),
         posed=tuple(m for m, values in zip(markers, top.values["marker"], strict=True) if values.get("orientation")),
     )
     taken = {*declaration.columns, *torque_columns(len(sections))}
     return replace(declaration, channels=channels_of(top, max(1, len(sections)), taken))
+
+
+def _chain(top: Section) -> tuple[int, str] | None:
+    """The chain of a simulated dataset, from its table ``simulation``."""
+    if "simulation" not in top.values:
+        return None
+    table = top.section("simulation")
+    table.only("links", "placement")
+    links, placement = table.number("links", "links"), table.text("placement")
+    if links != int(links) or links > MOST_LINKS:
+        raise table.fault("links", "links", expected=f"a whole number from 1 to {MOST_LINKS}", received=links)
+    if placement not in PLACEMENTS:
+        raise table.fault("placement", "placement", expected=" or ".join(PLACEMENTS), received=placement)
+    return int(links), placement
+
+
+def _smoothed(robot: Section) -> int | None:
+    """Samples of the moving average that the tracks went through, 1: none; None: nobody says."""
+    if "smoothed" not in robot.values:
+        return None
+    width = robot.number("smoothed", "samples")
+    if width % 2 != 1 or width > WIDEST:
+        raise robot.fault("smoothed", "smoothed", expected=f"an odd number of samples, from 1 to {WIDEST}", received=width)
+    return int(width)
 
 
 def _version(top: Section) -> int:
@@ -169,7 +205,7 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
         radius = section.number("radius", "m", zero=True) if "radius" in section.values else 0.0
         if radius > length:
             raise section.fault("radius", "radius", expected=f"from 0 to the arm's length, {length} m", received=radius)
-        angle = section.number("angle", "rad", sign=True) if "angle" in section.values else 0.0
+        angle = section.angle("angle") if "angle" in section.values else 0.0
         if not isinstance(turned := section.values.get("orientation", False), bool):
             raise section.fault("orientation", "orientation", expected="true or false", received=repr(turned)[:60])
         markers.append(Marker(name, arc_length, radius, angle))

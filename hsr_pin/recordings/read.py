@@ -11,8 +11,10 @@ import numpy as np
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
 from hsr_pin.recordings.files import is_inside
-from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.grid import instants_between, on_even_grid, with_commands_between
+from hsr_pin.recordings.plausible import exchanged
 from hsr_pin.recordings.poses import points_of, seen_points
+from hsr_pin.recordings.samples import SAMPLES, sample_folder
 from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
@@ -33,7 +35,7 @@ def read_dataset(path: str | Path) -> Dataset:
     """Read a dataset.
 
     Args:
-        path: its folder (or its ``dataset.toml``).
+        path: its folder (or its ``dataset.toml``), or the name of a sample where no such folder is there.
 
     Returns:
         The dataset; what was done to a trial's data (resampling) stands in its trajectory's ``notes``.
@@ -45,7 +47,11 @@ def read_dataset(path: str | Path) -> Dataset:
     if folder.name == FILE_NAME:
         folder = folder.parent
     if not _holds(folder.is_dir):
-        raise RecordingError("no such dataset", expected=f"a folder with a {FILE_NAME} in it", file=path)
+        known = sample_folder(str(path))
+        if known is None:
+            hint = f"or the name of a sample: {', '.join(SAMPLES)}"
+            raise RecordingError("no such dataset", expected=f"a folder with a {FILE_NAME} in it", hint=hint, file=path)
+        folder = known
     if _holds((folder / FILE_NAME).exists) and not is_inside(folder / FILE_NAME, folder):
         raise RecordingError(
             "cannot read the declaration",
@@ -58,6 +64,7 @@ def read_dataset(path: str | Path) -> Dataset:
     tables = [_table(folder, trial) for trial in declaration.trials]
     trials = tuple(_trial(declaration, trial, table) for trial, table in zip(declaration.trials, tables, strict=True))
     _check_markers(declaration, trials, tables)
+    _check_order(declaration, trials, tables)
     return Dataset(
         name=declaration.name,
         length=declaration.length,
@@ -71,6 +78,8 @@ def read_dataset(path: str | Path) -> Dataset:
         torsion=declaration.torsion,
         sections=declaration.sections,
         channels=declaration.channels,
+        chain=declaration.chain,
+        smoothed=declaration.smoothed,
     )
 
 
@@ -160,7 +169,8 @@ def _on_even_grid(table: Table, declaration: Declaration) -> tuple[Trajectory, f
         row = min(2, len(time) - 1)
         raise table.fault("time", row, table.place["t"], **asdict(facts))
     given = _input(table, declaration)
-    notes = [
+    positions, flat = _in_plane(positions, declaration)
+    notes = flat + [
         f"marker {marker.name} was not seen" for marker, p in zip(markers, positions.swapaxes(0, 1), strict=True) if not _seen(p)
     ]
     if declaration.posed:
@@ -169,7 +179,8 @@ def _on_even_grid(table: Table, declaration: Declaration) -> tuple[Trajectory, f
         positions = np.concatenate([positions, seen_points(table, declaration.posed, radius)], axis=1)
     raw = Trajectory(time, markers, positions, notes=tuple(notes), **given)
     try:
-        return on_even_grid(raw)
+        instants = instants_between(raw)
+        return with_commands_between(raw, instants) if instants.any() else on_even_grid(raw)
     except ValueError:
         row = int(np.argmax(np.diff(time))) + 1
         raise table.fault(
@@ -201,9 +212,49 @@ def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:
     return table.values[:, fields].reshape(len(table.values), len(markers), 3)
 
 
+def _in_plane(positions: Array, declaration: Declaration) -> tuple[Array, list[str]]:
+    """Positions of an arm in a plane, where a marker that has no y in any sample is in it; and a note on each."""
+    some = np.asarray(np.isfinite(positions).any(axis=0))
+    wanted = [True, False, True] if declaration.bending == "plane" else [False] * 4
+    flat = [index for index, axes in enumerate(some.tolist()) if axes == wanted]
+    positions = np.array(positions)
+    for index in flat:
+        positions[np.isfinite(positions[:, index, 0]), index, 1] = 0.0
+    return positions, [f"{declaration.markers[index].name}: no y in any sample, taken as 0" for index in flat]
+
+
 def _seen(positions: Array) -> bool:
     """Whether (..., 3) positions hold a whole one."""
     return bool(np.isfinite(positions).all(axis=-1).any())
+
+
+def _check_order(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
+    """Refuse markers that stand in each other's places along the arm in most samples of a trial."""
+    markers = declaration.markers
+    for trial, table in zip(trials, tables, strict=True):
+        apart = np.linalg.norm(trial.trajectory.positions[:, : len(markers)], axis=2)
+        distances = [float(np.median(each[np.isfinite(each)])) if np.isfinite(each).any() else np.nan for each in apart.T]
+        if (pair := exchanged([marker.arc_length + marker.radius for marker in markers], distances)) is None:
+            continue
+        near, far = (markers[place] for place in pair)
+        raise table.fault(
+            f"markers {near.name!r} and {far.name!r} seem to be exchanged",
+            None,
+            table.place[f"{near.name}_x"],
+            expected=f"{near.name!r} at most {near.arc_length:g} m from the base, its arc length",
+            received=f"{distances[pair[0]]:.3g} m, and {distances[pair[1]]:.3g} m for {far.name!r} (medians)",
+            hint="exchange their names in the header, or their arc lengths",
+        )
+
+
+def _without_data(tables: list[Table], name: str, field: int) -> RecordingError:
+    empty = [axis for axis in "xyz" if all(np.isnan(table.column(f"{name}_{axis}")).all() for table in tables)]
+    if len(empty) in (1, 2):
+        subject, expected = f"marker {name!r} has no {' and no '.join(empty)} in any trial", "x, y and z in the world: z is up"
+        return tables[0].fault(
+            subject, None, field, expected=expected, hint="a camera's plane is x and z, and y is then empty or 0"
+        )
+    return tables[0].fault(f"marker {name!r} has no data in any trial", None, field, hint="take it out of the dataset")
 
 
 def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
@@ -211,9 +262,7 @@ def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: 
     for index, marker in enumerate(declaration.markers):
         field = tables[0].place[f"{marker.name}_x"]
         if not any(_seen(trial.trajectory.positions[:, index]) for trial in trials):
-            raise tables[0].fault(
-                f"marker {marker.name!r} has no data in any trial", None, field, hint="take it out of the dataset"
-            )
+            raise _without_data(tables, marker.name, field)
         for trial, table in zip(trials, tables, strict=True):
             seen = trial.trajectory.positions[:, index]
             seen = seen[np.isfinite(seen).all(axis=1)]

@@ -151,12 +151,18 @@ def _declaration(dataset: Dataset) -> str:
     lines += ["", "[robot]"]
     lines += [_entry(key, getattr(dataset, key), unit) for key, unit in (("length", "m"), ("mass", "kg"), ("diameter", "m"))]
     lines.append(f"mount = {_quoted(dataset.mount)}")
+    if dataset.smoothed is not None:
+        lines.append(f"smoothed = {dataset.smoothed}  # samples of the moving average")
     if space:
         lines.append(f"bending = {_quoted(dataset.bending)}")
     if math.isfinite(dataset.torsion):
         lines.append(_entry("torsion", dataset.torsion, "Nm/rad"))
-    lines += [line for section in dataset.sections for line in _section(section)]
+    damped = any(trial.damping is not None for trial in dataset.trials)
+    lines += [line for section in dataset.sections for line in _section(section, damped)]
     lines += [line for channel in dataset.channels for line in _channel(channel)]
+    if dataset.chain:
+        links, placement = dataset.chain
+        lines += ["", "[simulation]", f"links = {links}", f"placement = {_quoted(placement)}"]
     for marker in dataset.markers:
         lines += ["", "[[marker]]", f"name = {_quoted(marker.name)}", _entry("arc_length", marker.arc_length, "m")]
         if marker.radius:
@@ -166,8 +172,9 @@ def _declaration(dataset: Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _section(section: Section) -> list[str]:
-    units = {"length": "m", "mass": "kg", "keq": "Nm/rad", "damping": "Nm s/rad"}
+def _section(section: Section, damped: bool) -> list[str]:
+    """Its lines; the damping is left out where no trial has one: what stands in memory is then a placeholder."""
+    units = {"length": "m", "mass": "kg", "keq": "Nm/rad"} | ({"damping": "Nm s/rad"} if damped else {})
     return ["", "[[section]]", *(_entry(key, getattr(section, key), unit) for key, unit in units.items())]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from hsr_pin.effects.effect import View
 from hsr_pin.identification.evaluation import respond, rms
 from hsr_pin.identification.experiment import Experiment, Run, prepare
-from hsr_pin.identification.hypothesis import ARM, Hypothesis
+from hsr_pin.identification.hypothesis import ARM, Hypothesis, chain_of
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.space import base_rotations
@@ -65,13 +65,13 @@ class Session:
     placement: Placement
 
     @classmethod
-    def of(cls, dataset: Dataset, links: int, placement: Placement) -> Session:
-        """The usable trials of a dataset.
+    def of(cls, dataset: Dataset, links: int | None = None, placement: Placement | None = None) -> Session:
+        """The usable trials of a dataset; links and placement as of :func:`~hsr_pin.identification.hypothesis.chain_of`.
 
         Raises:
             IdentificationError: none is.
         """
-        return cls(prepare(dataset), links, placement)
+        return cls(prepare(dataset), **chain_of(dataset, links, placement))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -105,9 +105,9 @@ class Session:
         """Simulate a trial."""
         hypothesis = Hypothesis(settings.effects(), tuple(ARM), self.links, self.placement)
         values = np.array([[settings.arm(name) for name in ARM]])
-        found = respond(self.experiment, run, hypothesis, values)
+        found = respond(self.experiment, run.whole, hypothesis, values)
         markers = found.positions[:, 0]
-        residual = markers[..., run.axes] - run.compared
+        residual = markers[..., run.axes] - run.tracked
         squares = (residual**2).sum(axis=-1)
         seen = np.isfinite(squares)
         error = np.sqrt(np.where(seen, squares, 0.0).sum(axis=1) / np.where(seen.any(axis=1), seen.sum(axis=1), np.nan))

@@ -40,7 +40,7 @@ def recording(tmp_path_factory):
         measured = Trajectory(motion.time, motion.markers, beside, torque=motion.torque)
         trials.append(Trial(f"trial_{number:02d}", measured, keq=1.11, damping=0.05))
     path = tmp_path_factory.mktemp("recording") / "beside"
-    write_dataset(Dataset("beside", 0.24, 0.15, 0.04, "hanging", tuple(trials)), path)
+    write_dataset(Dataset("beside", 0.24, 0.15, 0.04, "hanging", tuple(trials), chain=(4, "base")), path)
     return path
 
 
@@ -101,8 +101,8 @@ BAD = {
     "no dataset": (["gone"], "gone: no such dataset"),
     "a trial that is not there": (["data", "--trial", "3"], "--trial: expected 1 to 2, or a name of trial_01, trial_02, got 3"),
     "trial zero": (["data", "--trial", "0"], "--trial: expected 1 to 2"),
-    "no links": (["data", "--links", "0"], "links: expected a whole number from 1 to 1000, got 0"),
-    "unknown placement": (["data", "--placement", "end"], "placement: expected base or mid or shifted, got 'end'"),
+    "no links": (["data", "--links", "0"], "'--links': 0 is not in the range 1<=x<=100"),
+    "unknown placement": (["data", "--placement", "end"], "'--placement': 'end' is not one of 'mid', 'base'"),
     "unknown effect": (["data", "--effect", "friction"], "effect: expected stiffness_gradient, "),
     "an unwritable page": (["data", "--html", "gone/run.html"], "gone/run.html: cannot write the file"),
     "an unknown picture": (["data", "--plot", "run.bmp"], "picture: expected a name ending in .png, .pdf, .svg, got run.bmp"),

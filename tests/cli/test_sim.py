@@ -69,9 +69,11 @@ def test_the_table_has_the_rows_of_table_ii(sim, keq):
     assert all(len(row) == 9 for row in rows)
 
 
-def test_without_options_it_runs_the_papers_arm(facts):
-    document = facts()
-    assert document["runs"] == facts("--links", 4, "--keq", 1.11, "--damping", 0.05, "--mount", "hanging")["runs"]
+@pytest.mark.parametrize(("links", "placement"), [(None, "mid"), (4, "base"), (16, "mid")])
+def test_four_links_are_the_papers_chain_and_without_options_it_is_the_fitted_one(facts, links, placement):
+    own = [] if links is None else ["--links", links]
+    wanted = facts("--links", links or 16, "--placement", placement, "--keq", 1.11, "--damping", 0.05, "--mount", "hanging")
+    assert facts(*own)["runs"] == wanted["runs"]
 
 
 @pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
@@ -177,9 +179,9 @@ def test_a_run_that_did_not_settle_says_so_and_json_has_null(sim, facts):
 def test_the_dataset_reads_back_as_it_was_simulated(sim, tmp_path):
     assert sim("--csv", tmp_path / "data", "--mount", "upright")[0] == 0
     dataset = read_dataset(tmp_path / "data")
-    assert (dataset.mount, len(dataset.trials)) == ("upright", 3)
+    assert (dataset.mount, len(dataset.trials), dataset.chain) == ("upright", 3, (16, "mid"))
     for row, trial in zip(combinations(1.11), dataset.trials, strict=True):
-        motion = simulate(step_scenario(ArmSpecification(mount="upright"), row.tau)).trajectory
+        motion = simulate(step_scenario(ArmSpecification(16, placement="mid", mount="upright"), row.tau)).trajectory
         assert np.abs(trial.trajectory.positions - motion.positions).max() < 1e-12
         assert PAPER.torque(trial.trajectory.pressures, trial.keq)[-1] == pytest.approx(row.tau, abs=1e-12)
 
@@ -313,7 +315,7 @@ def test_on_a_terminal_it_is_coloured_and_the_bar_is_gone_at_the_end():
     os.close(ours)
     assert process.wait() == 0
     text = shown.decode()
-    assert "\x1b[1m4 links" in text
+    assert "\x1b[1m16 links" in text
     assert "simulating" in text
     assert text.rfind("simulating") < text.find("1.2868")
 

@@ -18,7 +18,7 @@ def recorded(shift=(0.0, 0.0, 0.0)):
     motion = simulate(step_scenario(ArmSpecification(), 0.8, duration=2.0)).trajectory
     seen = motion.positions + np.array([0.0, 1.0, 1.0])[:, None] * np.array(shift)
     trial = Trial("trial_01", Trajectory(motion.time, motion.markers, seen, torque=motion.torque), 1.11, 0.05)
-    return Dataset("step", 0.24, 0.15, 0.04, "hanging", (trial,))
+    return Dataset("step", 0.24, 0.15, 0.04, "hanging", (trial,), chain=(4, "base"))
 
 
 def test_what_the_simulation_made_compares_to_nothing():

@@ -22,11 +22,12 @@ from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
-from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis, Part, chain_of
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.inference import Data, Loss
 from hsr_pin.parallel import workers
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.robot.specification import Placement
 from hsr_pin.simulation.compiled import ready
 from hsr_pin.trajectory import Dataset
 
@@ -72,7 +73,8 @@ def diagnose_change(
     effects: Sequence[str] | None = None,
     max_effects: int = 3,
     max_changes: int = 2,
-    links: int = LINKS,
+    links: int | None = None,
+    placement: Placement | None = None,
     delay: float = 0.0,
     jobs: int | None = None,
     cluster: str | None = None,
@@ -94,7 +96,8 @@ def diagnose_change(
             other numbers, and how the arm is seen.
         max_effects: with which OLD is described, at most.
         max_changes: at most this many together.
-        links: of the chain that is fitted.
+        links: of the chain that is fitted; default: 16, or as many as simulated the first dataset.
+        placement: of its joints; default: in the middle of each element, or as in the simulation.
         delay: trials that start from a pose are followed only from so long after their declared start [s].
         jobs: processes; default: one per core.
         cluster: address of a Dask scheduler whose workers do it instead.
@@ -123,7 +126,7 @@ def diagnose_change(
         if reference is None:
             pool = FitPool(both.old, executor, advance=advance)
             parts = catalogue(causes, both.old)
-            model = Hypothesis(links=links)
+            model = Hypothesis(**chain_of(first, links, placement))
             reference = described(both.old, model, parts, pool, max_effects=max_effects, seed=seed, tell=tell)
         tell("what it does not describe")
         frame, before = framed(both, reference.fit.hypothesis, reference.fit.values)

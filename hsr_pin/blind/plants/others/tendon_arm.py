@@ -346,17 +346,15 @@ LAWS: dict[str, tuple[str, float, float, Callable[[Plant, Draw], dict]]] = {
     # Not in the list, from here on.  The tendons rub on the discs.  A tension loop or a heavy rotor on its tendon rings (period x).
     "capstan_friction": ("friction actuation_map", 0.1, 3, lambda p, d: {"capstan": (d.x, 0.03 + 0.07 * d.r, 5e-5)}),
     "ringing_servo": ("actuation_time", 0.1, 0.6, _ring),
-    # Pretension is lost, and slow winches pay out slack and have to wind it up.  The mount rocks; the winches ride on it.
-    "slack_tendon": ("actuation_map actuation_time", 0.7, 1, lambda p, d: {
-        "pretension": p.pretension * (1 - d.x), "winch": p.winch[:3] + (250 + 250 * d.q, 0.004 + 0.004 * d.r)}),
+    # The mount rocks; the winches ride on it.
     "base_on_springs": ("mass_gravity elastic", 0.2, 3, lambda p, d: {
         "base": (0.002, (0.002 + 0.004 * d.r) / math.sqrt(d.x), 3 / d.x, p.base[3])}),
     # The torque per command changes over the trials, steadily or as a motor warms.  The torque ripples with the winch's angle.
     "gain_drift": ("actuation_map", 0.1, 0.9, lambda p, d: {"gain": d.pick(
         lambda s: 1 + d.sign * d.x * (2 * s - 1), lambda s: 1 - d.x * (1 - math.exp(-s / (0.2 + 0.3 * d.r))))}),
     "cogging": ("actuation_map elastic", 1, 15, lambda p, d: {"cog": (d.x, 0.0025 + 0.0015 * d.r)})}
-CATALOGUE: dict[str, tuple[str, ...]] = {name: tuple(law[0].split()) for name, law in list(LAWS.items())[:-6]}
-OUTSIDE: dict[str, tuple[str, ...]] = {name: tuple(law[0].split()) for name, law in list(LAWS.items())[-6:]}
+CATALOGUE: dict[str, tuple[str, ...]] = {name: tuple(law[0].split()) for name, law in list(LAWS.items())[:-5]}
+OUTSIDE: dict[str, tuple[str, ...]] = {name: tuple(law[0].split()) for name, law in list(LAWS.items())[-5:]}
 
 def _apply(p: Plant, name: str, x: float, seed: int, peak: float) -> dict:
     """Puts a law of strength x into the plant and returns what was drawn and changed, where it is a short list of numbers."""

@@ -1,0 +1,46 @@
+"""Sample recordings that come with the package, found by name from anywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hsr_pin.errors import RecordingError, quoted
+from hsr_pin.resources import resource
+
+if TYPE_CHECKING:
+    from hsr_pin.trajectory import Dataset
+
+#: Name -> what it holds. Licence and source stand beside each in ``data/samples``.
+SAMPLES = {
+    "beam": "real: a silicone beam, released under gravity with and without a load at its tip",
+    "beam-empty": "real: the releases of beam without a load",
+    "beam-loaded": "real: the releases of beam with a load that is not declared",
+    "valve-arm": "simulated by other authors: pneumatic muscles behind valves, stepped, with one effect to be found",
+}
+#: The name that stands for the first of them.
+FIRST = "sample"
+
+
+def sample(name: str = FIRST) -> Dataset:
+    """Read a sample dataset.
+
+    Args:
+        name: one of :data:`SAMPLES`; default: the first.
+
+    Raises:
+        RecordingError: there is no sample of this name.
+    """
+    from hsr_pin.recordings.read import read_dataset
+
+    folder = sample_folder(name)
+    if folder is None:
+        raise RecordingError("sample", expected=f"one of {', '.join(SAMPLES)}", received=quoted(name))
+    return read_dataset(folder)
+
+
+def sample_folder(name: str) -> Path | None:
+    """The folder of a sample; None where there is no sample of this name."""
+    if name == FIRST:
+        name = next(iter(SAMPLES))
+    return resource("data", f"samples/{name}/dataset.toml").parent if name in SAMPLES else None
