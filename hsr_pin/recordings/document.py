@@ -12,6 +12,7 @@ from typing import Any
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.files import LARGEST_DOCUMENT
+from hsr_pin.recordings.plausible import angle_doubt
 from hsr_pin.recordings.text import nearest, read_text
 
 if sys.version_info >= (3, 11):
@@ -123,6 +124,17 @@ class Section:
             if math.isfinite(result) and (sign or result > 0 or (zero and result == 0)):
                 return result
         raise self.fault(key, key, expected=f"{bound} [{unit}]", received=repr(value)[:60])
+
+    def angle(self, key: str) -> float:
+        """A direction [rad], within a turn either way.
+
+        Raises:
+            RecordingError: absent, of another type, or out of range.
+        """
+        value = self.number(key, "rad", sign=True)
+        if doubt := angle_doubt(value):
+            raise self.fault(key, key, **doubt.facts)
+        return value
 
     def section(self, key: str) -> Section:
         """The table ``[key]``.

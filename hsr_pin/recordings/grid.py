@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +103,27 @@ def hold(source: Array, values: Array, time: Array) -> Array:
     return np.asarray(values[np.clip(np.searchsorted(source, time, side="right") - 1, 0, len(source) - 1)])
 
 
+def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, tuple[str, ...]]:
+    """(T, C) commands (R, C) that are held from their ``source`` times on, as means over each step of even times; and a note.
+
+    What changes on a sample stays as it was. What changes between two keeps its time: the sample before it holds the mean.
+    """
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    slack = TOLERANCE * step
+    even = np.round((source - time[0]) / step) * step + time[0]
+    source = np.where(np.abs(source - even) <= slack, even, source)
+    first, last = (np.clip(np.searchsorted(source, at, side="right") - 1, 0, None) for at in (time + slack, time + step - slack))
+    changes = np.concatenate([[0], np.cumsum((values[1:] != values[:-1]).any(axis=1))])
+    mixed = changes[first] != changes[last]
+    if not mixed.any():
+        return values[first], ()
+    passed = np.concatenate([[0.0 * values[0]], np.cumsum(values[:-1] * np.diff(source)[:, None], axis=0)])
+    begin = passed[first] + values[first] * (time - source[first])[:, None]
+    end = passed[last] + values[last] * (time + step - source[last])[:, None]
+    note = f"the command changes between samples ({int(mixed.sum())} times): the sample before holds the mean until the next"
+    return np.where(mixed[:, None], (end - begin) / step, values[first]), (note,)
+
+
 def even_grid(time: Array) -> Grid | None:
     """The even grid for increasing times; None where they are even already.
 
@@ -182,6 +204,31 @@ def on_even_grid(trajectory: Trajectory) -> tuple[Trajectory, float]:
         notes=(*grid.notes, *trajectory.notes),
     )
     return even, grid.origin
+
+
+def instants_between(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """(T,) rows without any marker that lie between the samples of otherwise even times: instants at which a command changes."""
+    time, empty = trajectory.time, np.array(np.isnan(trajectory.positions).all(axis=(1, 2)))
+    empty[[0, -1]] = False
+    if not empty.any() or np.ptp(np.diff(time)) <= EXACT * np.diff(time).mean():
+        return np.zeros(len(time), dtype=bool)
+    beats = (time - time[0]) / np.median(np.diff(time[~empty]))
+    off = np.asarray(np.abs(beats - np.round(beats)) > TOLERANCE)
+    return off & empty if not (off & ~empty).any() else np.zeros(len(time), dtype=bool)
+
+
+def with_commands_between(trajectory: Trajectory, instants: NDArray[np.bool_]) -> tuple[Trajectory, float]:
+    """As :func:`on_even_grid` of a trajectory without these rows, whose command changes at their times nevertheless."""
+    names = [name for name in ("torque", "pressures", "channels") if getattr(trajectory, name) is not None]
+    kept: dict[str, Any] = {name: getattr(trajectory, name)[~instants] for name in ("time", "positions", *names)}
+    even, origin = on_even_grid(replace(trajectory, **kept))
+    notes: tuple[str, ...] = ()
+    for name in names:
+        values = getattr(trajectory, name)
+        rows, notes = mean_until_next(trajectory.time - origin, values.reshape(len(values), -1), even.time)
+        given: dict[str, Any] = {name: rows.reshape(-1, *values.shape[1:])}
+        even = replace(even, **given)
+    return replace(even, notes=(*even.notes, *notes)), origin
 
 
 def evened(trial: Trial) -> Trial:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from math import cos, isclose, pi, sin
+from math import cos, inf, isclose, pi, sin
 from typing import Any
 
 from hsr_pin.recordings.document import Section as Table
@@ -44,12 +44,20 @@ def sections_of(top: Table, robot: Table, length: float, mass: float) -> tuple[S
 
     masses = each("mass", "kg", lambda share: mass * share)
     _check_whole(robot, "mass", "kg", mass, sum(masses))
-    springs = each("keq", "Nm/rad", lambda share: robot.values.get("keq", 1.0) / share)
-    dampers = each("damping", "Nm s/rad", lambda share: robot.values.get("damping", 1.0) / share)
+    whole = {key: _first_said(key, robot.values, *top.values.get("trial", ())) for key in ("keq", "damping")}
+    springs = each("keq", "Nm/rad", lambda share: whole["keq"] / share)
+    dampers = each("damping", "Nm s/rad", lambda share: whole["damping"] / share)
     for key, unit, value in (("keq", "Nm/rad", series(springs)), ("damping", "Nm s/rad", averaged(dampers, parts))):
         if key in robot.values:
             _check_whole(robot, key, unit, robot.number(key, unit, zero=True), value)
     return tuple(Section(*numbers) for numbers in zip(parts, masses, springs, dampers, strict=True))
+
+
+def _first_said(key: str, *tables: Any) -> float:
+    """A number of the whole arm as the first table has it; 1 where nobody says it: sections then differ by length alone."""
+    said = (table.get(key) for table in tables if isinstance(table, dict))
+    numbers = (float(value) for value in said if isinstance(value, int | float) and 0 <= value < inf)
+    return next((value for value in numbers if value or key == "damping"), 1.0)
 
 
 def declared_whole(top: Table, sections: tuple[Section, ...]) -> dict[str, float]:
@@ -144,7 +152,7 @@ def _torques(table: Table, count: int, sections: int) -> list[tuple[float, ...]]
         expected = f"the section that they bend, 1 to {sections}, or torque"
         raise table.fault("section", "section", expected=expected, received=repr(section)[:60])
     gain = table.number("gain", "N m per unit", sign=True)
-    angle = table.number("angle", "rad", sign=True) if "angle" in table.values else 0.0
+    angle = table.angle("angle") if "angle" in table.values else 0.0
     return around(count, gain, angle, section, sections)
 
 

@@ -162,7 +162,7 @@ def _check_header(table: Table, first: str) -> None:
         if name in taken:
             raise table.fault(f"column {name!r} stands twice in the header", None, field)
         taken.add(name)
-    if len(table.header) == 1 and any(mark in first for mark in ";\t"):
+    if len(table.header) == 1 and any(mark in first for mark in ";|\t"):
         hint = "separate by commas, and write decimals with points"
         raise table.fault("header", None, 0, expected="columns separated by commas", received=first[:40], hint=hint)
 

@@ -15,6 +15,7 @@ from hsr_pin.recordings.importers.bodies import Body, choose, every_point, match
 from hsr_pin.recordings.importers.capture import Capture
 from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.detect import read_capture, read_commands_of
+from hsr_pin.recordings.importers.input_clock import on_clock_of
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
 from hsr_pin.recordings.importers.space import (
@@ -37,6 +38,7 @@ from hsr_pin.recordings.importers.trials import (
 from hsr_pin.recordings.importers.up import Up, axis_vector, choose_up
 from hsr_pin.recordings.importers.warnings import beside_its_input, warnings
 from hsr_pin.recordings.outliers import spikes
+from hsr_pin.recordings.plausible import size_doubt
 from hsr_pin.recordings.poses import points_of
 from hsr_pin.trajectory import Array, Channel, Dataset, Marker, Trial
 
@@ -90,9 +92,10 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
     if not files:
         raise InputError("files", expected="at least one file to import", received="none")
     inputs = per_trial(settings.inputs, len(files), "inputs")
+    offsets = per_trial(settings.input_offset, len(files), "input_offset")
     captures = [read_capture(path, settings.unit, settings.mapping) for path in files]
     bodies = _bodies(settings, captures[0])
-    tracked = [_track(capture, bodies, path, settings) for capture, path in zip(captures, inputs, strict=True)]
+    tracked = [_track(*each, bodies, settings) for each in zip(captures, inputs, offsets, strict=True)]
     try:
         return _assemble(tracked, bodies, settings)
     except RecordingError as error:
@@ -117,12 +120,16 @@ def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
     return tuple(replace(body, arc_length=0.0) if body.name.lower() in BASE_NAMES else body for body in bodies)
 
 
-def _track(capture: Capture, bodies: Sequence[Body], path: str | Path | None, settings: ImportSettings) -> _Tracked:
+def _track(
+    capture: Capture, path: str | Path | None, offset: float | str | None, bodies: Sequence[Body], settings: ImportSettings
+) -> _Tracked:
     positions, notes = choose(capture, bodies)
     without = np.where(spikes(positions)[:, :, None], np.nan, positions)
     command = read_commands_of(capture, path, settings.mapping, settings.input_columns)
     if command is not None:
         check_torques(command, settings)
+        command, said = on_clock_of(command, capture, without, offset)
+        notes += said
     return _Tracked(capture, positions, without, command, [*capture.notes, *notes], orientations(capture, bodies))
 
 
@@ -144,6 +151,8 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
     worlds = [alignment.to_world(one.positions[:, arm.order]) for one, (alignment, _) in zip(tracked, planes, strict=True)]
     declared, sides = sided(arm, bodies, planes[0][0], mount)
     length, markers = _lengths(declared, settings.length)
+    if doubt := size_doubt(length, settings.mass, settings.diameter):
+        raise InputError(doubt.key, **doubt.facts)
     posed = [(place, bodies[index]) for place, index in enumerate(arm.order) if bodies[index].pose]
     if posed:
         radius = settings.diameter / 2

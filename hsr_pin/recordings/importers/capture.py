@@ -82,6 +82,7 @@ def capture(
     notes: Sequence[str] = (),
     encoding: str = "",
     turns: Mapping[int, Array] | None = None,
+    still_at_zero: bool = False,
 ) -> Capture:
     """A capture that has been looked through: points that are not seen are NaN, names are unique, time begins at 0.
 
@@ -98,6 +99,7 @@ def capture(
         notes: so far.
         encoding: of the text, if not UTF-8.
         turns: (T, 4) quaternions of some points, by their place in ``names``; one of length zero was not seen.
+        still_at_zero: a point that is at (0, 0, 0) in every frame stands there: the base of a table in the base's frame.
 
     Raises:
         RecordingError: no point, fewer than two frames, or time that does not increase or is not that of a motion.
@@ -121,7 +123,9 @@ def capture(
     positions = np.array(positions, dtype=float)
     if factor != 1.0:
         positions *= factor
+    positions = _with_flat_axes(positions, names, notes)
     zero = ~positions.any(axis=2)
+    zero &= ~(still_at_zero & zero.all(axis=0))
     if zero.any():
         notes.append(f"{int(zero.sum())} samples at exactly (0, 0, 0) were taken as not seen")
     missing = np.isnan(positions)
@@ -134,6 +138,15 @@ def capture(
     turned = {named[k]: np.where(np.any(each, axis=1, keepdims=True), each, np.nan) for k, each in (turns or {}).items()}
     begin = start + float(time[0])
     return Capture(path, system, time - time[0], named, positions, up, unit, begin, tuple(notes), turned)
+
+
+def _with_flat_axes(positions: Array, names: Sequence[str], notes: list[str]) -> Array:
+    """Positions in which the one coordinate of a point that no frame has, while it has the others, is zero."""
+    some = np.asarray(np.isfinite(positions).any(axis=0), dtype=bool)
+    flat: NDArray[np.bool_] = ~some & (some.sum(axis=1, keepdims=True) == 2)
+    for point, axis in np.argwhere(flat):
+        notes.append(f"{names[point]}: no {'xyz'[axis]} in any frame, taken as 0 (of a camera that sees a plane)")
+    return np.where(flat & np.isfinite(positions).any(axis=2, keepdims=True), 0.0, positions)
 
 
 def seen(positions: Array) -> NDArray[np.bool_]:

@@ -81,6 +81,7 @@ def _sections(top: Section, robot: Section, facts: Mapping[str, Any], said: Mapp
         raise InputError("mass", expected="--mass, or mass under [robot] in --map, or in each [[section]]", received="none")
     mass = facts.get("mass") or _together(tables, "mass")
     kept = {key: value for key, value in robot.values.items() if key not in said}
+    kept |= {key: facts[key][0] for key in _EACH if key in said and not any(key in table.values for table in tables)}
     whole = Section(robot.path, robot.way, {**kept, "length": length, "mass": mass}, robot.places)
     sections = sections_of(top, whole, length, mass)
     told = {key: [value] for key, value in declared_whole(top, sections).items() if key not in facts}
@@ -109,7 +110,7 @@ def _markers(top: Section) -> list[Body]:
                 tuple(points),
                 table.number("arc_length", "m", zero=True) if "arc_length" in table.values else None,
                 table.number("radius", "m", zero=True) if "radius" in table.values else 0.0,
-                table.number("angle", "rad", sign=True) if "angle" in table.values else None,
+                table.angle("angle") if "angle" in table.values else None,
                 pose if isinstance(pose, str) else "straight" if pose else "",
             )
         )

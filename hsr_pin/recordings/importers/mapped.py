@@ -72,6 +72,7 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
         notes=[*notes, *([note] if note else [])],
         encoding=sheet.encoding,
         turns={called.index(name): turned[:, 4 * k : 4 * k + 4] for k, (name, _) in enumerate(mapping.poses)},
+        still_at_zero=True,
     )
 
 

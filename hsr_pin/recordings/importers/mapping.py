@@ -237,7 +237,7 @@ def _file(section: Section) -> dict[str, Any]:
         if not isinstance(header, int) or isinstance(header, bool) or header < 0:
             raise section.fault("header", "header", expected="the line of the names, or 0 for none", received=repr(header)[:60])
         facts["header"] = header
-    for key, known in (("separator", (",", ";", "\t", " ")), ("decimal", (".", ","))):
+    for key, known in (("separator", (",", ";", "|", "\t", " ")), ("decimal", (".", ","))):
         if key in section.values:
             value = section.values[key]
             if value not in known:

@@ -145,6 +145,7 @@ def on_one_clock(
         start=float(clock[0] / 1e9),
         notes=notes,
         turns=turned,
+        still_at_zero=True,
     )
 
 

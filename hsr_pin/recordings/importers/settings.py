@@ -13,18 +13,22 @@ from hsr_pin.recordings.declaration import LONGEST
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.command_rows import IN_PLANE
 from hsr_pin.recordings.importers.mapping import FARTHEST, TableMapping
+from hsr_pin.recordings.plausible import angle_doubt
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.trajectory import BENDS, MOUNTS, Channel, Section
 
 _Value = TypeVar("_Value")
+
+#: The offset of an input that is to be estimated.
+AUTO = "auto"
 
 
 @dataclass(frozen=True)
 class ImportSettings:
     """What a capture does not say about the arm, and how to read it.
 
-    What belongs to a trial (``keq``, ``damping``, ``tip_mass``, ``t_start``, ``inputs``) is a sequence: one value for all files,
-    or one for each; an empty one leaves it undeclared.
+    What belongs to a trial (``keq``, ``damping``, ``tip_mass``, ``t_start``, ``inputs``, ``input_offset``) is a sequence: one value
+    for all files, or one for each; an empty one leaves it undeclared.
 
     Attributes:
         mass: [kg].
@@ -49,6 +53,7 @@ class ImportSettings:
         t_start: [s] on the capture's clock, 0 at its first frame; None: from there on.
         inputs: CSV files ``t,P1,P2`` or ``t,tau`` on the same clock, in space ``t,tau_x,tau_y`` (of sections ``tau_x_1``, ...)
             or, with a gain, chambers; with a mapping, files as it says; ``"-"``: none.
+        input_offset: [s] added to the times of the input, or "auto": as motion and command show it.
         mapping: what stands where in tables that are not of a known system, and in those of the input.
         torsion: stiffness against twisting, in space [Nm/rad]; infinite: it does not twist.
         sections: that the arm is made of, in space, from the base on; none: a uniform arm.
@@ -76,6 +81,7 @@ class ImportSettings:
     tip_mass: Sequence[float] = ()
     t_start: Sequence[float | None] = ()
     inputs: Sequence[str | Path] = ()
+    input_offset: Sequence[float | str] = ()
     mapping: TableMapping | None = None
     torsion: float = math.inf
     sections: Sequence[Section] = ()
@@ -124,6 +130,9 @@ class ImportSettings:
         self._check_numbers("length", [] if self.length is None else [self.length], zero=False)
         self._check_numbers("keq", self.keq, zero=False)
         self._check_numbers("damping", self.damping, zero=True)
+        for offset in self.input_offset:
+            if offset != AUTO and not (isinstance(offset, int | float) and math.isfinite(offset)):
+                raise InputError("input_offset", expected=f"a number of s, or {AUTO}", received=repr(offset))
         self._check_numbers("tip_mass", self.tip_mass, zero=True)
         if not self.keq:
             raise InputError("keq", expected="a stiffness [Nm/rad]", received="none")
@@ -148,6 +157,12 @@ class ImportSettings:
         for name, value in (("gain", self.gain), ("angle", self.angle)):
             if value is not None and not math.isfinite(value):
                 raise InputError(name, expected="a number", received=f"{value:g}")
+        for name, angle in (
+            ("angle", self.angle),
+            *((f"angle of marker {body.name}", body.angle or 0.0) for body in self.markers),
+        ):
+            if doubt := angle_doubt(angle):
+                raise InputError(name, **doubt.facts)
         self._check_numbers("torsion", [] if math.isinf(self.torsion) else [self.torsion], zero=True)
 
     @staticmethod

@@ -205,7 +205,7 @@ def _decimals(text: str) -> int:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Read the text of a tracking system: separated by commas, semicolons, tabs or spaces, decimals with points or commas.
+    """Read the text of a tracking system: separated by commas, semicolons, tabs, bars or spaces, decimals with points or commas.
 
     Raises:
         RecordingError: unreadable, or no text.
@@ -214,7 +214,7 @@ def read_sheet(path: Path) -> Sheet:
     starts, lines = _rows(text)
     sample = _sample(text, starts)
     spaced = b"," not in sample and len(sample.split()) > 1
-    separator = next((mark for mark in ("\t", ";") if mark.encode() in sample), " " if spaced else ",")
+    separator = next((mark for mark in ("\t", ";", "|") if mark.encode() in sample), " " if spaced else ",")
     if separator == " ":
         text = re.sub(rb"(?m)^ +| +(?=[\r\n]|\Z)", b"", re.sub(rb" {2,}", b" ", text))
         starts, lines = _rows(text)
@@ -235,7 +235,7 @@ def _rows(text: bytes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     starts = np.concatenate([[0], *(places + 1 for places in ends)]).astype(np.int64)
     starts = starts[starts < len(text)]
     stops = np.append(starts[1:], len(text))
-    doubtful = np.isin(content[starts], np.frombuffer(b' ,;\t"\r\n', dtype=np.uint8))
-    blank = [bool(doubt) and not text[a:b].strip(b' ,;\t"\r\n') for a, b, doubt in zip(starts, stops, doubtful, strict=True)]
+    doubtful = np.isin(content[starts], np.frombuffer(b' ,;|\t"\r\n', dtype=np.uint8))
+    blank = [bool(doubt) and not text[a:b].strip(b' ,;|\t"\r\n') for a, b, doubt in zip(starts, stops, doubtful, strict=True)]
     kept = ~np.array(blank, dtype=bool)
     return np.append(starts[kept], len(text)), np.flatnonzero(kept).astype(np.int64) + 1

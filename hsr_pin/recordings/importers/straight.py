@@ -12,6 +12,7 @@ from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.importers.alignment import mount_of, straightest
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.capture import seen
+from hsr_pin.recordings.plausible import exchanged
 from hsr_pin.trajectory import Array, Marker
 
 #: A reach that differs from the given arc length by more than this share has the wrong unit, or is of the wrong point.
@@ -194,6 +195,15 @@ def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str
     """The bodies, from base to tip, as markers: arc lengths given, or the distances from body to body in the straight pose."""
     markers: list[Marker] = []
     before, place = 0.0, origin
+    known = [index for index, body in enumerate(bodies) if body.arc_length is not None]
+    distances = [float(np.linalg.norm(pose[index] - origin)) for index in known]
+    if pair := exchanged([bodies[index].arc_length or 0.0 for index in known], distances):
+        near, far = (bodies[known[k]].name for k in pair)
+        received = f"{distances[pair[0]]:.3g} m for {near!r} and {distances[pair[1]]:.3g} m for {far!r}"
+        expected = f"{near!r} at most {bodies[known[pair[0]]].arc_length:g} m from the base, its arc length"
+        raise RecordingError(
+            "markers exchanged", expected=expected, received=received, hint="exchange their points or arc lengths"
+        )
     for body, here in zip(bodies, pose, strict=True):
         step = float(np.linalg.norm(here - place))
         reach = float(np.linalg.norm(here - origin))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hsr_pin.errors import InputError, RecordingError
-from hsr_pin.recordings.grid import on_even_grid
+from hsr_pin.recordings.grid import mean_until_next, on_even_grid
 from hsr_pin.recordings.importers.capture import Capture
 from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
@@ -62,9 +62,10 @@ def driven(command: CommandRows | None, channels: tuple[Channel, ...], settings:
     def at(time: Array) -> tuple[dict[str, Any], list[str]]:
         if command is None:
             return {}, []
-        values = command.drawn_at(time) if settings.interpolated else command.held_at(time)
+        straight = settings.interpolated
+        values, between = (command.drawn_at(time), ()) if straight else mean_until_next(command.time, command.values, time)
         late = command.time[0] > time[0] + 1e-9
-        notes = [f"the input begins at {command.time[0]:g} s; its first row was held before that"] if late else []
+        notes = [*between, *([f"the input begins at {command.time[0]:g} s; its first row was held before that"] if late else [])]
         if channels:
             each = replace(command, time=time, values=values)
             return {"channels": values, "torque": torque_rows(each, channels, settings.inputs_of_arm)}, notes

@@ -1,0 +1,150 @@
+"""How long after its command a motion comes, from the two alone: cross-correlation with a command that passed through an arm."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.recordings.grid import hold
+from hsr_pin.trajectory import Array
+
+#: Natural frequencies that are tried, evenly in their logarithm between what the recording's length and its samples can show; and
+#: damping ratios, from one that rings to one that creeps.
+FREQUENCIES, RATIOS = 12, (0.1, 0.4, 0.9, 3.0)
+#: Less of the motion's variance than this, and the motion does not follow from the command.
+FOLLOWS = 0.5
+#: A command that was filtered before it was logged lags by up to so much [s]; more is a clock's.
+FILTERED = 0.2
+#: A stretch of the command that varies less than this share of the most varied one tells nothing.
+STILL = 0.01
+#: Longest correlation that is computed [samples]; longer logs are looked at in coarser steps.
+MOST = 1 << 18
+#: Standard deviations of an interval, and of a lead that is reported: slow commands of several inputs seemed early by up to four
+#: (cables and origami of two laboratories).
+CLEAR, CERTAIN = 2.0, 5.0
+
+
+@dataclass(frozen=True)
+class Lag:
+    """What a motion and its command tell of their clocks.
+
+    Attributes:
+        value: [s] by which the motion comes after the command, beyond what mass, spring and damper take; below zero: before.
+        sigma: its standard deviation [s].
+        share: of the motion's variance that the command then explains.
+        unless: the share that it explains if the motion does not come before it.
+        apart: whether other lags, apart from this one, explain nearly as much: a motion that repeats itself.
+        step: [s] of the samples.
+    """
+
+    value: float
+    sigma: float
+    share: float
+    unless: float
+    apart: bool
+    step: float
+
+    @property
+    def follows(self) -> bool:
+        """Whether the motion follows from the command at all."""
+        return self.share >= FOLLOWS
+
+    @property
+    def is_early(self) -> bool:
+        """Whether the motion clearly comes before its command: that explains at least half of what else is left."""
+        clear = self.value + CERTAIN * self.sigma < 0 and 1 - self.share < (1 - self.unless) / 2
+        return self.follows and clear and self.value < -max(FILTERED, 2 * self.step)
+
+    def __str__(self) -> str:
+        return f"{self.value:.3g} +- {self.sigma:.1g} s"
+
+
+def find_lag(source: Array, command: Array, time: Array, motion: Array, *, signed: bool = False) -> Lag | None:
+    """Find by how much a motion lags behind its command; None where one of them does not change.
+
+    The command passes through second-order systems of many frequencies and damping ratios, and each is slid along the motion
+    (normalised cross-correlation). The interval holds all lags whose residual is not clearly larger than the least one's, which
+    counts as many independent samples as its autocorrelation leaves.
+
+    Args:
+        source: (R,) [s] when the command was given; each row holds until the next.
+        command: (R,).
+        time: (T,) [s] of the motion, even.
+        motion: (T,) along one direction; NaN where not seen.
+        signed: the motion goes where the command does, not the other way.
+    """
+    seen = np.isfinite(motion)
+    if seen.sum() < 3 or np.ptp(motion[seen]) == 0 or np.ptp(command) == 0:
+        return None
+    count = len(time)
+    span = time[-1] - time[0]
+    step = max(span / (count - 1), (source[-1] - source[0] + 3 * span) / MOST)
+    instants = np.arange(time[0], time[-1] + step / 2, step)
+    moved = np.interp(instants, time[seen], motion[seen])
+    moved = np.asarray(moved - moved.mean())
+    begin = source[0] - span
+    given = hold(source, command, np.arange(begin, source[-1] + span + step, step) + 1e-9 * step).astype(float)
+    given -= given[0]
+    answers = list(_passed(given, step, len(moved)))
+    matches = np.stack([_match(each, moved, signed) for each in answers])
+    model, at = (int(place) for place in np.unravel_index(int(np.argmax(matches)), matches.shape))
+    share = float(matches[model, at])
+    alone = _independent(answers[model][at : at + len(moved)], moved)
+    near = np.flatnonzero(1 - matches.max(axis=0) <= max(1 - share, 1e-9) * (1 + CLEAR**2 / alone))
+    sigma = max(float(np.ptp(near)) * step / (2 * CLEAR), step / np.sqrt(12))
+    lags = time[0] - begin - np.arange(matches.shape[1]) * step
+    unless = float(matches[:, lags >= -step / 2].max(initial=0.0))
+    return Lag(float(lags[at]), sigma, share, unless, bool(np.any(np.diff(near) * step > FILTERED)), step)
+
+
+def _passed(given: Array, step: float, count: int) -> Iterator[Array]:
+    """A command (N,) as it is, and behind second-order systems, from rest."""
+    yield given
+    for frequency in np.geomspace(2 * np.pi / (count * step), np.pi / (2 * step), FREQUENCIES):
+        for ratio in RATIOS:
+            yield passed(given, step, frequency, ratio)
+
+
+def passed(given: Array, step: float, frequency: float, ratio: float) -> Array:
+    """(N,) what a second-order system of unit gain, at rest, makes of an input (N,) that is held from sample to sample.
+
+    Args:
+        given: zero at first; real or complex.
+        step: [s].
+        frequency: natural frequency [rad/s].
+        ratio: damping ratio.
+    """
+    from scipy.signal import lfilter  # here: half a second that only this needs
+
+    turn = cmath.sqrt(ratio**2 - 1) or 1e-6
+    first, second = (-frequency * (ratio + sign * turn) for sign in (1, -1))
+    slow, fast = cmath.exp(second * step), cmath.exp(first * step)
+    one, two = (
+        (1 + (second * fast**steps - first * slow**steps) / (first - second)).real for steps in (1, 2)
+    )  # its answer to a step, after one sample and after two
+    poles, product = (slow + fast).real, (slow * fast).real
+    return np.asarray(lfilter([0.0, one, two - (1 + poles) * one], [1.0, -poles, product], given))
+
+
+def _match(given: Array, moved: Array, signed: bool) -> Array:
+    """(N - n + 1,) share of the variance of a motion (n,) that a command (N,) explains, from each of its samples on."""
+    size, count = len(given), len(moved)
+    total, squares = (np.append(0.0, np.cumsum(values)) for values in (given, given**2))
+    window = total[count:] - total[:-count]
+    spread = squares[count:] - squares[:-count] - window**2 / count
+    length = 1 << (size + count).bit_length()
+    product = np.fft.irfft(np.fft.rfft(given, length) * np.conj(np.fft.rfft(moved, length)), length)[: size - count + 1]
+    tells = spread > STILL * float(np.max(spread))
+    share = product**2 / np.where(tells, spread, 1.0) / np.sum(moved**2)
+    return np.asarray(np.where(tells & ((product > 0) | (not signed)), share, 0.0))
+
+
+def _independent(given: Array, moved: Array) -> float:
+    """How many independent samples the residual (n,) of a motion counts as, from its autocorrelation over one sample."""
+    given = given - given.mean()
+    residual = moved - given * (given @ moved) / (given @ given)
+    near = float(np.clip(residual[1:] @ residual[:-1] / max(float(residual @ residual), 1e-300), 0.0, 1 - 1e-9))
+    return max(len(moved) * (1 - near) / (1 + near), 1.0)
