@@ -53,7 +53,7 @@ def base_motion(experiment: Experiment, missed: Sequence[Array]) -> BaseMotion |
     for run, gap in zip(experiment.runs, missed, strict=True):
         motion = run.trial.trajectory.positions[-len(run.time) :, base].reshape(len(run.time), -1)
         every = max(1, round(_STEP / run.step))
-        causes.append(np.concatenate([_late(_centred(motion), lag * every) for lag in _LAGS], axis=1))
+        causes.append(np.concatenate([_late(_centred(motion), lag * every) for lag in _LAGS], axis=1)[run.looked_at])
         effects.append(_centred(gap.reshape(len(gap), -1)))
     squares, products = [x.T @ x for x in causes], [x.T @ y for x, y in zip(causes, effects, strict=True)]
     whole, left = 0.0, 0.0

@@ -153,8 +153,8 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
         best = diagnosis.search.best
         models.append((f"with {model_name(best)}", "model", "-", best.heldout[index]))
     paths = [_gapless(run, missed, tip) for *_, missed in models]
-    seen = run.compared[:: -(-len(run.time) // _DOTS), tip]
-    time = run.time[:: -(-len(run.time) // _DOTS)]
+    seen = run.compared[:: -(-len(run.instants) // _DOTS), tip]
+    time = run.instants[:: -(-len(run.instants) // _DOTS)]
     axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
     across = np.sort(np.argsort(np.ptp(paths[-1], axis=0))[-2:])  # the plane in which it goes farthest, or moves at all
     with drawing():
@@ -168,7 +168,7 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
             drawn: dict[str, Any] = {"color": ROLES[role], "ls": line, "lw": 1.3}
             plane.plot(*1e3 * path[:, across].T, label=label, **drawn)
             motion.plot(run.time, 1e3 * path[:, axis], **drawn)
-            error.plot(run.time, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
+            error.plot(run.instants, 1e3 * np.linalg.norm(missed[:, tip], axis=1), **{**drawn, "lw": 1.0, "ls": "-"})
         noise = 1e3 * len(run.axes) ** 0.5 * float(diagnosis.experiment.noise[tip])
         error.set_yscale("log")
         error.yaxis.set_major_formatter("{x:g}")
@@ -208,7 +208,7 @@ def _gapless(run: Run, missed: Array, marker: int) -> Array:
     """(T, A) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
     path = run.compared[:, marker] + missed[:, marker]
     seen = np.isfinite(path).all(axis=1)
-    return np.stack([np.interp(run.time, run.time[seen], column[seen]) for column in path.T], axis=1)
+    return np.stack([np.interp(run.time, run.instants[seen], column[seen]) for column in path.T], axis=1)
 
 
 def print_figure(shown: Print) -> Figure:

@@ -60,7 +60,7 @@ def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[Residu
     generator = np.random.default_rng(seed)
     answers = []
     for run in experiment.runs:
-        model = respond(experiment, run, fit.hypothesis, fit.values[None])
+        model = respond(experiment, run.whole, fit.hypothesis, fit.values[None])
         if np.isfinite(model.positions).all():
             answers.append(_residual(experiment, run, model, generator))
     return answers
@@ -68,8 +68,8 @@ def residual_torques(experiment: Experiment, fit: Fit, seed: int) -> list[Residu
 
 def _residual(experiment: Experiment, run: Run, model: Response, generator: np.random.Generator) -> ResidualTorque:
     columns, q, v = model.columns, model.angles[:, 0], model.rates[:, 0]
-    gap = np.nan_to_num(run.measured - model.positions[:, 0])
     seen = np.isfinite(run.measured)
+    gap = _between(run, np.nan_to_num(run.measured - model.positions[:, 0]))
     shapes = modes_of(columns, len(experiment.markers))[0]
     bend = _Bend(experiment, experiment.cameras(columns).places.sways(q, shapes), shapes, seen)
 
@@ -77,6 +77,8 @@ def _residual(experiment: Experiment, run: Run, model: Response, generator: np.r
         return columns.bends(_missing(columns, q, v, bend.deviation(miss), run.step))
 
     noise = [generator.normal(size=gap.shape) * experiment.noise[:, None] * seen for _ in range(_DRAWS)]
+    if run.rows is not None:
+        noise, seen = [_between(run, draw) for draw in noise], np.ones_like(seen)
     zero = torque(np.zeros_like(gap))
     power = np.mean([np.abs(torque(draw) - zero) ** 2 for draw in noise], axis=(0, 1))
     bends, rates = (columns.bends(part) for part in (q, v))
@@ -87,6 +89,14 @@ def _residual(experiment: Experiment, run: Run, model: Response, generator: np.r
     return ResidualTorque(
         torque(gap), np.sqrt(power), bends.sum(axis=1), rates.sum(axis=1), bends, rates, levers, shapes.shape[1]
     )
+
+
+def _between(run: Run, values: Array) -> Array:
+    """(T, ...) values (T, ...) with straight lines between the samples of a run that count; where all count, as they are."""
+    if run.rows is None:
+        return values
+    flat, at = values.reshape(len(values), -1), np.arange(len(values))
+    return np.stack([np.interp(at, run.rows, column[run.rows]) for column in flat.T], axis=1).reshape(values.shape)
 
 
 class _Bend:

@@ -14,7 +14,7 @@ from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.pulsation import Pulsation, pulsation
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
 from hsr_pin.diagnosis.smooth import rank_correlation
-from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.phases import PHASES, phases
 from hsr_pin.identification.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
@@ -98,7 +98,7 @@ def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
     gaps = [_distance(residual) for residual in base.heldout]
     noise = experiment.noise_rms
     torques = residual_torques(experiment, base.fit, seed)
-    labels = [phases(run, _filled(run.compared + gap)) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
+    labels = [_phases(run, gap) for run, gap in zip(experiment.runs, base.heldout, strict=True)]
     whole = np.concatenate(gaps)
     along = _along(torques)
     time = Map("time", "mm", _binned(whole, np.concatenate(labels), PHASES, noise))
@@ -110,6 +110,13 @@ def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
     sentence = _sentence(along, time, experiment, torques, gaps, ranges)
     base_moves, pulses = base_motion(experiment, base.heldout), pulsation(experiment, torques)
     return Where(along, time, ranges, trials, frequency, base_moves, pulses, sentence)
+
+
+def _phases(run: Run, gap: Array) -> NDArray[np.int_]:
+    """(R,) in which phase of a run each of its samples is, of which ``gap`` (R, M, A) [m] is predicted minus measured."""
+    path = np.full(run.tracked.shape, np.nan)
+    path[run.looked_at] = run.compared + gap
+    return np.asarray(phases(run, _filled(path))[run.looked_at])
 
 
 def _distance(residual: Array) -> Array:
@@ -168,10 +175,11 @@ def _operating_range(
     experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array], noise: float
 ) -> tuple[Map, ...]:
     gap = np.concatenate(gaps)
+    bending = _looked_at(experiment, [t.bending for t in torques])
     quantities = (
-        ("bending angle", "rad", np.abs(np.concatenate([t.bending for t in torques]))),
-        ("bending rate", "rad/s", np.abs(np.concatenate([t.rate for t in torques]))),
-        ("torque", "N m", np.abs(np.concatenate([run.torque for run in experiment.runs]))),
+        ("bending angle", "rad", np.abs(bending)),
+        ("bending rate", "rad/s", np.abs(_looked_at(experiment, [t.rate for t in torques]))),
+        ("torque", "N m", np.abs(_looked_at(experiment, [run.torque for run in experiment.runs]))),
     )
     maps = []
     for quantity, unit, values in quantities:
@@ -182,8 +190,13 @@ def _operating_range(
         labels = [f"{low:.2g}-{high:.2g} {unit}" for low, high in itertools.pairwise(edges)]
         maps.append(Map(quantity, "mm", _binned(gap, index, labels, noise)))
     if len(experiment.directions) > 1:
-        maps.append(_direction(np.concatenate([t.bending for t in torques]), gap, noise))
+        maps.append(_direction(bending, gap, noise))
     return tuple(maps)
+
+
+def _looked_at(experiment: Experiment, values: Sequence[Array]) -> Array:
+    """(n,) of values (T,) of each run, one after the other, those at the samples that are looked at."""
+    return np.concatenate([each[run.looked_at] for run, each in zip(experiment.runs, values, strict=True)])
 
 
 def _direction(bending: Array, gap: Array, noise: float) -> Map:
@@ -200,13 +213,18 @@ def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None
     for run, residual in zip(experiment.runs, heldout, strict=True):
         signal = np.nan_to_num(residual.reshape(len(residual), -1))
         power = (np.abs(np.fft.rfft(signal - signal.mean(axis=0), axis=0)) ** 2).sum(axis=1)
-        for frequency, value in zip(np.fft.rfftfreq(len(signal), run.step)[1:], power[1:], strict=True):
+        for frequency, value in zip(np.fft.rfftfreq(len(signal), _pace(run))[1:], power[1:], strict=True):
             spectra[round(float(frequency), 1)] = spectra.get(round(float(frequency), 1), 0.0) + float(value)
     powers = np.array(list(spectra.values()))
     peak = int(np.argmax(powers))
-    longest = max(len(residual) * run.step for run, residual in zip(experiment.runs, heldout, strict=True))
+    longest = max(len(residual) * _pace(run) for run, residual in zip(experiment.runs, heldout, strict=True))
     frequency = list(spectra)[peak]
     return frequency if powers[peak] > 5 * np.median(powers) and frequency * longest > 3 else None
+
+
+def _pace(run: Run) -> float:
+    """Time [s] from one sample that is looked at to the next, in the mean."""
+    return float(run.instants[-1] - run.instants[0]) / (len(run.instants) - 1)
 
 
 def local_defect(best: Candidate) -> tuple[float, float, float] | None:
@@ -258,7 +276,7 @@ def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Seq
         ("the rate of bending", [np.abs(t.rate) for t in torques]),
         ("torque", [np.abs(run.torque) for run in experiment.runs]),
     ):
-        value = np.concatenate(values)[seen]
+        value = _looked_at(experiment, values)[seen]
         if np.ptp(value) > 0:
             ranks[name] = rank_correlation(value, gap[seen])
     name, rank = max(ranks.items(), key=lambda item: item[1], default=("", 0.0))

@@ -122,10 +122,14 @@ def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine:
     method = Integrator(tolerance=min(hypothesis.tolerance, run.tolerance))
     samples = len(run.time) + (run.lead > 0)
     motion = engine.run(engine.loaded(q, v), command, samples, method, found)
-    angles, rates = (at_samples(run, part)[:: run.every] for part in (motion.angles, motion.rates))
-    positions = cameras.positions(angles)
+    shown = run.looked_at
+    angles, rates = (at_samples(run, part)[shown] for part in (motion.angles, motion.rates))
+    if run.smoothing is None:
+        positions = cameras.positions(angles)
+    else:
+        positions = run.smoothing(cameras.positions(at_samples(run, motion.angles)))[shown]
     if np.isfinite(motion.lost).any():
-        ends = (np.arange(len(run.time))[:: run.every] + run.lead + 1) * run.step
+        ends = (shown + run.lead + 1) * run.step
         positions[ends[:, None] > motion.lost] = np.nan
     return Response(columns, cameras, positions, angles, rates)
 
@@ -247,7 +251,7 @@ def _nuisance(experiment: Experiment, run: Run, answer: Response, hand: bool) ->
         held = np.hypot(HELD * length, float(experiment.noise.max()))
         for k in asides:
             columns.append((seen[:, k] - seen[:, 0]) / _WIDTH * 2 * held / length)
-        columns.append(np.gradient(seen[:, 0], axis=0) * INSTANT / run.every)
+        columns.append(np.gradient(seen[:, 0], run.looked_at, axis=0) * INSTANT)
     if hands:
         aside = _aside(answer)
         for k in range(hands):

@@ -7,14 +7,18 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
+from hsr_pin.identification.contradictions import contradictions
+from hsr_pin.identification.holds import without_repeats
 from hsr_pin.identification.nuisance import LETS_GO, rest_scatter
 from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import median, start_of
+from hsr_pin.identification.smoothing import Filter, smoothing_of
 from hsr_pin.recordings.clean import clean
-from hsr_pin.recordings.noise import noise_per_axis
+from hsr_pin.recordings.noise import white_noise
 from hsr_pin.robot.specification import ArmSpecification, mount_frame
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
@@ -54,7 +58,9 @@ class Run:
         axes: the world's coordinates in which the arm moves.
         by_section: (T, S) [N m] commanded, complex, of an arm of S > 1 sections; None: the same for all.
         place: in the session, from 0 for the first of its trials to 1 for the last.
-        every: only one in so many of the measured samples is looked at.
+        every: only one in so many of the samples that count is looked at.
+        rows: (R,) the samples that count: those that are new, and whose noise is independent; None: all.
+        smoothing: the filter that its markers went through; None: none.
         found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
         declared: the arm as the trial declares it, by chain.
         delivered: what arrives of the command where no muscle changes it, by whether a curve is taken as one.
@@ -72,14 +78,36 @@ class Run:
     by_section: Array | None = None
     place: float = 0.0
     every: int = 1
+    rows: NDArray[np.intp] | None = None
+    smoothing: Filter | None = None
     found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
     declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
     delivered: dict[bool, Delivered] = field(default_factory=dict, init=False, repr=False)
 
+    @property
+    def looked_at(self) -> NDArray[np.intp]:
+        """(R,) indices of the samples that are looked at."""
+        return np.asarray((np.arange(len(self.time)) if self.rows is None else self.rows)[:: self.every])
+
+    @property
+    def instants(self) -> Array:
+        """(R,) [s] of these."""
+        return np.asarray(self.time[self.looked_at])
+
     @cached_property
     def compared(self) -> Array:
-        """(T, M, A) [m] what was measured along the axes, of the samples that are looked at."""
-        return np.asarray(self.measured[:: self.every, :, self.axes])
+        """(R, M, A) [m] what was measured along the axes, of the samples that are looked at."""
+        return np.asarray(self.tracked[self.looked_at])
+
+    @property
+    def tracked(self) -> Array:
+        """(T, M, A) [m] what was measured along the axes."""
+        return np.asarray(self.measured[:, :, self.axes])
+
+    @property
+    def whole(self) -> Run:
+        """The same with all samples looked at."""
+        return self if self.rows is None and self.every == 1 else replace(self, rows=None, every=1)
 
     @cached_property
     def moved(self) -> float:
@@ -113,13 +141,26 @@ class Run:
     @cached_property
     def rest(self) -> Array:
         """(M, 3) [m] where the markers are before the first change of command; NaN for one that is not seen."""
-        return median(self.measured[: self.resting])
+        return median(self.measured[self._at_rest])
 
     @property
     def resting(self) -> int:
         """Samples before the first change of command, twenty at most."""
         changes = np.flatnonzero(np.diff(self.command, axis=0).any(axis=1))
         return min(int(changes[0]) + 1 if len(changes) else _REST, _REST)
+
+    @property
+    def _at_rest(self) -> slice:
+        """Those of these that a filter did not mix with others, if there are any."""
+        half = self.smoothing.half if self.smoothing else 0
+        return slice(half, self.resting - half) if self.resting > 2 * half else slice(0, self.resting)
+
+    @property
+    def samples_at_rest(self) -> int:
+        """How many independent samples these are."""
+        inside = self._at_rest
+        rows = self.whole.looked_at if self.rows is None else self.rows
+        return max(1, int(((rows >= inside.start) & (rows < inside.stop)).sum()))
 
     @property
     def step(self) -> float:
@@ -201,22 +242,33 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     """
     if not dataset.trials:
         raise IdentificationError("trials", expected="at least one", received="none")
-    dataset = clean(dataset)
     moving = _bending_markers(dataset)
+    dataset, held = without_repeats(dataset, moving)
+    dataset = clean(dataset)
+    smoothing, filtered = (None, "") if held else smoothing_of(dataset)
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
-    noise = _noise(dataset, moving)
+    noise = _noise(dataset, moving, held=bool(held)) * (smoothing.undervalued if smoothing else 1.0)
     reach, doubts = farthest(dataset, moving)
-    runs, notes = [], [*doubts, *([f"releases are followed from {delay:g} s after their declared start"] if delay else [])]
+    runs, notes = (
+        [],
+        [
+            *filter(None, (held, filtered)),
+            *doubts,
+            *([f"releases are followed from {delay:g} s after their declared start"] if delay else []),
+        ],
+    )
     for place, trial in zip(np.linspace(0, 1, len(dataset.trials)), dataset.trials, strict=True):
         run = _run(trial, dataset, moving, noise, reach, delay)
         if isinstance(run, str):
             notes.append(f"{trial.name} is left out: {run}")
         else:
-            runs.append(replace(run, place=float(place)))
+            rows = _new(run.measured) if held else _independent(run, smoothing) if smoothing else None
+            runs.append(replace(run, place=float(place), rows=rows, smoothing=smoothing))
     if not runs:
         raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
     markers = tuple(dataset.markers[i] for i in moving)
+    notes = [*contradictions(dataset, runs, markers), *notes]
     return restricted(Experiment(dataset, tuple(runs), markers, noise, tuple(notes)), [run.trial.name for run in runs])
 
 
@@ -225,7 +277,7 @@ def restricted(experiment: Experiment, names: Collection[str]) -> Experiment:
     noise, runs = experiment.noise, tuple(run for run in experiment.runs if run.trial.name in names)
     far, sigma = int(np.argmax([marker.arc_length for marker in experiment.markers])), float(noise.max())
     places = [place for run in runs if (place := _resting(run, experiment.dataset, far, sigma))]
-    samples = min((run.resting for run in runs if run.start_pose is None), default=_REST)
+    samples = min((run.samples_at_rest for run in runs if run.start_pose is None), default=_REST)
     scatter = rest_scatter(places, _MEDIAN * sigma / samples**0.5)
     notes = [note for note in experiment.notes if note != _scattered(experiment.rest_scatter)]
     return replace(experiment, runs=runs, rest_scatter=scatter, notes=(*notes, _scattered(scatter)) if scatter else tuple(notes))
@@ -274,9 +326,10 @@ def moves(run: Run, noise: Array) -> bool:
     return bool(np.any(span > np.maximum(_STILL[0] * noise[seen], _STILL[1])))
 
 
-def _noise(dataset: Dataset, moving: list[int]) -> Array:
+def _noise(dataset: Dataset, moving: list[int], *, held: bool) -> Array:
     """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
-    floors = np.array([np.sqrt(np.mean(noise_per_axis(trial)[moving][:, dataset.axes] ** 2, axis=1)) for trial in dataset.trials])
+    tracks = [trial.trajectory.positions[:, moving] for trial in dataset.trials]
+    floors = np.array([_floor(track[_new(track)] if held else track, dataset.axes, held) for track in tracks])
     known = [column[np.isfinite(column)] for column in floors.T]
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():
@@ -312,6 +365,35 @@ def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach:
         axes=dataset.axes,
         by_section=_held(command[first:]) if command.shape[1] > 1 else None,
     )
+
+
+def _floor(track: Array, axes: tuple[int, ...], held: bool) -> Array:
+    """(M,) [m] noise in a coordinate along the axes, of positions (T, M, 3).
+
+    Few samples that are held far apart show motion as if it were noise: there the coordinate across counts where it is quieter.
+    """
+    sigma = white_noise(track)
+    along = np.sqrt(np.mean(sigma[:, axes] ** 2, axis=1))
+    across = np.delete(sigma, axes, axis=1)
+    quiet = across[:, 0] if held and across.size else along
+    return np.asarray(np.where(quiet > 0, np.fmin(along, quiet), along))
+
+
+def _new(measured: Array) -> NDArray[np.intp]:
+    """(R,) the samples in which a marker was seen, of (T, M, 3) positions whose repeats are gaps."""
+    seen = np.asarray(np.isfinite(measured).all(axis=2))
+    return np.flatnonzero(seen.any(axis=1))
+
+
+def _independent(run: Run, smoothing: Filter) -> NDArray[np.intp]:
+    """(R,) the samples of a smoothed run whose noise is independent, and that show nothing of what is not simulated.
+
+    An arm that is held, or at rest, may be shown from before its start: there it was the same.
+    """
+    before = len(run.trial.trajectory.time) - len(run.time)
+    moves = run.start_velocity is not None and bool(run.start_velocity.any())
+    first = smoothing.half if moves or before < smoothing.half else 0
+    return np.arange(first, max(first + 1, len(run.time) - smoothing.half), smoothing.spacing)
 
 
 def _held(values: Array) -> Array:

@@ -54,9 +54,9 @@ def _draw(axes: Axes, run: Run, marker: int, before: Array, after: Array) -> Non
     measured = run.compared[:, marker]
     seen = measured[np.isfinite(measured).all(axis=1)]
     axis = int(np.argmax(np.ptp(seen, axis=0))) if len(seen) else 0
-    axes.plot(run.time, 1e3 * measured[:, axis], ".", color=_MEASURED, ms=2.5, label="measured")
+    axes.plot(run.instants, 1e3 * measured[:, axis], ".", color=_MEASURED, ms=2.5, label="measured")
     for missed, colour, dashes, label in ((before, _DECLARED, "--", "as declared"), (after, _FITTED, "-", "as fitted")):
-        axes.plot(run.time, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, ls=dashes, lw=1.3, label=label)
+        axes.plot(run.instants, 1e3 * (measured + missed[:, marker])[:, axis], color=colour, ls=dashes, lw=1.3, label=label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"{'xyz'[run.axes[axis]]} [mm]")
     axes.grid(color="#DDDDDD", lw=0.6)

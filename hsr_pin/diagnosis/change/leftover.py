@@ -112,7 +112,8 @@ def features(pair: Pair, hypothesis: Hypothesis, values: Array) -> list[Array]:
         half = angles.shape[1] // 2
         told = []
         for command in run.command.T / run.trial.keq:
-            told += [command, *(_filtered(command, run.step, each) for each in _FILTERS)]
+            every = [command, *(_filtered(command, run.step, each) for each in _FILTERS)]
+            told += [each[run.looked_at] for each in every]
         moving = [angles.sum(axis=1), angles[:, half:].sum(axis=1) - angles[:, :half].sum(axis=1), rates.sum(axis=1)]
         level, payload = np.log(run.trial.keq), run.trial.tip_mass
         binned = bins.of_all(np.column_stack([part for each in (*moving, *told) for part in _directions(each)]))

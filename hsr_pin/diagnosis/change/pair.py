@@ -93,7 +93,7 @@ class Pair:
             return np.zeros((len(self.bins[index].starts), *seen.shape[1:], len(delays)))
         flat = seen.reshape(len(seen), -1)
         ahead = np.stack(
-            [np.stack([np.interp(run.time + each, run.time, one) for one in flat.T], axis=-1) for each in delays], axis=-1
+            [np.stack([np.interp(run.instants + each, run.instants, one) for one in flat.T], axis=-1) for each in delays], axis=-1
         )
         return self.bins[index](seen[..., None] - ahead.reshape(*seen.shape, len(delays)))
 
@@ -129,7 +129,7 @@ class Bins:
     @classmethod
     def of(cls, run: Run, width: float) -> Bins:
         """Bins of this width [s], or of one sample."""
-        since = run.time - run.time[0]
+        since = run.instants - run.time[0]
         place = np.floor(since / max(width, run.step) + 1e-6).astype(int)
         starts = np.flatnonzero(np.diff(place, prepend=-1))
         seen: NDArray[np.bool_] = np.asarray(np.isfinite(run.compared).all(axis=2))
@@ -160,7 +160,7 @@ def _smooth(run: Run) -> Array:
         seen = np.isfinite(run.compared[:, marker]).all(axis=1)
         if seen.sum() > window:
             for axis in range(out.shape[2]):
-                whole = np.interp(run.time, run.time[seen], run.compared[seen, marker, axis])
+                whole = np.interp(run.instants, run.instants[seen], run.compared[seen, marker, axis])
                 out[:, marker, axis] = savgol_filter(whole, window, 2)
     return out
 

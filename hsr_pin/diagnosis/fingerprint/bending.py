@@ -81,7 +81,7 @@ def bending(run: Run, experiment: Experiment) -> Bending:
     """The bending that the farthest marker shows that was seen for a good part of a run."""
     marker = farthest_seen(run, experiment)
     shown = np.isfinite(run.measured[:, marker, 0])
-    along, across = (run.compared[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
+    along, across = (run.tracked[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
     angle = 2 * np.arctan2(across, along)
     start = float(angle[0])
     if run.start_pose is not None and np.isfinite(run.start_pose[marker, 0]):

@@ -157,7 +157,7 @@ def _lengths(run: Run, experiment: Experiment) -> tuple[Array, Array]:
     order = np.argsort([marker.arc_length for marker in experiment.markers])
     order = order[: int(np.flatnonzero(order == motion.marker)[0]) + 1]
     mount = experiment.dataset.mount
-    plane = run.compared[:, order]
+    plane = run.tracked[:, order]
     along, across = {
         "hanging": (-plane[..., 1], plane[..., 0]),
         "upright": (plane[..., 1], plane[..., 0]),

@@ -80,8 +80,8 @@ def start_stretch(run: Run) -> Stretch:
 
 def _way(run: Run) -> tuple[Array | None, float]:
     """(T,) [m] of all markers together along the direction in which they move most, and the noise in it [m]."""
-    seen = np.isfinite(run.compared).all(axis=(0, 2)) | (np.isfinite(run.compared).mean(axis=(0, 2)) > 0.8)
-    plane = run.compared[:, seen].reshape(len(run.time), -1)
+    seen = np.isfinite(run.tracked).all(axis=(0, 2)) | (np.isfinite(run.tracked).mean(axis=(0, 2)) > 0.8)
+    plane = run.tracked[:, seen].reshape(len(run.time), -1)
     if not plane.shape[1]:
         return None, 0.0
     filled = np.stack(
