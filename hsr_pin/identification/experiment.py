@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
-from hsr_pin.identification.contradictions import contradictions
 from hsr_pin.identification.holds import without_repeats
 from hsr_pin.identification.nuisance import LETS_GO, rest_scatter
 from hsr_pin.identification.reach import farthest
@@ -250,14 +249,8 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
     noise = _noise(dataset, moving, held=bool(held)) * (smoothing.undervalued if smoothing else 1.0)
     reach, doubts = farthest(dataset, moving)
-    runs, notes = (
-        [],
-        [
-            *filter(None, (held, filtered)),
-            *doubts,
-            *([f"releases are followed from {delay:g} s after their declared start"] if delay else []),
-        ],
-    )
+    late = f"releases are followed from {delay:g} s after their declared start" if delay else ""
+    runs, notes = [], [*doubts, *filter(None, (held, filtered, late))]
     for place, trial in zip(np.linspace(0, 1, len(dataset.trials)), dataset.trials, strict=True):
         run = _run(trial, dataset, moving, noise, reach, delay)
         if isinstance(run, str):
@@ -268,7 +261,6 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     if not runs:
         raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
     markers = tuple(dataset.markers[i] for i in moving)
-    notes = [*contradictions(dataset, runs, markers), *notes]
     return restricted(Experiment(dataset, tuple(runs), markers, noise, tuple(notes)), [run.trial.name for run in runs])
 
 
