@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from hsr_pin.diagnosis.change.diagnose import diagnose_change
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.identification.comparison import compare
+    from hsr_pin.identification.identify import identify as fit
     from hsr_pin.recordings.read import read_dataset
     from hsr_pin.recordings.samples import sample
     from hsr_pin.recordings.write import write_dataset
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from hsr_pin.simulation.simulate import simulate
     from hsr_pin.trajectory import Dataset, Trajectory
 
-#: Public name -> the module that holds it. A new name stands here, above (for type checkers) and in `__all__`.
+#: Public name -> the module that holds it, and its name there if that is another. A new name stands here, above (for type checkers) and in `__all__`.
 _MODULES = {
     "ArmSimulator": "control.stepping",
     "ArmSpecification": "robot.specification",
@@ -34,6 +35,7 @@ _MODULES = {
     "compare": "identification.comparison",
     "diagnose": "diagnosis.diagnose",
     "diagnose_change": "diagnosis.change.diagnose",
+    "fit": "identification.identify:identify",
     "read_dataset": "recordings.read",
     "sample": "recordings.samples",
     "simulate": "simulation.simulate",
@@ -52,6 +54,7 @@ __all__ = [
     "compare",
     "diagnose",
     "diagnose_change",
+    "fit",
     "read_dataset",
     "sample",
     "simulate",
@@ -68,7 +71,8 @@ def __getattr__(name: str) -> object:
         return version("hsr_pin")
     if name not in _MODULES:
         raise AttributeError(f"hsr_pin has no {name!r}; it offers {', '.join(__all__)}")
-    value = globals()[name] = getattr(import_module(f"hsr_pin.{_MODULES[name]}"), name)
+    module, _, own = _MODULES[name].partition(":")
+    value = globals()[name] = getattr(import_module(f"hsr_pin.{module}"), own or name)
     return value
 
 

@@ -134,7 +134,8 @@ class MissingDependencyError(HsrError, ImportError):
 
     def __init__(self, package: str, group: str) -> None:
         self.package, self.group = package, group
-        super().__init__(f"{package} is not installed; it comes with pip install 'hsr_pin[{group}]'")
+        command = f"pip install 'hsr_pin[{group}]'" if group else f"pip install {package}"
+        super().__init__(f"{package} is not installed; it comes with {command}")
 
 
 class WorkerError(HsrError, RuntimeError):
@@ -143,8 +144,7 @@ class WorkerError(HsrError, RuntimeError):
     def __init__(self, tries: int) -> None:
         self.tries = tries
         super().__init__(
-            f"worker processes were lost {tries} times in a row; is memory short? fewer --jobs may help; a script "
-            'of your own must do its work under: if __name__ == "__main__":'
+            f"worker processes ended {tries} times in a row before their work was done; try --jobs 1 (jobs=1), which needs none"
         )
 
 

@@ -16,10 +16,12 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from functools import lru_cache
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
+from pathlib import Path
+from types import ModuleType
 from typing import Any, Generic, TypeVar
 
 from hsr_pin.collector import spare
@@ -35,7 +37,10 @@ _EARLY = 16
 _PATIENCE = 10
 #: What processes of our own are begun with: all that a fit will call.
 _PRELOADED = ("hsr_pin.diagnosis.fit_pool", "hsr_pin.simulation.warm")
-_LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
+_LOST = "hsr_pin: a worker process was lost; its work is done again"
+#: A script without this word does its work when a worker imports it.
+_GUARD = "__main__"
+_HERE = f'hsr_pin: what this script defines is computed in one process; put its work under: if __name__ == "{_GUARD}":'
 
 
 class Serial(Executor):
@@ -183,10 +188,14 @@ def for_each(
 
 
 class _Pool(Executor):
-    """Processes that end with this one, however it ends; after the loss of one all are replaced by new ones."""
+    """Processes that end with this one, however it ends; after the loss of one all are replaced by new ones.
+
+    They do not import a script that would begin its work again. What it defines is then out of their reach, and done here.
+    """
 
     def __init__(self, count: int) -> None:
-        self._count = count
+        self._count, self._importable, self._lock = count, _is_importable(sys.modules["__main__"]), threading.Lock()
+        self._noticed = False
         self._held, self._leash = multiprocessing.Pipe(duplex=False)
         self._pool = self._begun()
 
@@ -206,7 +215,12 @@ class _Pool(Executor):
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
         """A task for one of the processes, packed here and now: another thread would pack what this one may be changing."""
         packed = pickle.dumps((function, arguments, named), protocol=pickle.HIGHEST_PROTOCOL)
-        with _uninterrupted():
+        if not self._importable and _GUARD.encode() in packed:
+            if not self._noticed:
+                print(_HERE, file=sys.stderr, flush=True)
+                self._noticed = True
+            return Serial().submit(function, *arguments, **named)
+        with self._lock, _uninterrupted(), nullcontext() if self._importable else _nameless(sys.modules["__main__"]):
             try:
                 return self._pool.submit(_call, packed)
             except BrokenExecutor:
@@ -224,6 +238,27 @@ class _Pool(Executor):
     def kill(self) -> None:
         """End the processes at once."""
         self._leash.close()
+
+
+def _is_importable(script: ModuleType) -> bool:
+    """Whether a worker may import what this process runs: a module, or a script that does its work under a guard."""
+    if getattr(script, "__spec__", None) is not None:
+        return True
+    try:
+        return _GUARD in Path(script.__file__ or "").read_text(encoding="utf-8")
+    except (AttributeError, OSError, UnicodeDecodeError):  # typed in, or gone
+        return False
+
+
+@contextmanager
+def _nameless(script: ModuleType) -> Iterator[None]:
+    """Processes that are begun within do not import the script: multiprocessing knows it by its file."""
+    file = script.__dict__.pop("__file__", None)
+    try:
+        yield
+    finally:
+        if file is not None:
+            script.__file__ = file
 
 
 def _call(packed: bytes) -> Any:

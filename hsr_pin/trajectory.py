@@ -6,6 +6,7 @@ World frame everywhere: z up, origin at the base of the arm, the arm bends in th
 from __future__ import annotations
 
 import cmath
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from math import inf
 from pathlib import Path
@@ -206,8 +207,8 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Dataset:
-    """Recordings of one arm.
+class Dataset(Mapping[str, "Trial"]):
+    """Recordings of one arm: a mapping from the names of its trials to them.
 
     Attributes:
         name: of the dataset.
@@ -243,6 +244,17 @@ class Dataset:
     channels: tuple[Channel, ...] = ()
     chain: tuple[int, str] | None = None
     smoothed: int | None = None
+
+    def __getitem__(self, name: str) -> Trial:
+        return {trial.name: trial for trial in self.trials}[name]
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # not a mapping's: two recordings are equal if they are one
+
+    def __iter__(self) -> Iterator[str]:
+        return (trial.name for trial in self.trials)
+
+    def __len__(self) -> int:
+        return len(self.trials)
 
     @property
     def markers(self) -> tuple[Marker, ...]:

@@ -48,7 +48,7 @@ def killer(children, later):
     time.sleep(later)
     os.kill(children()[0].pid, signal.SIGKILL)
 """
-LOST = "hsr_pin: a worker process was lost (was memory short?); its work is done again"
+LOST = "hsr_pin: a worker process was lost; its work is done again"
 
 
 @pytest.fixture
@@ -265,7 +265,7 @@ def test_workers_that_die_every_time_are_given_up_in_one_more_line_and_exit_code
     assert (process.returncode, out) == (2, "")
     *lines, last = err.splitlines()
     assert Counter(lines) == {LOST: len(lines)} and 2 <= len(lines) <= 3
-    assert last.startswith("mortal: error: worker processes were lost 3 times in a row")
+    assert last.startswith("mortal: error: worker processes ended 3 times in a row")
 
 
 LONG = """
@@ -366,3 +366,19 @@ def test_without_dask_the_group_that_brings_it_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingDependencyError, match=r"hsr_pin\[cluster\]"), workers(cluster="tcp://127.0.0.1:8786"):
         pass
+
+
+def test_a_script_without_a_guard_does_its_work_in_processes_that_do_not_import_it(tmp_path):
+    file = tmp_path / "script.py"
+    file.write_text(
+        "import os\n"
+        "from hsr_pin.parallel import run, workers\n"
+        "print('begun')\n"
+        "def own(n):\n"
+        "    return os.getpid(), n\n"
+        "with workers(2) as executor:\n"
+        "    print(sum(run(executor, abs, [(-1,), (2,)])), {pid == os.getpid() for pid, _ in run(executor, own, [(1,), (2,)])})\n"
+    )
+    done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, timeout=120)
+    assert done.stdout.splitlines() == ["begun", "3 {True}"]
+    assert done.stderr.count("\n") == 1 and "in one process" in done.stderr

@@ -16,7 +16,7 @@ from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
 
 if TYPE_CHECKING:
-    from hsr_pin.diagnosis.diagnose import Diagnosis
+    from hsr_pin.diagnosis.result import Diagnosis
     from hsr_pin.inference import Loss
 
 #: Stages beside the effects: reading, stiffness and damping, where.

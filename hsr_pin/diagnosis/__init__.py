@@ -20,6 +20,7 @@
 - ``report``: a diagnosis as one HTML page
 - ``resampling``: errors on held-out trials, with intervals from trials drawn anew
 - ``residual_torque``: the torque along the arm that the model lacks
+- ``result``: what a diagnosis found, and how it is shown in Python
 - ``screening``: which proposals get a quick fit
 - ``search``: which models are fitted, until none could be credible any more
 - ``smooth``: motion smoothed and differentiated; ranks

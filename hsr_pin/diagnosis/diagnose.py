@@ -6,19 +6,20 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from hsr_pin.diagnosis.candidate import Candidate, candidate, data_of, key_of
-from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint, fingerprint
+from hsr_pin.diagnosis.fingerprint.fingerprint import fingerprint
 from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
 from hsr_pin.diagnosis.fit_pool import FitPool
-from hsr_pin.diagnosis.ladder import Rung, ladder
-from hsr_pin.diagnosis.next_experiment import Proposal, propose
-from hsr_pin.diagnosis.repeats import Repeats, repeats
+from hsr_pin.diagnosis.ladder import ladder
+from hsr_pin.diagnosis.next_experiment import propose
+from hsr_pin.diagnosis.repeats import repeats
 from hsr_pin.diagnosis.resampling import squares
+from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.search import Search, judged, search, without
 from hsr_pin.diagnosis.verdict import Limits, Verdict, predicted_no_better, turned_plane, verdict_of
 from hsr_pin.diagnosis.where import Where, local_defect
@@ -42,40 +43,6 @@ from hsr_pin.trajectory import Array, Dataset
 
 #: Models that are fitted again where commands may be taken another way: the most probable few.
 _AGAIN = 3
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Diagnosis:
-    """All that was found.
-
-    Attributes:
-        experiment: the recordings as they were used.
-        verdict: what may be said.
-        ladder: how far each step shrinks the gap.
-        search: every model that was tried; None where there was too little to try any.
-        limits: what is too small to report.
-        nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
-        where: maps of the gap that fitted stiffness and damping leave; None where there was too little to fit.
-        next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
-        fingerprint: what the recordings show without a model.
-        repeats: trial-to-trial repeatability; None where no trials repeat one another.
-        loss: by which the report was chosen.
-    """
-
-    experiment: Experiment
-    verdict: Verdict
-    ladder: tuple[Rung, ...]
-    search: Search | None
-    limits: Limits
-    nominal: tuple[Array, ...]
-    where: Where | None = None
-    next_experiment: tuple[Proposal, ...] = ()
-    fingerprint: Fingerprint | None = None
-    repeats: Repeats | None = None
-    loss: Loss = field(default_factory=Loss)
-
-    def __repr__(self) -> str:
-        return f"<Diagnosis of {self.experiment.dataset.name}: {self.verdict.status}. {self.verdict.sentence}>"
 
 
 def diagnose(

@@ -11,9 +11,9 @@ from dataclasses import asdict
 from typing import Any
 
 from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates
 from hsr_pin.diagnosis.ladder import Rung
+from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where

@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
 from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.estimates import Estimate, estimates
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.page import environment
+from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import (
     EXPERIMENTS,
     advice,

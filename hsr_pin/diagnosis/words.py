@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.diagnose import Diagnosis
 from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
@@ -14,6 +14,9 @@ from hsr_pin.effects.effect import KINDS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.fit import Fit
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.result import Diagnosis
 
 #: Verdict -> what it comes down to.
 HEADLINES = {

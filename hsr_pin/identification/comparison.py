@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from hsr_pin.identification.evaluation import respond
 from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.phases import PHASES, phases
+from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.integrator import TOLERANCE as SIMULATION_TOLERANCE
 from hsr_pin.trajectory import Array, Dataset, Trajectory
@@ -70,7 +72,7 @@ class Comparison:
 
 
 def compare(
-    dataset: Dataset,
+    dataset: Dataset | str | Path,
     *,
     links: int | None = None,
     placement: Placement | None = None,
@@ -81,7 +83,7 @@ def compare(
     """Simulate every trial with its own input, mount, payload and start, and compare.
 
     Args:
-        dataset: as read.
+        dataset: the recordings; or the folder that holds them, or the name of a sample.
         links: of the chain; default: 16, or as many as simulated the dataset.
         placement: of its joints; default: in the middle of each element, or as in the simulation.
         effects: beside the nominal model.
@@ -92,6 +94,8 @@ def compare(
         IdentificationError: nothing in the dataset can be compared.
         SimulationFailure: a simulation ended early.
     """
+    if not isinstance(dataset, Dataset):
+        dataset = read_dataset(dataset)
     experiment = prepare(dataset)
     hypothesis = Hypothesis(tuple(effects), **chain_of(dataset, links, placement), tolerance=SIMULATION_TOLERANCE)
     values = np.array([[keq_scale, damping_scale]])

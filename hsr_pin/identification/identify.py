@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +22,15 @@ from hsr_pin.identification.input_form import as_it_fits, form_of, taken
 from hsr_pin.identification.plane import in_its_plane
 from hsr_pin.identification.starts import starts
 from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
+from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array, Dataset
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Identification:
     """What the recordings say about the open parameters.
 
@@ -48,6 +54,19 @@ class Identification:
     heldout_before: tuple[Array, ...]
     heldout: tuple[Array, ...]
 
+    def __repr__(self) -> str:
+        values = ", ".join(
+            f"{name} {value:.4g} [{low:.4g}, {high:.4g}]"
+            for (name, value), (low, high) in zip(self.fit.named.items(), self.uncertainty.interval, strict=True)
+        )
+        return f"<Identification of {self.experiment.dataset.name}: {values}; RMS {1e3 * self.fit.rms:.3g} mm>"
+
+    def plot(self) -> Figure:
+        """Measured, declared and fitted motion of the farthest marker, for up to six trials."""
+        from hsr_pin.identification.figure import fit_figure
+
+        return fit_figure(self)
+
     @property
     def after(self) -> tuple[Array, ...]:
         """For each fitted trial (T, M, A) [m] predicted minus measured by the fitted model."""
@@ -64,7 +83,7 @@ class Identification:
 
 
 def identify(
-    dataset: Dataset,
+    dataset: Dataset | str | Path,
     *,
     free: Sequence[str] = ("keq_scale", "damping_scale"),
     effects: Sequence[Effect] = (),
@@ -79,7 +98,7 @@ def identify(
     """Fit named parameters to a dataset.
 
     Args:
-        dataset: as read.
+        dataset: the recordings; or the folder that holds them, or the name of a sample.
         free: names of the parameters, as :func:`hsr_pin.identification.choice.choose` takes them.
         effects: act beside the nominal model, all their parameters open.
         links: of the chain that is fitted; default: 16, or as many as simulated the dataset.
@@ -95,6 +114,8 @@ def identify(
         IdentificationError: an unknown parameter, or nothing in the dataset can be compared.
     """
     tell("reading the recordings")
+    if not isinstance(dataset, Dataset):
+        dataset = read_dataset(dataset)
     whole = in_its_plane(prepare(dataset, delay=delay))[0]
     fitted, predicted = split(whole, train, test)
     hypothesis = choose(free, effects, fitted.runs, **chain_of(dataset, links, placement), by_level=by_level)

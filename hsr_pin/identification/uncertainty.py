@@ -48,8 +48,8 @@ def uncertainty(fit: Fit) -> Uncertainty:
 
     The covariance is the sandwich H^-1 S H^-1 with S the long-run covariance of the scores g_t = J_t^T r_t by Newey and West
     (Econometrica 55, 1987): a model error that lasts for many samples counts as few, not as many, independent observations. Where
-    that comes out smaller than what white noise of the same size implies, the latter stands. Nor is an interval smaller than what a
-    lasting error of a hundredth of the floor does: no chain of links is more exact than that.
+    that comes out smaller than what white noise of the same size implies, the latter stands. Nor is an interval smaller than what
+    a lasting error of a hundredth of the floor does: no chain of links is more exact than that.
     """
     facts = fit.hypothesis.parameters
     scale = np.array([fact.scale for fact in facts])
