@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.holds import unheld
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.nuisance import GRIP, HELD, INSTANT, LETS_GO
 from hsr_pin.identification.pose import pose_from_markers
@@ -142,7 +143,9 @@ def _delivered(run: Run, engine: Engine, gain: Array) -> Delivered:
     plain = not engine.columns.muscles and gain.tolist() == [1.0]
     if plain and smooth in run.delivered:
         return run.delivered[smooth]
-    torque = run.command if run.lead == 0 else np.concatenate([run.command[:1], run.command])
+    torque = unheld(run.command) if run.interpolated else run.command
+    if run.lead != 0:
+        torque = np.concatenate([torque[:1], torque])
     flow = torque[:, None] * gain[:, None]
     if run.by_section is None:
         flow = flow[..., 0]  # the same for all

@@ -243,7 +243,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
         raise IdentificationError("trials", expected="at least one", received="none")
     moving = _bending_markers(dataset)
     dataset, held = without_repeats(dataset, moving)
-    dataset = clean(dataset)
+    dataset = clean(dataset, remove_spikes=not held)  # samples far apart in time stand off their neighbours by motion
     smoothing, filtered = (None, "") if held else smoothing_of(dataset)
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
@@ -321,7 +321,9 @@ def moves(run: Run, noise: Array) -> bool:
 def _noise(dataset: Dataset, moving: list[int], *, held: bool) -> Array:
     """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
     tracks = [trial.trajectory.positions[:, moving] for trial in dataset.trials]
-    floors = np.array([_floor(track[_new(track)] if held else track, dataset.axes, held) for track in tracks])
+    if held:  # too few in a trial
+        tracks = [np.concatenate([np.append(track[_new(track)], np.full((1, *track.shape[1:]), np.nan), 0) for track in tracks])]
+    floors = np.array([_floor(track, dataset.axes, held) for track in tracks])
     known = [column[np.isfinite(column)] for column in floors.T]
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():

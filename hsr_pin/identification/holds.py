@@ -28,20 +28,20 @@ def without_repeats(dataset: Dataset, markers: list[int]) -> tuple[Dataset, str]
     held = [marker for marker in markers if is_held([trial.trajectory.positions[:, marker] for trial in dataset.trials])]
     if not held:
         return dataset, ""
-    trials, spans, rows = [], [np.zeros(0, dtype=np.intp)], 0
+    trials, spans, rows, fresh = [], [np.zeros(0, dtype=np.intp)], 0, 0
     for trial in dataset.trials:
         positions = trial.trajectory.positions.copy()
         again = np.stack([repeated(positions[:, marker]) for marker in held], axis=1)
-        rows += again.size
+        rows, fresh = rows + again.size, fresh + int((~again).sum())
         spans += [np.diff(np.flatnonzero(~column)) for column in again.T]
         for column, marker in enumerate(held):
             positions[again[:, column], marker] = np.nan
         trials.append(replace(trial, trajectory=replace(trial.trajectory, positions=positions)))
     names = ", ".join(dataset.markers[marker].name for marker in held)
-    every = np.concatenate(spans)
+    every = float(np.median(np.concatenate(spans)))
     note = (
-        f"{names}: sample and hold, a new position comes every {np.median(every):g} samples and is repeated to the last digit "
-        f"in between, also while the arm moves: only the new ones count, each where it is seen first ({len(every)} of {rows})"
+        f"{names}: sample and hold, a new position comes every {every:g} samples and is repeated to the last digit in between, "
+        f"also while the arm moves: only the new ones count, each where it is seen first ({fresh} of {rows})"
     )
     return replace(dataset, trials=tuple(trials)), note
 
@@ -64,6 +64,26 @@ def is_held(tracks: list[Array]) -> bool:
         jump = np.asarray((step > _JUMP * digit).any(axis=1))[:-1]
         jumps, repeats = jumps + int(jump.sum()), repeats + int((jump & repeated(track)[2:]).sum())
     return jumps > 0 and bool(binomtest(repeats, jumps, 0.5, alternative="greater").pvalue < LEVEL)
+
+
+def clock(command: Array) -> int:
+    """Samples between the instants at which alone a command (T, S) changes; 1 where it may change at any, by a sign test.
+
+    Were a change as likely between those instants as at them, all N would be at them with a probability of 2^(1 - N).
+    """
+    changes = np.flatnonzero(np.diff(command, axis=0).any(axis=1))
+    period = int(np.gcd.reduce(np.diff(changes))) if len(changes) > 1 else 1
+    return period if 2.0 ** (1 - len(changes)) < LEVEL else 1
+
+
+def unheld(command: Array) -> Array:
+    """(T, S) a command that goes straight from one instant of its clock to the next."""
+    if (period := clock(command)) == 1:
+        return command
+    first = int(np.argmax(np.diff(command, axis=0).any(axis=1))) + 1
+    at = np.arange(len(command))
+    known = at[(at - first) % period == 0]
+    return np.stack([np.interp(at, known, column[known]) for column in command.T], axis=1)
 
 
 def repeated(track: Array) -> NDArray[np.bool_]:

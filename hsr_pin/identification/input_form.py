@@ -16,6 +16,7 @@ import numpy as np
 
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit, fit
+from hsr_pin.identification.holds import clock
 
 #: Of open commands: all are held, only steps are, or all go straight from sample to sample.
 Form = Literal["held", "steps held", "straight"]
@@ -73,5 +74,5 @@ def _is_curve(run: Run) -> bool:
 
 
 def _changing(run: Run) -> float:
-    """Share of the samples at which a command changes."""
-    return float(np.diff(run.command, axis=0).any(axis=1).mean())
+    """Share of the samples at which a command changes, of those at which it may: a logger may hold it between them."""
+    return float(np.diff(run.command, axis=0).any(axis=1).mean()) * clock(run.command)
