@@ -11,6 +11,7 @@
 - ``fit``: bounded, robust least squares
 - ``fitted_arms``: the arm with fitted numbers
 - ``heldout``: leave one trial out
+- ``holds``: samples that a logger repeated
 - ``hypothesis``: Hypothesis: a model with open parameters
 - ``identify``: identify: the whole fit of a dataset
 - ``input_form``: what a command does between its samples, where nobody says
@@ -25,6 +26,7 @@
 - ``profile``: profile likelihood
 - ``reach``: how far from the base a marker may be
 - ``release``: how a motion starts that does not start at rest
+- ``smoothing``: the filter that tracks went through
 - ``starts``: several starts of a search
 - ``step``: one damped Gauss-Newton step
 - ``uncertainty``: intervals, correlations, what the data cannot tell
