@@ -50,7 +50,9 @@ def check_folder(folder: str, command: str, read: Sequence[str | None], force: b
     others = _imported_from_others(Path(folder), sources) if sources and not force else []
     if others:
         expected, received = "what was imported from the same files", f"recordings of {', '.join(others)}"
-        raise OutputError("will not replace the dataset", expected=expected, received=received, hint="--force replaces them", file=folder)
+        raise OutputError(
+            "will not replace the dataset", expected=expected, received=received, hint="--force replaces them", file=folder
+        )
 
 
 def _imported_from_others(folder: Path, sources: Sequence[str]) -> list[str]:

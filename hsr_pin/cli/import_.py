@@ -186,7 +186,8 @@ def _guess(table: str, output: str | None, force: bool) -> None:
         return
     if Path(output).exists() and not force:
         hint = "--force replaces it"
-        raise OutputError("will not replace the file", expected="a new file for the mapping", received="one that is there", hint=hint, file=output)
+        expected = "a new file for the mapping"
+        raise OutputError("will not replace the file", expected=expected, received="one that is there", hint=hint, file=output)
     check_writable(output)
     write_text(output, guessed_mapping(Path(table)))
     say_written([output])

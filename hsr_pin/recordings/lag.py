@@ -71,7 +71,7 @@ def find_lag(source: Array, command: Array, time: Array, motion: Array, *, signe
 
     Args:
         source: (R,) [s] when the command was given; each row holds until the next.
-        command: (R,).
+        command: (R,); complex in space, as the motion.
         time: (T,) [s] of the motion, even.
         motion: (T,) along one direction; NaN where not seen.
         signed: the motion goes where the command does, not the other way.
@@ -86,8 +86,8 @@ def find_lag(source: Array, command: Array, time: Array, motion: Array, *, signe
     moved = np.interp(instants, time[seen], motion[seen])
     moved = np.asarray(moved - moved.mean())
     begin = source[0] - span
-    given = hold(source, command, np.arange(begin, source[-1] + span + step, step) + 1e-9 * step).astype(float)
-    given -= given[0]
+    given = hold(source, command, np.arange(begin, source[-1] + span + step, step) + 1e-9 * step)
+    given = given - given[0]
     answers = list(_passed(given, step, len(moved)))
     matches = np.stack([_match(each, moved, signed) for each in answers])
     model, at = (int(place) for place in np.unravel_index(int(np.argmax(matches)), matches.shape))
@@ -132,19 +132,20 @@ def passed(given: Array, step: float, frequency: float, ratio: float) -> Array:
 def _match(given: Array, moved: Array, signed: bool) -> Array:
     """(N - n + 1,) share of the variance of a motion (n,) that a command (N,) explains, from each of its samples on."""
     size, count = len(given), len(moved)
-    total, squares = (np.append(0.0, np.cumsum(values)) for values in (given, given**2))
+    total, squares = (np.append(0.0, np.cumsum(values)) for values in (given, np.abs(given) ** 2))
     window = total[count:] - total[:-count]
-    spread = squares[count:] - squares[:-count] - window**2 / count
+    spread = squares[count:] - squares[:-count] - np.abs(window) ** 2 / count
     length = 1 << (size + count).bit_length()
-    product = np.fft.irfft(np.fft.rfft(given, length) * np.conj(np.fft.rfft(moved, length)), length)[: size - count + 1]
+    product = np.fft.ifft(np.fft.fft(given, length) * np.conj(np.fft.fft(moved, length)))[: size - count + 1]
+    along = np.maximum(product.real, 0.0) if signed else np.abs(product)
     tells = spread > STILL * float(np.max(spread))
-    share = product**2 / np.where(tells, spread, 1.0) / np.sum(moved**2)
-    return np.asarray(np.where(tells & ((product > 0) | (not signed)), share, 0.0))
+    return np.asarray(np.where(tells, along**2 / np.where(tells, spread, 1.0) / np.sum(np.abs(moved) ** 2), 0.0))
 
 
 def _independent(given: Array, moved: Array) -> float:
     """How many independent samples the residual (n,) of a motion counts as, from its autocorrelation over one sample."""
     given = given - given.mean()
-    residual = moved - given * (given @ moved) / (given @ given)
-    near = float(np.clip(residual[1:] @ residual[:-1] / max(float(residual @ residual), 1e-300), 0.0, 1 - 1e-9))
+    residual = moved - given * (np.vdot(given, moved) / np.vdot(given, given))
+    whole, over_one = (float(np.vdot(residual[: len(residual) - by], residual[by:]).real) for by in (0, 1))
+    near = min(max(over_one / max(whole, 1e-300), 0.0), 1 - 1e-9)
     return max(len(moved) * (1 - near) / (1 + near), 1.0)

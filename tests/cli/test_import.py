@@ -221,3 +221,38 @@ def test_help_loads_nothing_heavy():
     shown = subprocess.run([sys.executable, "-c", program], cwd=repository, capture_output=True, text=True, check=False)
     assert shown.returncode == 0, shown.stderr
     assert "--marker" in shown.stdout
+
+
+def test_the_input_is_moved_as_the_motion_shows_and_the_estimate_is_printed(take, tmp_path, capsys):
+    log = tmp_path / "input.csv"
+    header, *rows = log.read_text(encoding="utf-8").splitlines()
+    late = [f"{float(row.split(',')[0]) + 40:.3f},{row.split(',')[1]}" for row in rows]
+    log.write_text("\n".join([header, *late]), encoding="utf-8")
+    given = [take, "-o", tmp_path / "arm", *ARM, *MARKERS, "--input", log]
+    assert "the clock of the input: expected times of the recording" in complaint(capsys, given)
+    assert "'--input-offset': expected a number of s, or auto" in complaint(capsys, [*given, "--input-offset", "soon"])
+    assert run(command, [str(one) for one in (*given, "--input-offset", "auto")]) == 0
+    said = capsys.readouterr().out
+    assert "input moved by -40 +- " in said and "a delay of the arm itself is lost in it" in said
+
+
+def test_recordings_of_other_files_are_replaced_only_by_force(take, tmp_path, capsys):
+    given = [str(one) for one in (take, "-o", tmp_path / "arm", *ARM, *MARKERS)]
+    assert run(command, given) == 0
+    capsys.readouterr()
+    other = take.rename(tmp_path / "other.csv")
+    said = complaint(capsys, [other, *given[1:]])
+    assert "expected what was imported from the same files, got recordings of take.csv; --force replaces them" in said
+    assert run(command, [str(other), *given[1:], "--force"]) == 0
+    assert run(command, [str(other), *given[1:]]) == 0
+
+
+def test_a_mapping_is_guessed_to_be_edited_and_never_written_over(tmp_path, capsys):
+    table, mapping = tmp_path / "log.csv", tmp_path / "log.toml"
+    table.write_text("t,tip_x,tip_y,tip_z\n" + "".join(f"{n / 50},{n / 100},0,-0.2\n" for n in range(9)), encoding="utf-8")
+    assert run(command, ["--guess", str(table)]) == 0
+    shown = capsys.readouterr().out
+    assert run(command, ["--guess", str(table), "-o", str(mapping)]) == 0
+    assert mapping.read_text(encoding="utf-8") == shown and '"tip" = ["tip_x", "tip_y", "tip_z"]' in shown
+    capsys.readouterr()
+    assert "will not replace the file" in complaint(capsys, ["--guess", table, "-o", mapping])

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr_pin.recordings.grid import even_grid, hold, on_even_grid
+from hsr_pin.recordings.grid import even_grid, hold, instants_between, mean_until_next, on_even_grid, with_commands_between
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.trajectory import Marker, Trajectory
 
 
 def wave(time):
@@ -153,3 +154,25 @@ def test_a_recording_with_rows_missing_is_read_onto_an_even_grid_with_a_note(fol
     assert np.array_equal(trajectory.torque, np.full(20, 0.5))
     assert len(trajectory.notes) == 1
     assert "resampled" in trajectory.notes[0]
+
+
+def test_a_command_between_two_samples_keeps_its_time():
+    frames = np.arange(9) / 4
+    values, notes = mean_until_next(np.array([0.0, 1.01, 1.5]), np.array([[0.0], [2.0], [1.0]]), frames)
+    assert values[:, 0] == pytest.approx([0, 0, 0, 0, 2 * 0.96, 2, 1, 1, 1])
+    assert np.sum(values[:, 0]) / 4 == pytest.approx(2 * 0.49 + 0.75)  # what was given in all
+    assert "changes between samples (1 times)" in notes[0]
+    exact, notes = mean_until_next(frames, np.arange(9.0)[:, None] / 7, frames)
+    assert np.array_equal(exact[:, 0], np.arange(9.0) / 7) and notes == ()
+
+
+def test_a_row_without_markers_between_even_samples_is_an_instant_of_the_command():
+    time = np.insert(np.arange(9) / 4, 5, 1.01)
+    places = np.insert(np.arange(9.0), 5, np.nan)
+    raw = Trajectory(time, (Marker("tip", 1.0),), np.repeat(places, 3).reshape(10, 1, 3), torque=np.where(time > 1, 2.0, 0.0))
+    even, _ = with_commands_between(raw, instants_between(raw))
+    assert np.array_equal(even.time, np.arange(9) / 4) and np.array_equal(even.positions[:, 0, 0], np.arange(9.0))
+    assert even.torque == pytest.approx([0, 0, 0, 0, 1.92, 2, 2, 2, 2])
+    gaps = np.delete(time, 5)
+    lost = Trajectory(gaps, raw.markers, np.where(gaps[:, None, None] == 1.0, np.nan, 1.0) * np.ones((9, 1, 3)), torque=0 * gaps)
+    assert not instants_between(lost).any()  # a gap in even sampling is a gap

@@ -41,16 +41,16 @@ def test_an_angle_in_degrees_is_refused_and_a_turn_is_not():
     assert angle_doubt(120.0).hint == "is it in degrees? then 2.094"
     assert angle_doubt(-2 * np.pi) is None
     bodies = [Body.parse("side@0.24,0.02,90=side")]
-    with pytest.raises(InputError, match="angle of marker side: expected .* is it in degrees"):
+    with pytest.raises(InputError, match=r"angle of marker side: expected .* is it in degrees"):
         ImportSettings(mass=0.15, diameter=0.04, keq=[1.11], bending="space", markers=bodies)
-    with pytest.raises(InputError, match="angle: expected .* got 120; is it in degrees"):
+    with pytest.raises(InputError, match=r"angle: expected .* got 120; is it in degrees"):
         ImportSettings(mass=0.15, diameter=0.04, keq=[1.11], bending="space", gain=0.3, angle=120.0)
 
 
 def test_markers_that_stand_in_each_others_places_are_refused_by_name(spoil):
     folder = spoil("trial_01.csv", "mid_x,mid_y,mid_z,tip_x,tip_y,tip_z", "tip_x,tip_y,tip_z,mid_x,mid_y,mid_z")
     with pytest.raises(
-        RecordingError, match="markers 'mid' and 'tip' seem to be exchanged: expected 'mid' at most 0.12 m"
+        RecordingError, match=r"markers 'mid' and 'tip' seem to be exchanged: expected 'mid' at most 0.12 m"
     ) as caught:
         read_dataset(folder)
     assert (caught.value.line, caught.value.column) == (1, 25)

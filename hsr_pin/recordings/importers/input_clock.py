@@ -75,7 +75,7 @@ def _check_overlap(command: CommandRows, capture: Capture) -> None:
         return
     if hours := _near_zone(time, end):
         hint = f"its clock is {hours} h off: --input-offset {-3600 * float(hours):.0f}, or auto"
-    elif unit := next((name for name in ("ms", "us", "ns") if 0 <= time[0] and time[-1] * TIME_UNITS[name] <= 2 * end), None):
+    elif unit := next((name for name in ("ms", "us", "ns") if time[0] >= 0 and time[-1] * TIME_UNITS[name] <= 2 * end), None):
         hint = f"are these {unit}? say [input] time_unit in --map"
     elif time[0] > 1e8:
         hint = 'is it Unix time? say [input] time_unit and clock = "shared" in --map, or --input-offset auto for a time in s'

@@ -27,8 +27,8 @@ AUTO = "auto"
 class ImportSettings:
     """What a capture does not say about the arm, and how to read it.
 
-    What belongs to a trial (``keq``, ``damping``, ``tip_mass``, ``t_start``, ``inputs``, ``input_offset``) is a sequence: one value
-    for all files, or one for each; an empty one leaves it undeclared.
+    What belongs to a trial (``keq``, ``damping``, ``tip_mass``, ``t_start``, ``inputs``, ``input_offset``) is a sequence: one for
+    all files, or one for each; an empty one leaves it undeclared.
 
     Attributes:
         mass: [kg].

@@ -62,7 +62,7 @@ def test_an_offset_is_estimated_from_the_motion_with_its_uncertainty(bring, late
     ],
 )
 def test_a_clock_that_does_not_meet_the_motion_is_refused(bring, clock, hint):
-    with pytest.raises(RecordingError, match="the clock of the input: expected times of the recording, 0 to 2.99") as caught:
+    with pytest.raises(RecordingError, match=r"the clock of the input: expected times of the recording, 0 to 2.99") as caught:
         bring(clock)
     assert hint in str(caught.value)
 
