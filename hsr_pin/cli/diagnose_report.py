@@ -116,7 +116,8 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
     if not notes:
         return []
     more = f" (and {len(notes) - 1} more notes)" if len(notes) > 1 else ""
-    return [Text(_cut(f"note:  {notes[0]}", width - len(more)) + more, style="yellow")]
+    lines = textwrap.wrap(f"note:  {notes[0]}{more}", width, subsequent_indent=" " * 7)
+    return [Text(line, style="yellow") for line in lines]
 
 
 def _wrapped(text: str, width: int) -> list[Text]:

@@ -4,6 +4,7 @@
 - ``choice``: names of what is open -> a hypothesis
 - ``command``: what a trial's input commands, section by section
 - ``comparison``: compare: simulation beside measurement
+- ``contradictions``: what of a declaration the recordings contradict
 - ``document``: a fit as JSON
 - ``evaluation``: what a hypothesis predicts, and its residuals
 - ``experiment``: a dataset made ready to be compared

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
+from hsr_pin.identification.contradictions import contradictions
 from hsr_pin.identification.holds import without_repeats
 from hsr_pin.identification.nuisance import LETS_GO, rest_scatter
 from hsr_pin.identification.reach import farthest
@@ -261,6 +262,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
     if not runs:
         raise IdentificationError("trials", expected="at least one that can be used", received="; ".join(notes))
     markers = tuple(dataset.markers[i] for i in moving)
+    notes = [*contradictions(dataset, runs, markers), *notes]
     return restricted(Experiment(dataset, tuple(runs), markers, noise, tuple(notes)), [run.trial.name for run in runs])
 
 

@@ -22,7 +22,8 @@ def farthest(dataset: Dataset, markers: list[int]) -> tuple[Array, tuple[str, ..
     )
     distances = np.concatenate([np.linalg.norm(trial.trajectory.positions[:, markers], axis=2) for trial in dataset.trials])
     usual = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else 0.0 for column in distances.T])
-    misplaced = usual > own
+    surface = np.array([marker.radius or dataset.diameter / 2 for marker in chosen])
+    misplaced = usual > _LONGER * np.array([marker.arc_length for marker in chosen]) + surface
     notes = tuple(
         f"marker {marker.name} is {1e3 * seen:.0f} mm from the base in most samples, though declared "
         f"{1e3 * marker.arc_length:.0f} mm along the arm: check its arc_length"

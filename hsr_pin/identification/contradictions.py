@@ -1,0 +1,118 @@
+"""What of a declaration these recordings contradict: stiffness or damping off by a thousand, and a motion before its command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hsr_pin.errors import IdentificationError
+from hsr_pin.recordings.lag import find_lag, passed
+from hsr_pin.recordings.plausible import THOUSAND
+from hsr_pin.robot.specification import mount_frame
+from hsr_pin.trajectory import Array, Dataset, Marker
+
+if TYPE_CHECKING:
+    from hsr_pin.identification.experiment import Run
+
+#: A number a thousand times as large, or as small, is meant if it leaves less than this share of what the declared one leaves of
+#: the motion, and less than the second number of its variance.
+CLEARLY, FOLLOWS = 0.25, 0.5
+#: What leaves no more than this times the least explains the motion as well.
+ALIKE = 1.5
+_GRAVITY = 9.81
+
+
+def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Marker]) -> tuple[str, ...]:
+    """Sentences on what looks wrong.
+
+    Args:
+        dataset: that the runs come from.
+        runs: of its trials.
+        markers: that are compared.
+
+    Raises:
+        IdentificationError: a stiffness or a damping that is off by a thousand.
+    """
+    far = max(range(len(markers)), key=lambda index: markers[index].arc_length)
+    runs = [run for run in runs if np.isfinite(run.measured[:, far]).all(axis=1).sum() > 2]
+    bends = [_bending(run.measured[:, far], dataset) * dataset.length / markers[far].arc_length for run in runs]
+    _check_units(dataset, runs, bends)
+    early = [
+        (run.trial.name, lag)
+        for run, bend in zip(runs, bends, strict=True)
+        if (lag := find_lag(run.time, run.torque, run.time, bend, signed=True)) and lag.is_early
+    ]
+    if not early:
+        return ()
+    names = ", ".join(name for name, _ in early[:3]) + (f" and {len(early) - 3} more" if len(early) > 3 else "")
+    lead, sigma = (
+        float(np.median([abs(value) for value in values])) for values in zip(*((g.value, g.sigma) for _, g in early), strict=True)
+    )
+    return (
+        f"{names}: the motion comes {lead:.3g} s (+- {sigma:.1g} s) before its command: was the input logged late? "
+        "hsr-import --input-offset moves it",
+    )
+
+
+def _bending(places: Array, dataset: Dataset) -> Any:
+    """(T,) [rad] by which an arm of even curvature is bent whose marker is at (T, 3) [m]; in space complex."""
+    along, across = mount_frame(dataset.mount)
+    aside = places @ across + (1j * (places @ np.cross(along, across)) if len(dataset.axes) == 3 else 0.0)
+    if np.iscomplexobj(aside):
+        size = np.abs(aside)
+        return 2 * np.arctan2(size, places @ along) * aside / np.where(size > 0, size, 1.0)
+    return 2 * np.arctan2(aside, places @ along)
+
+
+def _check_units(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> None:
+    """Refuse a stiffness or a damping that only a thousandth, or the thousandfold, makes an arm that moves as this one.
+
+    Raises:
+        IdentificationError: naming it, or both where either would do.
+    """
+    less, more = 1 / THOUSAND, THOUSAND
+    damped = all(run.trial.damping for run in runs)
+    tries = [(less, 1.0), (more, 1.0), *([(1.0, less), (1.0, more), (less, less), (more, more)] if damped else [])]
+    left = {each: _left(dataset, runs, bends, *each) for each in tries}
+    least = min(left.values())
+    if not runs or not least < min(FOLLOWS, CLEARLY * _left(dataset, runs, bends, 1.0, 1.0)):
+        return
+    keq, damping = runs[0].trial.keq, runs[0].trial.damping or 0.0
+    meant = []
+    for stiffer, damper in (each for each in tries if left[each] <= ALIKE * least):
+        names = [f"keq of {stiffer * keq:.3g} Nm/rad"] * (stiffer != 1) + [f"damping of {damper * damping:.3g} Nm s/rad"] * (
+            damper != 1
+        )
+        meant.append(" with ".join(names))
+    raise IdentificationError(
+        "declared stiffness and damping",
+        expected=f"{' or '.join(meant)}, with which the arm would move as recorded",
+        received=f"keq {keq:g} Nm/rad" + (f", damping {damping:g} Nm s/rad" if damped else ""),
+        hint="is it in N mm? or are torques or pressures in another unit than N m and bar?",
+    )
+
+
+def _left(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any], stiffer: float, damper: float) -> float:
+    """The share of the variance of bending that one mode of the declared arm leaves, with its numbers times these factors."""
+    length, left, whole = dataset.length, 0.0, 0.0
+    for run, bend in zip(runs, bends, strict=True):
+        keq, load = stiffer * run.trial.keq, run.trial.tip_mass
+        inertia = (dataset.mass / 20 + load / 4) * length**2
+        weight = (
+            (dataset.mass / 12 + load / 3) * _GRAVITY * length * {"hanging": 1, "upright": -1, "horizontal": 0}[dataset.mount]
+        )
+        if keq + weight <= 0:
+            return np.inf
+        torque = run.torque * (stiffer if run.trial.trajectory.pressures is not None else 1.0)
+        drive = (torque - torque[0]) / (keq + weight)
+        seen = np.isfinite(bend)
+        if run.start_pose is not None:  # let go: as if a torque that held it ended
+            drive[1:] = drive[1:] - bend[seen][0] + np.mean(bend[seen][-len(bend) // 10 :])
+        critical = 2 * np.sqrt((keq + weight) * inertia)
+        ratio = damper * run.trial.damping / critical if run.trial.damping else 1.0
+        answer = passed(drive, run.step, float(np.sqrt((keq + weight) / inertia)), ratio)
+        left += float(np.var((bend - answer)[seen])) * seen.sum()
+        whole += float(np.var(bend[seen])) * seen.sum()
+    return left / whole if whole else 0.0
