@@ -1,6 +1,7 @@
 """Install hsr_pin from this checkout into .venv: uv and every dependency as pinned in constraints.txt, their hashes verified.
 
-Needs a Python with pip, or uv. Names of dependency groups may follow: python3 scripts/install.py test
+The inner loops of the simulation are compiled too, once for this machine. Needs a Python with pip, or uv. Names of dependency
+groups may follow: python3 scripts/install.py test
 """
 
 import os
@@ -33,6 +34,22 @@ def pin(package: str) -> str:
     return re.search(rf"^{package}==.*(\n .*)*", pins, re.MULTILINE)[0]
 
 
+#: What is compiled side by side.
+LOOPS = (
+    "from hsr_pin.simulation.compiled import loops; loops()",
+    "from hsr_pin.simulation.compiled import ready_laws, see; from hsr_pin.effects.catalogue import laws; see(); "
+    "ready_laws(laws(space=False))",
+)
+
+
+def compile_loops() -> None:
+    """Compile the inner loops into numba's cache; where that fails, the first simulation does it, and says why it cannot."""
+    python = ROOT / ".venv" / ("Scripts" if os.name == "nt" else "bin") / "python"
+    started = [subprocess.Popen([python, "-c", code], cwd=ROOT, stderr=subprocess.DEVNULL) for code in LOOPS]
+    for process in started:
+        process.wait()
+
+
 def main() -> None:
     """Create .venv where it is missing, and bring what is in it up to date."""
     uv, groups = find_uv(), ",".join(sys.argv[1:])
@@ -42,6 +59,8 @@ def main() -> None:
         ["pip", "install", "--python", ".venv", "--compile-bytecode", *pins, "--editable", f".[{groups}]" if groups else "."],
     ):
         subprocess.run([uv, *command[:1], "--quiet", *command[1:]], check=True, cwd=ROOT)
+    print("compiling the inner loops, once for this machine (half a minute)", flush=True)
+    compile_loops()
 
 
 if __name__ == "__main__":

@@ -40,3 +40,34 @@ LINKS = [
 @pytest.mark.parametrize(("page", "target"), LINKS, ids=lambda value: getattr(value, "name", value))
 def test_every_picture_and_page_that_is_linked_is_there(page, target):
     assert (page.parent / target).is_file()
+
+
+def commands():
+    """Every command of README's table and of its blocks for a shell, but for those that install and test."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = "\n".join(re.findall(r"```bash\n(.*?)```", text, re.DOTALL)).replace(".venv/bin/", "")
+    lines = [line.rpartition("&& ")[2] for line in blocks.splitlines() if line and "pytest" not in line]
+    return [*lines, *re.findall(r"\| `(hsr-[^`]+)` \|\n", text), *re.findall(r"\(`(hsr [^`]+)`\)", text)]
+
+
+def test_every_command_of_the_readme_runs_as_typed_in_a_bare_clone(tmp_path):
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    asked = commands()
+    assert len(asked) > 10 and {line.split()[0] for line in asked} > {"hsr-sim", "hsr-diagnose", "hsr-export"}
+    for line in asked:
+        name, *arguments = line.split()
+        if name != "hsr-view":  # serves a page until it is ended
+            done = subprocess.run(
+                [Path(sys.executable).parent / name, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+            )
+            assert (done.returncode, done.stderr.count("error")) == (0, 0), (line, done.stderr)
+
+
+def test_the_program_in_the_readme_runs(tmp_path):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert "if __name__" in program
+    (tmp_path / "script.py").write_text(program, encoding="utf-8")
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "is missing from the model" in done.stdout and (tmp_path / "report.html").exists()

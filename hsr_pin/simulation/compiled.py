@@ -50,8 +50,6 @@ def see() -> Any:
 
 def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
     """Compile all that a fit with these effects will call, before many processes want it."""
-    from hsr_pin.simulation.laws import address
-
     if space:
         from hsr_pin.simulation.space.loops import space_loops
 
@@ -59,6 +57,13 @@ def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
     else:
         loops()
         see()
+    ready_laws(effects, space)
+
+
+def ready_laws(effects: Iterable[type[Effect]], space: bool = False) -> None:
+    """Compile the laws of effects, in every variant."""
+    from hsr_pin.simulation.laws import address
+
     for kind in effects:
         for variant in kind.variants():
             effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
