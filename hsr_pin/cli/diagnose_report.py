@@ -74,14 +74,19 @@ def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
     ]
     for place, rung in enumerate(diagnosis.ladder):
         last = place == len(diagnosis.ladder) - 1
-        low, high = (number(1e3 * bound) for bound in rung.interval)
+        low, high = (_short(1e3 * bound) for bound in rung.interval)
         interval = "" if last else f"{low} to {high}"
         share = "" if place == 0 else f"{100 * rung.share:.1f} %".replace("-0.0", "0.0")
-        name = _cut("noise floor; the rest unexplained" if last else rung.name, room)
+        name = _cut("noise floor; rest unexplained" if last else rung.name, room)
         lines.append(
-            Text(f"{name:<{room}}{number(1e3 * rung.rms):>9}{number(100 * rung.rms / length):>8}{interval:>20}{share:>10}")
+            Text(f"{name:<{room}}{_short(1e3 * rung.rms):>9}{_short(100 * rung.rms / length):>8}{interval:>20}{share:>10}")
         )
     return lines
+
+
+def _short(value: float) -> str:
+    """Three digits, and none beyond the third place."""
+    return f"{value:.3f}" if 0 <= value < 0.1 else number(value)
 
 
 def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:

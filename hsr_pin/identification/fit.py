@@ -82,8 +82,9 @@ class Fit:
         return tuple(
             fact.name
             for fact, value in zip(self.hypothesis.parameters, self.values, strict=True)
-            if min(value - fact.lower, fact.upper - value) < _AT * (fact.upper - fact.lower)
-            and abs(value - fact.neutral) > _AT * fact.scale
+            if any(
+                abs(value - bound) < _AT * (fact.upper - fact.lower) for bound in (fact.lower, fact.upper) if bound != fact.neutral
+            )
         )
 
 
