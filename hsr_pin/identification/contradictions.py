@@ -22,6 +22,8 @@ CLEARLY, FOLLOWS = 0.25, 0.5
 #: What leaves no more than this times the least explains the motion as well.
 ALIKE = 1.5
 _GRAVITY = 9.81
+#: Which way gravity turns an arm that is bent: back, or farther.
+_PULLS = {"hanging": 1, "upright": -1, "horizontal": 0}
 
 
 def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Marker]) -> tuple[str, ...]:
@@ -38,7 +40,9 @@ def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Mark
     far = max(range(len(markers)), key=lambda index: markers[index].arc_length)
     runs = [run for run in runs if np.isfinite(run.measured[:, far]).all(axis=1).sum() > 2]
     bends = [_bending(run.measured[:, far], dataset) * dataset.length / markers[far].arc_length for run in runs]
-    _check_units(dataset, runs, bends)
+    for said in dict.fromkeys((run.trial.keq, run.trial.damping) for run in runs):
+        alike = [k for k, run in enumerate(runs) if (run.trial.keq, run.trial.damping) == said]
+        _check_units(dataset, [runs[k] for k in alike], [bends[k] for k in alike])
     early = [
         (run.trial.name, lag)
         for run, bend in zip(runs, bends, strict=True)
@@ -72,37 +76,37 @@ def _check_units(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) ->
     Raises:
         IdentificationError: naming it, or both where either would do.
     """
-    less, more = 1 / THOUSAND, THOUSAND
-    damped = all(run.trial.damping for run in runs)
-    tries = [(less, 1.0), (more, 1.0), *([(1.0, less), (1.0, more), (less, less), (more, more)] if damped else [])]
+    less, more, trial = 1 / THOUSAND, THOUSAND, runs[0].trial
+    keq, damping = trial.keq, trial.damping or 0.0
+    tries = [(less, 1.0), (more, 1.0), *([(1.0, less), (1.0, more), (less, less), (more, more)] if damping else [])]
     left = {each: _left(dataset, runs, bends, *each) for each in tries}
     least = min(left.values())
-    if not runs or not least < min(FOLLOWS, CLEARLY * _left(dataset, runs, bends, 1.0, 1.0)):
+    if not least < min(FOLLOWS, CLEARLY * _left(dataset, runs, bends, 1.0, 1.0)):
         return
-    keq, damping = runs[0].trial.keq, runs[0].trial.damping or 0.0
     meant = []
     for stiffer, damper in (each for each in tries if left[each] <= ALIKE * least):
-        names = [f"keq of {stiffer * keq:.3g} Nm/rad"] * (stiffer != 1) + [f"damping of {damper * damping:.3g} Nm s/rad"] * (
-            damper != 1
-        )
+        names = [f"keq of {stiffer * keq:.3g} Nm/rad"] if stiffer != 1 else []
+        names += [f"damping of {damper * damping:.3g} Nm s/rad"] if damper != 1 else []
         meant.append(" with ".join(names))
     raise IdentificationError(
-        "declared stiffness and damping",
+        f"stiffness and damping of {trial.name}",
         expected=f"{' or '.join(meant)}, with which the arm would move as recorded",
-        received=f"keq {keq:g} Nm/rad" + (f", damping {damping:g} Nm s/rad" if damped else ""),
+        received=f"keq {keq:g} Nm/rad" + (f", damping {damping:g} Nm s/rad" if damping else ""),
         hint="is it in N mm? or are torques or pressures in another unit than N m and bar?",
     )
 
 
 def _left(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any], stiffer: float, damper: float) -> float:
-    """The share of the variance of bending that one mode of the declared arm leaves, with its numbers times these factors."""
+    """The share of the variance of bending that one mode of the declared arm leaves, with its numbers times these factors.
+
+    The mode is even curvature: with a bending angle phi of the whole arm, a place at s of a length L goes s^2 phi / 2 L aside and
+    s^3 phi^2 / 6 L^2 back along the arm, from which inertia and weight follow by integration over the arm.
+    """
     length, left, whole = dataset.length, 0.0, 0.0
     for run, bend in zip(runs, bends, strict=True):
         keq, load = stiffer * run.trial.keq, run.trial.tip_mass
         inertia = (dataset.mass / 20 + load / 4) * length**2
-        weight = (
-            (dataset.mass / 12 + load / 3) * _GRAVITY * length * {"hanging": 1, "upright": -1, "horizontal": 0}[dataset.mount]
-        )
+        weight = _PULLS[dataset.mount] * (dataset.mass / 12 + load / 3) * _GRAVITY * length
         if keq + weight <= 0:
             return np.inf
         torque = run.torque * (stiffer if run.trial.trajectory.pressures is not None else 1.0)

@@ -120,7 +120,7 @@ def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, t
     passed = np.concatenate([[0.0 * values[0]], np.cumsum(values[:-1] * np.diff(source)[:, None], axis=0)])
     begin = passed[first] + values[first] * (time - source[first])[:, None]
     end = passed[last] + values[last] * (time + step - source[last])[:, None]
-    note = f"the command changes between samples ({int(mixed.sum())} times): the sample before holds the mean until the next"
+    note = f"the command changes within {int(mixed.sum())} steps between samples: the sample before holds its mean until the next"
     return np.where(mixed[:, None], (end - begin) / step, values[first]), (note,)
 
 

@@ -36,9 +36,15 @@ def with_each(dataset, **factors):
 @pytest.mark.parametrize("factor", [1000.0, 0.001])
 @pytest.mark.parametrize("key, meant", [("keq", "keq of 1.11 Nm/rad"), ("damping", "damping of 0.05 Nm s/rad")])
 def test_a_stiffness_or_a_damping_off_by_a_thousand_is_refused_with_what_was_meant(steps, key, meant, factor):
-    with pytest.raises(IdentificationError, match="declared stiffness and damping") as caught:
+    with pytest.raises(IdentificationError, match="stiffness and damping of trial_01") as caught:
         prepare(with_each(steps, **{key: factor}))
     assert meant in str(caught.value) and "is it in N mm?" in str(caught.value)
+
+
+def test_one_trial_that_is_declared_in_another_unit_is_named(steps):
+    spoiled = with_each(replace(steps, trials=steps.trials[1:]), keq=1000.0)
+    with pytest.raises(IdentificationError, match="stiffness and damping of trial_02"):
+        prepare(replace(steps, trials=(steps.trials[0], *spoiled.trials)))
 
 
 @pytest.mark.parametrize("factors", [{}, {"keq": 5.0}, {"keq": 0.2}, {"damping": 20.0}, {"damping": 0.05}])

@@ -161,7 +161,7 @@ def test_a_command_between_two_samples_keeps_its_time():
     values, notes = mean_until_next(np.array([0.0, 1.01, 1.5]), np.array([[0.0], [2.0], [1.0]]), frames)
     assert values[:, 0] == pytest.approx([0, 0, 0, 0, 2 * 0.96, 2, 1, 1, 1])
     assert np.sum(values[:, 0]) / 4 == pytest.approx(2 * 0.49 + 0.75)  # what was given in all
-    assert "changes between samples (1 times)" in notes[0]
+    assert "changes within 1 steps between samples" in notes[0]
     exact, notes = mean_until_next(frames, np.arange(9.0)[:, None] / 7, frames)
     assert np.array_equal(exact[:, 0], np.arange(9.0) / 7) and notes == ()
 

@@ -490,7 +490,7 @@ def test_the_short_example_of_the_guide_runs(tmp_path, monkeypatch, capsys, writ
 def test_the_whole_example_of_the_guide_runs(tmp_path, monkeypatch, capsys):
     markers = (("Base", 0.0, 0.0, 0.0), ("Middle", 0.14, 0.0, 0.0), ("Tip", 0.24, 0.0, 0.0))
     monkeypatch.chdir(tmp_path)
-    (block,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    block = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)[0]
     Path("two-sections.toml").write_text(block, encoding="utf-8")
     labs = [SpaceLaboratory(up="+y", yaw=np.pi, seconds=s, second=np.pi / 3, markers=markers) for s in (3.0, 2.0)]
     for number, lab in enumerate(labs, 1):
