@@ -109,16 +109,7 @@ def capture(
         raise RecordingError(
             "no marker in the file", expected="columns or labels of points", received="none", hint=hint, file=path
         )
-    if len(time) < 2:
-        hint = "export the motion, not one pose"
-        raise RecordingError("recording", expected="at least two frames", received=len(time), hint=hint, file=path)
-    steps = np.diff(time)
-    if not np.all(steps > 0):
-        frame = int(np.argmin(steps > 0)) + 1
-        raise RecordingError("time", expected="frames in order", received=f"{time[frame]:.9g} s at frame {frame + 1}", file=path)
-    facts = implausible(time)
-    if facts is not None:
-        raise RecordingError("time", **asdict(facts), file=path)
+    _check_time(path, time)
     notes = [*notes, f"read as {encoding}"] if encoding else list(notes)
     positions = np.array(positions, dtype=float)
     if factor != 1.0:
@@ -138,6 +129,24 @@ def capture(
     turned = {named[k]: np.where(np.any(each, axis=1, keepdims=True), each, np.nan) for k, each in (turns or {}).items()}
     begin = start + float(time[0])
     return Capture(path, system, time - time[0], named, positions, up, unit, begin, tuple(notes), turned)
+
+
+def _check_time(path: Path, time: Array) -> None:
+    """Refuse fewer than two frames, and times that do not increase or are not those of a motion.
+
+    Raises:
+        RecordingError: they are.
+    """
+    if len(time) < 2:
+        hint = "export the motion, not one pose"
+        raise RecordingError("recording", expected="at least two frames", received=len(time), hint=hint, file=path)
+    steps = np.diff(time)
+    if not np.all(steps > 0):
+        frame = int(np.argmin(steps > 0)) + 1
+        raise RecordingError("time", expected="frames in order", received=f"{time[frame]:.9g} s at frame {frame + 1}", file=path)
+    facts = implausible(time)
+    if facts is not None:
+        raise RecordingError("time", **asdict(facts), file=path)
 
 
 def _with_flat_axes(positions: Array, names: Sequence[str], notes: list[str]) -> Array:

@@ -68,15 +68,14 @@ def _lag(command: CommandRows, time: Array, positions: Array) -> Lag | None:
 def _check_overlap(command: CommandRows, capture: Capture) -> None:
     """Refuse a command that changes, but never within the recording."""
     time, end = command.time, float(capture.time[-1])
-    thousandths = (
-        abs(np.log2(max(time[-1], end) / end / 1000)) < 1
-    )  # a log that lasts a thousand times as long, within a factor of 2
-    if not np.ptp(command.values, axis=0).any() or (time[0] <= end and time[-1] >= 0 and not thousandths):
+    lasts = {unit: TIME_UNITS[unit] * float(time[-1] - time[0]) / end for unit in ("ms", "us", "ns")}
+    unit = next((name for name, share in lasts.items() if 0.5 < share < 2), None)  # of the recording, were it in this unit
+    if not np.ptp(command.values, axis=0).any() or (time[0] <= end and time[-1] >= 0 and unit is None):
         return
-    if hours := _near_zone(time, end):
-        hint = f"its clock is {hours} h off: --input-offset {-3600 * float(hours):.0f}, or auto"
-    elif unit := next((name for name in ("ms", "us", "ns") if time[0] >= 0 and time[-1] * TIME_UNITS[name] <= 2 * end), None):
+    if unit:
         hint = f"are these {unit}? say [input] time_unit in --map"
+    elif hours := _near_zone(time, end):
+        hint = f"its clock is {hours} h off: --input-offset {-3600 * float(hours):.0f}, or auto"
     elif time[0] > 1e8:
         hint = 'is it Unix time? say [input] time_unit and clock = "shared" in --map, or --input-offset auto for a time in s'
     else:

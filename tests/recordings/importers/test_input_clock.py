@@ -56,7 +56,10 @@ def test_an_offset_is_estimated_from_the_motion_with_its_uncertainty(bring, late
     "clock, hint",
     [
         (lambda t: 1000 * t, "are these ms? say [input] time_unit in --map"),
-        (lambda t: 1.7e12 + 1000 * t, "is it Unix time"),
+        (lambda t: 1400 + 1000 * t, "are these ms?"),
+        (lambda t: 1.7e12 + 1000 * t, "are these ms?"),
+        (lambda t: 1e6 * t, "are these us?"),
+        (lambda t: 1.7e9 + t, "is it Unix time"),
         (lambda t: t + 7200, "its clock is 2 h off: --input-offset -7200, or auto"),
         (lambda t: t - 1234, "move it with --input-offset S, or auto"),
     ],
