@@ -35,29 +35,28 @@ def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Mark
         markers: that are compared.
 
     Raises:
-        IdentificationError: a stiffness or a damping that is off by a thousand.
+        IdentificationError: a stiffness or a damping that is off by a thousand in all trials.
     """
     far = max(range(len(markers)), key=lambda index: markers[index].arc_length)
     runs = [run for run in runs if np.isfinite(run.measured[:, far]).all(axis=1).sum() > 2]
     bends = [_bending(run.measured[:, far], dataset) * dataset.length / markers[far].arc_length for run in runs]
-    for said in dict.fromkeys((run.trial.keq, run.trial.damping) for run in runs):
-        alike = [k for k, run in enumerate(runs) if (run.trial.keq, run.trial.damping) == said]
-        _check_units(dataset, [runs[k] for k in alike], [bends[k] for k in alike])
-    early = [
-        (run.trial.name, lag)
-        for run, bend in zip(runs, bends, strict=True)
-        if (lag := find_lag(run.time, run.torque, run.time, bend, signed=True)) and lag.is_early
-    ]
-    if not early:
-        return ()
-    names = ", ".join(name for name, _ in early[:3]) + (f" and {len(early) - 3} more" if len(early) > 3 else "")
-    lead, sigma = (
-        float(np.median([abs(value) for value in values])) for values in zip(*((g.value, g.sigma) for _, g in early), strict=True)
-    )
-    return (
-        f"{names}: the motion comes {lead:.3g} s (+- {sigma:.1g} s) before its command: was the input logged late? "
-        "hsr-import --input-offset moves it",
-    )
+    levels = dict.fromkeys((run.trial.keq, run.trial.damping) for run in runs)
+    groups = [[k for k, run in enumerate(runs) if (run.trial.keq, run.trial.damping) == level] for level in levels]
+    wrong = [_unit_error(dataset, [runs[k] for k in group], [bends[k] for k in group]) for group in groups]
+    if wrong and all(wrong):
+        raise wrong[0]  # type: ignore[misc]
+    notes = [str(error) for error in wrong if error]
+    lags = [find_lag(run.time, run.torque, run.time, bend, signed=True) for run, bend in zip(runs, bends, strict=True)]
+    early = {run.trial.name: lag for run, lag in zip(runs, lags, strict=True) if lag is not None and lag.is_early}
+    if early:
+        lead, sigma = (float(np.median([abs(getattr(lag, name)) for lag in early.values()])) for name in ("value", "sigma"))
+        said = f"{_named(list(early))}: the motion comes {lead:.3g} s (+- {sigma:.1g} s) before its command"
+        notes.append(f"{said}: was the input logged late? hsr-import --input-offset moves it")
+    return tuple(notes)
+
+
+def _named(trials: Sequence[str]) -> str:
+    return ", ".join(trials[:3]) + (f" and {len(trials) - 3} more" if len(trials) > 3 else "")
 
 
 def _bending(places: Array, dataset: Dataset) -> Any:
@@ -70,26 +69,22 @@ def _bending(places: Array, dataset: Dataset) -> Any:
     return 2 * np.arctan2(aside, places @ along)
 
 
-def _check_units(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> None:
-    """Refuse a stiffness or a damping that only a thousandth, or the thousandfold, makes an arm that moves as this one.
-
-    Raises:
-        IdentificationError: naming it, or both where either would do.
-    """
+def _unit_error(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> IdentificationError | None:
+    """What is to be said of a stiffness or a damping of which only a thousandth, or the thousandfold, moves as these runs do."""
     less, more, trial = 1 / THOUSAND, THOUSAND, runs[0].trial
     keq, damping = trial.keq, trial.damping or 0.0
     tries = [(less, 1.0), (more, 1.0), *([(1.0, less), (1.0, more), (less, less), (more, more)] if damping else [])]
     left = {each: _left(dataset, runs, bends, *each) for each in tries}
     least = min(left.values())
     if not least < min(FOLLOWS, CLEARLY * _left(dataset, runs, bends, 1.0, 1.0)):
-        return
+        return None
     meant = []
     for stiffer, damper in (each for each in tries if left[each] <= ALIKE * least):
         names = [f"keq of {stiffer * keq:.3g} Nm/rad"] if stiffer != 1 else []
         names += [f"damping of {damper * damping:.3g} Nm s/rad"] if damper != 1 else []
         meant.append(" with ".join(names))
-    raise IdentificationError(
-        f"stiffness and damping of {trial.name}",
+    return IdentificationError(
+        f"stiffness and damping of {_named([run.trial.name for run in runs])}",
         expected=f"{' or '.join(meant)}, with which the arm would move as recorded",
         received=f"keq {keq:g} Nm/rad" + (f", damping {damping:g} Nm s/rad" if damping else ""),
         hint="is it in N mm? or are torques or pressures in another unit than N m and bar?",
