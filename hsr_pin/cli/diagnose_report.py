@@ -120,9 +120,9 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
     notes = diagnosis.experiment.notes
     if not notes:
         return []
-    more = f" (and {len(notes) - 1} more notes)" if len(notes) > 1 else ""
+    more = f" (and\N{NO-BREAK SPACE}{len(notes) - 1}\N{NO-BREAK SPACE}more\N{NO-BREAK SPACE}notes)" if len(notes) > 1 else ""
     lines = textwrap.wrap(f"note:  {notes[0]}{more}", width, subsequent_indent=" " * 7)
-    return [Text(line, style="yellow") for line in lines]
+    return [Text(line.replace("\N{NO-BREAK SPACE}", " "), style="yellow") for line in lines]
 
 
 def _wrapped(text: str, width: int) -> list[Text]:
