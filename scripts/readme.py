@@ -28,8 +28,9 @@ SHARED = "../shared"
 
 
 def is_slow(command: str) -> bool:
-    """Recordings take minutes, examples are run by tests of their own; everything else takes a second."""
-    return SHARED in command or "examples/" in command
+    """Diagnoses take minutes, examples are run by tests of their own; everything else takes a second."""
+    diagnoses = command.startswith("hsr-diagnose") and "--help" not in command
+    return diagnoses or any(word in command for word in (SHARED, "examples/", "self_test"))
 
 
 def output_of(command: str) -> str:

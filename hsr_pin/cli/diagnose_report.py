@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from rich.text import Text
 
 from hsr_pin.cli.console import console
-from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.estimates import estimates, ranked
+from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import advice, headline, number, where_sentence
 
 #: Lines of a screen, without the one for the next prompt.

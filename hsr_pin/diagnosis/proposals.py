@@ -12,7 +12,7 @@ import numpy as np
 from hsr_pin.identification.evaluation import Case, respond_each
 from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
 from hsr_pin.identification.nuisance import Eliminated
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
@@ -28,8 +28,10 @@ _ENOUGH, _SAMPLES = 8, 400
 #: Factors on the damping and the amplitude of a initial estimate at which it is tried too: an effect may grow faster than its
 #: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
 _VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
-#: Factors on the damping, and sizes over their scale, of laws that make the torque late.
-_LATE = ((0.5, 0.2), (0.6, 1.5))
+#: Factors on the damping, and sizes over their scale up to the width of the prior, of laws that make the torque late.
+_LATE = ((0.5, 0.2), (0.6, 1.5, 5.0))
+#: Groups of such starts; the others are numbered by the proposed values that they come from.
+_DAMPED, _DECLARED = -1, -2
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
 #: Links and error of a step [m at the tip] of the chain that is screened.
@@ -145,9 +147,12 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
 
 
 def _starts(experiment: Experiment, proposal: Proposal) -> tuple[Array, ...]:
-    """Of each of the proposed values, and those in the next valleys, the one that simulates best; then the best of the others."""
+    """Of each of the proposed values, and those in the next valleys, the one that simulates best; then the best of the others.
+
+    Of a law that makes the torque late the best with the declared arm is among them, however far it is from what was recorded.
+    """
     moved = [(k, _moved(proposal.hypothesis, start, *factors)) for k, start in enumerate(proposal.starts) for factors in _VALLEYS]
-    groups, tried = zip(*moved, *((-1, point) for point in _late(proposal)), strict=True)
+    groups, tried = zip(*moved, *_late(proposal), strict=True)
     points, squares = np.array(tried), []
     for run, seen in zip(experiment.runs, _side_by_side(experiment, proposal.hypothesis, points), strict=True):
         missed = np.nan_to_num(seen - run.compared[:, None], nan=experiment.dataset.length)
@@ -158,23 +163,29 @@ def _starts(experiment: Experiment, proposal: Proposal) -> tuple[Array, ...]:
     for k in order:
         first.setdefault(groups[k], k)
     ranked = [*first.values(), *(k for k in order if k not in first.values())]
-    return tuple(points[k] for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]])
+    chosen = [k for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]]]
+    if _DECLARED in first and first[_DECLARED] not in chosen:
+        chosen.append(first[_DECLARED])
+    return tuple(points[k] for k in chosen)
 
 
-def _late(proposal: Proposal) -> list[Array]:
-    """Of a law that makes the torque late, values (P,) with much less damping: a strongly damped arm looks late by itself.
+def _late(proposal: Proposal) -> list[tuple[int, Array]]:
+    """Of a law that makes the torque late, values (P,) with much less damping, and with the declared arm; each with its group.
 
-    Seen from there lateness is worth next to nothing, so that its size is none of the proposal's.
+    A strongly damped arm looks late by itself. Seen from there lateness is worth next to nothing, so that its size is none of the
+    proposal's.
     """
     facts, part = proposal.hypothesis.parameters, proposal.hypothesis.parts[-1]
     if part.kind != "actuation_time":
         return []
     own = [k for k, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{part.name}.")]
-    points = []
-    for damping, size in itertools.product(*_LATE):
-        point = _moved(proposal.hypothesis, proposal.starts[0], damping, 1.0)
+    start, points = proposal.starts[0], []
+    declared = np.array([fact.neutral if fact.name.partition("@")[0] in ARM else v for fact, v in zip(facts, start, strict=True)])
+    arms = [*((_DAMPED, _moved(proposal.hypothesis, start, damping, 1.0)) for damping in _LATE[0]), (_DECLARED, declared)]
+    for (group, arm), size in itertools.product(arms, _LATE[1]):
+        point = arm.copy()
         point[own] = [np.clip(facts[k].neutral + size * facts[k].scale / len(own), facts[k].lower, facts[k].upper) for k in own]
-        points.append(point)
+        points.append((group, point))
     return points
 
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hsr_pin.errors import IdentificationError
 from hsr_pin.recordings.lag import find_lag, passed
 from hsr_pin.recordings.plausible import THOUSAND
 from hsr_pin.robot.specification import mount_frame
@@ -33,9 +32,6 @@ def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Mark
         dataset: that the runs come from.
         runs: of its trials.
         markers: that are compared.
-
-    Raises:
-        IdentificationError: a stiffness or a damping that is off by a thousand in all trials.
     """
     far = max(range(len(markers)), key=lambda index: markers[index].arc_length)
     runs = [run for run in runs if np.isfinite(run.measured[:, far]).all(axis=1).sum() > 2]
@@ -43,9 +39,7 @@ def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Mark
     levels = dict.fromkeys((run.trial.keq, run.trial.damping) for run in runs)
     groups = [[k for k, run in enumerate(runs) if (run.trial.keq, run.trial.damping) == level] for level in levels]
     wrong = [_unit_error(dataset, [runs[k] for k in group], [bends[k] for k in group]) for group in groups]
-    if wrong and all(wrong):
-        raise wrong[0]  # type: ignore[misc]
-    notes = [str(error) for error in wrong if error]
+    notes = [sentence for sentence in wrong if sentence]
     lags = [find_lag(run.time, run.torque, run.time, bend, signed=True) for run, bend in zip(runs, bends, strict=True)]
     early = {run.trial.name: lag for run, lag in zip(runs, lags, strict=True) if lag is not None and lag.is_early}
     if early:
@@ -69,7 +63,7 @@ def _bending(places: Array, dataset: Dataset) -> Any:
     return 2 * np.arctan2(aside, places @ along)
 
 
-def _unit_error(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> IdentificationError | None:
+def _unit_error(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> str:
     """What is to be said of a stiffness or a damping of which only a thousandth, or the thousandfold, moves as these runs do."""
     less, more, trial = 1 / THOUSAND, THOUSAND, runs[0].trial
     keq, damping = trial.keq, trial.damping or 0.0
@@ -77,17 +71,16 @@ def _unit_error(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> 
     left = {each: _left(dataset, runs, bends, *each) for each in tries}
     least = min(left.values())
     if not least < min(FOLLOWS, CLEARLY * _left(dataset, runs, bends, 1.0, 1.0)):
-        return None
+        return ""
     meant = []
     for stiffer, damper in (each for each in tries if left[each] <= ALIKE * least):
         names = [f"keq of {stiffer * keq:.3g} Nm/rad"] if stiffer != 1 else []
         names += [f"damping of {damper * damping:.3g} Nm s/rad"] if damper != 1 else []
         meant.append(" with ".join(names))
-    return IdentificationError(
-        f"stiffness and damping of {_named([run.trial.name for run in runs])}",
-        expected=f"{' or '.join(meant)}, with which the arm would move as recorded",
-        received=f"keq {keq:g} Nm/rad" + (f", damping {damping:g} Nm s/rad" if damping else ""),
-        hint="is it in N mm? or are torques or pressures in another unit than N m and bar?",
+    declared = f"keq {keq:g} Nm/rad" + (f" and damping {damping:g} Nm s/rad" if damping else "")
+    return (
+        f"{_named([run.trial.name for run in runs])}: declared are {declared}, but with {' or '.join(meant)} the arm would move as "
+        "recorded: is a number in N mm, or are torques or pressures in another unit than N m and bar?"
     )
 
 

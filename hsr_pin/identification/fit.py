@@ -83,7 +83,9 @@ class Fit:
             fact.name
             for fact, value in zip(self.hypothesis.parameters, self.values, strict=True)
             if any(
-                abs(value - bound) < _AT * (fact.upper - fact.lower) for bound in (fact.lower, fact.upper) if bound != fact.neutral
+                abs(value - bound) < _AT * (fact.upper - fact.lower)
+                for bound in (fact.lower, fact.upper)
+                if bound != fact.neutral
             )
         )
 

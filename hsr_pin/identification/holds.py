@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest
+from scipy.special import bdtrc
 
 from hsr_pin.trajectory import Array, Dataset
 
@@ -63,7 +63,7 @@ def is_held(tracks: list[Array]) -> bool:
     for track, step in zip(tracks, steps, strict=True):
         jump = np.asarray((step > _JUMP * digit).any(axis=1))[:-1]
         jumps, repeats = jumps + int(jump.sum()), repeats + int((jump & repeated(track)[2:]).sum())
-    return jumps > 0 and bool(binomtest(repeats, jumps, 0.5, alternative="greater").pvalue < LEVEL)
+    return jumps > 0 and bool(bdtrc(repeats - 1, jumps, 0.5) < LEVEL)
 
 
 def clock(command: Array) -> int:

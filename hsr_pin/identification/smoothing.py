@@ -13,7 +13,7 @@ from math import comb
 
 import numpy as np
 from scipy.ndimage import convolve1d
-from scipy.stats import binomtest
+from scipy.special import bdtrc
 
 from hsr_pin.recordings.noise import ORDER
 from hsr_pin.trajectory import Array, Dataset
@@ -106,7 +106,7 @@ def detected(dataset: Dataset) -> Filter | None:
     gains = [_likelihoods(powers, spectrum) - base for spectrum in spectra]
     best = int(np.argmax([np.median(gain) for gain in gains]))
     wins = int((gains[best] > 0).sum())
-    if binomtest(wins, len(powers), 0.5, alternative="greater").pvalue > LEVEL / len(filters):
+    if bdtrc(wins - 1, len(powers), 0.5) > LEVEL / len(filters):
         return None
     sizes = np.log((powers / spectra[best]).mean(axis=1))
     apart = np.concatenate([np.abs(sizes[tracks == k] - np.median(sizes[tracks == k])) for k in np.unique(tracks)])

@@ -30,7 +30,8 @@ def test_one_law_that_closes_the_gap_is_identified():
 def test_two_laws_that_do_the_same_are_alternatives():
     said = verdict(candidate("torque_bias"), candidate("dry_friction"))
     assert (said.status, set(said.alternatives), said.effects) == ("ambiguous", {("torque_bias",), ("dry_friction",)}, ())
-    assert "torque_bias, or dry_friction" in said.sentence or "dry_friction, or torque_bias" in said.sentence
+    assert said.sentence.startswith("One of these is missing from the model (probability 1.00): ")
+    assert "torque_bias (0.50)" in said.sentence and "dry_friction (0.50)" in said.sentence
 
 
 def test_what_the_alternatives_share_is_named():

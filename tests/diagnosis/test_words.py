@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.next_experiment import Proposal
+from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.search import judged
 from hsr_pin.diagnosis.verdict import verdict_of
 from hsr_pin.diagnosis.words import advice, effect_options, sentence
