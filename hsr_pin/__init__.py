@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from hsr_pin.simulation.simulate import simulate
     from hsr_pin.trajectory import Dataset, Trajectory
 
-#: Public name -> the module that holds it, and its name there if that is another. A new name stands here, above (for type checkers) and in `__all__`.
+#: Public name -> the module that holds it, and its name there if that is another. A new name stands here, above (for type
+#: checkers) and in `__all__`.
 _MODULES = {
     "ArmSimulator": "control.stepping",
     "ArmSpecification": "robot.specification",

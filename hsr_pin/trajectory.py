@@ -226,6 +226,7 @@ class Dataset(Mapping[str, "Trial"]):
             ``damping`` are those of all together.
         channels: what was recorded beside the motion, and the torque that each gives.
         chain: number of links and placement of the joints of the model that simulated it; None where it was recorded.
+        weighed: whether the mass is known, so that no other is considered.
         smoothed: samples of the moving average that its tracks went through, an odd number, 1: none; None: nobody says.
     """
 
@@ -244,6 +245,7 @@ class Dataset(Mapping[str, "Trial"]):
     channels: tuple[Channel, ...] = ()
     chain: tuple[int, str] | None = None
     smoothed: int | None = None
+    weighed: bool = False
 
     def __getitem__(self, name: str) -> Trial:
         return {trial.name: trial for trial in self.trials}[name]

@@ -2,8 +2,8 @@
 
     python scripts/self_test.py [EFFECT ...]
 
-This is no evidence: simulation and diagnosis are the same model. It shows what the default experiment, three steps from rest at one
-stiffness, can tell apart when all else is exact. About ten minutes of two cores.
+This is no evidence: simulation and diagnosis are the same model. It shows what the default experiment, three steps from rest at
+one stiffness, can tell apart when all else is exact. About ten minutes of two cores.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from threading import Timer, current_thread, main_thread
-from typing import NoReturn
+from typing import ClassVar, NoReturn
 
 import click
 
@@ -22,6 +22,33 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 #: After which time a signal that Python has dropped is sent again [s].
 AGAIN = 0.01
+
+
+class Grouped(click.Command):
+    """A command whose help lists its options in groups."""
+
+    #: Title -> the options under it; all others come first.
+    GROUPS: ClassVar[dict[str, tuple[str, ...]]] = {
+        "Trials": ("train", "test", "delay", "trial"),
+        "Model": ("links", "placement", "effects", "max_effects", "dynamics"),
+        "Arm": (
+            "keq", "damping", "mount", "length", "mass", "diameter", "tip_mass", "tilt", "bending", "torsion", "cross_tilt"
+        ),
+        "Output": ("json_file", "as_json", "html_file", "html", "plot_file", "plot", "urdf_file", "csv_folder", "replay", "live", "force"),
+        "Computation": ("jobs", "cluster", "seed"),
+    }  # fmt: skip
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        title_of = {name: title for title, names in self.GROUPS.items() for name in names}
+        found: dict[str, list[tuple[str, str]]] = {"Options": [], **{title: [] for title in self.GROUPS}}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx) if isinstance(parameter, click.Option) else None
+            if record is not None:
+                found[title_of.get(parameter.name or "", "Options")].append(record)
+        for title, records in found.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
 
 
 def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:

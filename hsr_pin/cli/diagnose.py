@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import Grouped, leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
@@ -27,7 +27,7 @@ _SHARE = 0.9
 _EPILOG = "Example: hsr-diagnose sample --html report.html"
 
 
-@click.command(name="hsr-diagnose", epilog=_EPILOG, context_settings={"max_content_width": 100})
+@click.command(name="hsr-diagnose", cls=Grouped, epilog=_EPILOG, context_settings={"max_content_width": 100})
 @dataset_argument
 @click.option(
     "--since", metavar="OLD", multiple=True, help="What has changed since this recording of the same arm? Several: in order."

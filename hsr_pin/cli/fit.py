@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import Grouped, leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import listed, trial_options, trials_from
 
@@ -26,7 +26,7 @@ _EPILOG = "Example: hsr-fit valve-arm --free keq,damping --by-level --urdf fitte
 _STAGES = 4
 
 
-@click.command(name="hsr-fit", epilog=_EPILOG, context_settings={"max_content_width": 100})
+@click.command(name="hsr-fit", cls=Grouped, epilog=_EPILOG, context_settings={"max_content_width": 100})
 @dataset_argument
 @click.option(
     "--free",

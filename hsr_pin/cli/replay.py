@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import Grouped, leave, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from hsr_pin.replay.drawn import Drawn
 
 
-@click.command(name="hsr-replay", context_settings={"max_content_width": 100})
+@click.command(name="hsr-replay", cls=Grouped, context_settings={"max_content_width": 100})
 @dataset_argument
 @click.option("--trial", metavar="N", help="Number of the trial, from 1, or its name.  [default: the first]")
 @chain_options
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 def command(dataset: str, **options: Any) -> None:
     """Show a recording beside the simulation of the same input, mount, payload and start, and print the error.
 
-    DATASET is a folder in the recording format, or the name of a sample (--list-samples). The error is the distance from simulated
-    to measured markers.
+    DATASET is a folder in the recording format, or the name of a sample (--list-samples). The error is the distance from
+    simulated to measured markers.
     """
     from hsr_pin.identification.comparison import compare
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import arm_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import Grouped, leave, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combinations that the paper tabulates for 1.11 Nm/rad."
 
 
-@click.command(name="hsr-sim", epilog=_EPILOG, context_settings={"max_content_width": 100})
+@click.command(name="hsr-sim", cls=Grouped, epilog=_EPILOG, context_settings={"max_content_width": 100})
 @arm_options
 @click.option(
     "--pressures",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import Grouped, leave, run
 from hsr_pin.cli.outputs import dataset_argument
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from hsr_pin.view.settings import Settings
 
 
-@click.command(name="hsr-view", epilog="Example: hsr-view sample", context_settings={"max_content_width": 100})
+@click.command(name="hsr-view", cls=Grouped, epilog="Example: hsr-view sample", context_settings={"max_content_width": 100})
 @dataset_argument
 @chain_options
 @click.option(

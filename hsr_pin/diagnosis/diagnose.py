@@ -303,14 +303,20 @@ def _fitted(found: Search, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypoth
 
 
 def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = ACTING) -> list[Part]:
-    """Every reading of some effects that these recordings could tell apart, and the arm's numbers that may be open."""
+    """Every variant of some effects that these recordings could tell apart, and the arm's numbers that may be open.
+
+    Of an arm that was weighed no other mass along the arm is among them.
+    """
     parts = [Part(name) for name in plain if name not in SESSION or len(experiment.runs) >= TRIALS]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     levels = experiment.levels
     told = len(levels) > 1 and all(sum(run.trial.keq == keq for run in experiment.runs) > 1 for keq in levels)  # held out, too
     for kind in kinds:
         parts += readings(kind, space=space, levels=len(levels), each=levels if told else ())
-    return [part for part in parts if driven or part.kind not in ("actuation_time", "actuation_map")]
+    known = {"mass_scale", "added_mass"} if experiment.dataset.weighed else set()
+    return [
+        part for part in parts if part.name not in known and (driven or part.kind not in ("actuation_time", "actuation_map"))
+    ]
 
 
 def refuse_formless(kinds: Sequence[type[Effect]], *, space: bool) -> None:

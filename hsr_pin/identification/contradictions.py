@@ -79,8 +79,8 @@ def _unit_error(dataset: Dataset, runs: Sequence[Run], bends: Sequence[Any]) -> 
         meant.append(" with ".join(names))
     declared = f"keq {keq:g} Nm/rad" + (f" and damping {damping:g} Nm s/rad" if damping else "")
     return (
-        f"{_named([run.trial.name for run in runs])}: declared are {declared}, but with {' or '.join(meant)} the arm would move as "
-        "recorded: is a number in N mm, or are torques or pressures in another unit than N m and bar?"
+        f"{_named([run.trial.name for run in runs])}: declared are {declared}, but with {' or '.join(meant)} the arm would move "
+        "as recorded: is a number in N mm, or are torques or pressures in another unit than N m and bar?"
     )
 
 

@@ -16,6 +16,8 @@ from hsr_pin.trajectory import Section as ArmSection
 
 #: The versions of the format that are read and written; the second knows arms in space.
 VERSIONS = (1, 2)
+#: Keys of [robot] in both.
+_ROBOT = ("length", "mass", "diameter", "mount", "keq", "damping", "input", "smoothed", "weighed")
 #: What only the second has: tables, and keys in [robot] and in [[marker]].
 _TABLES_IN_SPACE = ("section", "input", "measured")
 _ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle", "orientation")
@@ -73,6 +75,7 @@ class Declaration:
     posed: tuple[Marker, ...]
     chain: tuple[int, str] | None
     smoothed: int | None
+    weighed: bool
 
     @property
     def inputs(self) -> tuple[tuple[str, ...], ...]:
@@ -99,7 +102,7 @@ def read_declaration(path: Path) -> Declaration:
     newer = _version(top) == VERSIONS[1]
     top.only("format", "name", "description", "robot", "marker", "trial", "simulation", *(_TABLES_IN_SPACE if newer else ()))
     robot = top.section("robot")
-    robot.only("length", "mass", "diameter", "mount", "keq", "damping", "input", "smoothed", *(_ROBOT_IN_SPACE if newer else ()))
+    robot.only(*_ROBOT, *(_ROBOT_IN_SPACE if newer else ()))
     length = robot.number("length", "m")
     if not SHORTEST <= length <= LONGEST:
         raise robot.fault(
@@ -141,6 +144,7 @@ def read_declaration(path: Path) -> Declaration:
         channels=(),
         chain=_chain(top),
         smoothed=_smoothed(robot),
+        weighed=_weighed(robot),
         posed=tuple(m for m, values in zip(markers, top.values["marker"], strict=True) if values.get("orientation")),
     )
     taken = {*declaration.columns, *torque_columns(len(sections))}
@@ -159,6 +163,14 @@ def _chain(top: Section) -> tuple[int, str] | None:
     if placement not in PLACEMENTS:
         raise table.fault("placement", "placement", expected=" or ".join(PLACEMENTS), received=placement)
     return int(links), placement
+
+
+def _weighed(robot: Section) -> bool:
+    """Whether the mass was weighed, so that no other is considered."""
+    value = robot.values.get("weighed", False)
+    if not isinstance(value, bool):
+        raise robot.fault("weighed", "weighed", expected="true or false", received=repr(value)[:60])
+    return value
 
 
 def _smoothed(robot: Section) -> int | None:

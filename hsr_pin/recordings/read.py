@@ -80,6 +80,7 @@ def read_dataset(path: str | Path) -> Dataset:
         channels=declaration.channels,
         chain=declaration.chain,
         smoothed=declaration.smoothed,
+        weighed=declaration.weighed,
     )
 
 

@@ -151,6 +151,8 @@ def _declaration(dataset: Dataset) -> str:
     lines += ["", "[robot]"]
     lines += [_entry(key, getattr(dataset, key), unit) for key, unit in (("length", "m"), ("mass", "kg"), ("diameter", "m"))]
     lines.append(f"mount = {_quoted(dataset.mount)}")
+    if dataset.weighed:
+        lines.append("weighed = true")
     if dataset.smoothed is not None:
         lines.append(f"smoothed = {dataset.smoothed}  # samples of the moving average")
     if space:

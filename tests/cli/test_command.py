@@ -262,3 +262,14 @@ def test_a_reader_that_has_seen_enough_ends_the_command_quietly():
     process.stderr.close()
     assert process.wait() == 0
     assert errors == b""
+
+
+def test_options_are_listed_in_groups_and_each_once(capsys):
+    from hsr_pin.cli.diagnose import command as diagnose
+
+    assert run(diagnose, ["--help"]) == 0
+    shown = capsys.readouterr().out
+    titles = [line for line in shown.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert titles == ["Options:", "Trials:", "Model:", "Output:", "Computation:"]
+    options = [parameter.opts[0] for parameter in diagnose.params if parameter.opts[0].startswith("--")]
+    assert [shown.count(f"\n  {name} ") for name in options] == [1] * len(options)

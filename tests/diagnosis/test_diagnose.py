@@ -169,3 +169,10 @@ def test_a_base_that_was_mounted_anew_for_each_level_is_named_with_both_of_its_a
     ]
     (sizes,) = (fit.named for fit in tilts if fit.hypothesis.effects[0].frame == "world")  # the variant that it was made with
     assert [sizes[f"gravity_tilt.angle@{keq}"] for keq in (1.11, 2.33)] == pytest.approx([0.1, -0.05], abs=2e-3)
+
+
+@pytest.mark.parametrize("weighed", [False, True])
+def test_of_an_arm_that_was_weighed_no_other_mass_is_considered(weighed):
+    parts = catalogue(list(EFFECTS.values()), prepare(replace(made(links=4), weighed=weighed)))
+    assert ({"mass_scale", "added_mass"} & {part.name for part in parts} == set()) == weighed
+    assert "tip_mass" in {part.name for part in parts}

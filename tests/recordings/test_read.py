@@ -233,3 +233,27 @@ def test_the_shared_datasets_load(shared, name, trials, markers, with_input):
         assert trial.trajectory.has_input == with_input
         assert trial.trajectory.notes == ()
         assert np.isfinite(trial.trajectory.positions).mean() > 0.98
+
+
+@pytest.mark.parametrize(("line", "weighed"), [("", False), ("weighed = true\n", True), ("weighed = false\n", False)])
+def test_a_mass_that_was_weighed_is_read_and_written(tmp_path, line, weighed):
+    from hsr_pin.recordings.samples import sample
+    from hsr_pin.recordings.write import write_dataset
+
+    write_dataset(sample("beam-empty"), tmp_path / "made")
+    file = tmp_path / "made" / "dataset.toml"
+    file.write_text(file.read_text().replace("[robot]\n", f"[robot]\n{line}"))
+    dataset = read_dataset(tmp_path / "made")
+    write_dataset(dataset, tmp_path / "again")
+    assert (dataset.weighed, read_dataset(tmp_path / "again").weighed) == (weighed, weighed)
+
+
+def test_a_mass_is_weighed_or_is_not(tmp_path):
+    from hsr_pin.recordings.samples import sample
+    from hsr_pin.recordings.write import write_dataset
+
+    write_dataset(sample("beam-empty"), tmp_path / "made")
+    file = tmp_path / "made" / "dataset.toml"
+    file.write_text(file.read_text().replace("[robot]\n", "[robot]\nweighed = 1\n"))
+    with pytest.raises(RecordingError, match="weighed: expected true or false, got 1"):
+        read_dataset(tmp_path / "made")
