@@ -52,7 +52,9 @@ def arm_options(command: Command) -> Command:
 def chain_options(command: Command) -> Command:
     """Give a command ``--links`` and ``--placement`` of the chain that models recordings; see :func:`chain_from`."""
     own = "that which simulated the recordings, else"
-    placement = click.option("--placement", type=click.Choice(["mid", "base"]), help=f"Of its joints.  [default: {own} mid]")
+    placement = click.option(
+        "--placement", type=click.Choice(["mid", "base"]), help=f"Of its joints.  [default: {own} mid; base with --links 4]"
+    )
     links = click.option(
         "--links", type=click.IntRange(1, 100), metavar="N", help=f"Links of the model.  [default: {own} {LINKS}]"
     )

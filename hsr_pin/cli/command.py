@@ -34,7 +34,9 @@ class Grouped(click.Command):
         "Arm": (
             "keq", "damping", "mount", "length", "mass", "diameter", "tip_mass", "tilt", "bending", "torsion", "cross_tilt"
         ),
-        "Output": ("json_file", "as_json", "html_file", "html", "plot_file", "plot", "urdf_file", "csv_folder", "replay", "live", "force"),
+        "Output": (
+            "json_file", "as_json", "html_file", "html", "plot_file", "plot", "urdf_file", "csv_folder", "replay", "live", "force"
+        ),
         "Computation": ("jobs", "cluster", "seed"),
     }  # fmt: skip
 

@@ -14,8 +14,8 @@ from hsr_pin.inference import Decision, Loss, decide
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
-#: Probabilities below this are not listed.
-_LISTED = 0.01
+#: Probability of the smallest collection of sets of causes whose names and kinds are listed.
+_CREDIBLE = 0.95
 
 #: Numbers of the arm in words.
 _IN_WORDS = {
@@ -199,11 +199,12 @@ def _nothing(found: Search, limits: Limits, nominal: float, axes: int) -> tuple[
 
 
 def _confidence(found: Search) -> dict[str, float]:
-    """Probability of each cause and of each kind that has one worth listing."""
-    names = {cause.name for model in found.posterior.models for cause in model.causes if not cause.flexible}
-    stated = {name: found.posterior.of_name(name) for name in names}
-    stated |= {kind: found.posterior.of_kind(kind) for kind in KINDS}
-    return {name: round(value, 3) for name, value in sorted(stated.items()) if value >= _LISTED}
+    """Probability of each cause, and of each kind, of the smallest collection of sets of causes that is credible."""
+    sets = found.posterior.credible(_CREDIBLE)
+    causes = [cause for names in sets for cause in found.posterior.leader(names).causes]
+    stated = {cause.name: found.posterior.of_name(cause.name) for cause in causes if not cause.flexible}
+    stated |= {cause.kind: found.posterior.of_kind(cause.kind) for cause in causes}
+    return {name: round(value, 3) for name, value in sorted(stated.items())}
 
 
 def _kinds(found: Search) -> dict[str, str]:
