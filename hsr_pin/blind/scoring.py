@@ -205,12 +205,12 @@ def outcome_from(document: dict[str, Any]) -> Outcome:
         tuple(document["effects"]),
         document["size"],
         document["facts"],
-        document.get("tier", "clean"),
-        tuple(map(tuple, document.get("right_names", ()))),
-        tuple(map(tuple, document.get("right_kinds", ()))),
-        tuple(document.get("background", ())),
+        document["tier"],
+        tuple(map(tuple, document["right_names"])),
+        tuple(map(tuple, document["right_kinds"])),
+        tuple(document["background"]),
     )
     said = {name: document[name] for name in ("status", "sentence", "shrinkage", "oracle")}
     sets = tuple(frozenset(names) for names in document["sets"])
-    confidence = tuple(sorted(document.get("confidence", {}).items()))
-    return Outcome(answer, sets=sets, kinds=tuple(document.get("kinds", ())), confidence=confidence, **said)
+    confidence = tuple(sorted(document["confidence"].items()))
+    return Outcome(answer, sets=sets, kinds=tuple(document["kinds"]), confidence=confidence, **said)

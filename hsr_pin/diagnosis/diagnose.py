@@ -314,9 +314,7 @@ def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequ
     for kind in kinds:
         parts += readings(kind, space=space, levels=len(levels), each=levels if told else ())
     known = {"mass_scale", "added_mass"} if experiment.dataset.weighed else set()
-    return [
-        part for part in parts if part.name not in known and (driven or part.kind not in ("actuation_time", "actuation_map"))
-    ]
+    return [part for part in parts if part.name not in known and (driven or part.kind not in ("actuation_time", "actuation_map"))]
 
 
 def refuse_formless(kinds: Sequence[type[Effect]], *, space: bool) -> None:

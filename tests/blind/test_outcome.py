@@ -215,12 +215,3 @@ def test_rates_tell_the_tiers_apart_and_come_back_from_the_document():
     assert sum(found.grades("messy", "single").values()) == 2 and set(found.grades("messy", "single")) == set(GRADES)
     again = scored(json.loads(json.dumps(found.document())))
     assert report(again) == text
-
-
-@pytest.mark.parametrize("year", [2026, 2027])
-def test_results_of_before_there_were_tiers_and_kinds_still_show(year):
-    document = json.loads((DATA / f"blind_{year}.json").read_text())
-    found = scored(document)
-    rates = {name: {"hits": rate.hits, "of": rate.of} for name, rate in found.rates.items()}
-    assert rates == {name: {"hits": rate["hits"], "of": rate["of"]} for name, rate in document["rates"].items()}
-    assert found.reliability() is None and found.tiers == ("clean",)
