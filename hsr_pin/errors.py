@@ -134,7 +134,7 @@ class MissingDependencyError(HsrError, ImportError):
 
     def __init__(self, package: str, group: str) -> None:
         self.package, self.group = package, group
-        command = f"pip install 'hsr_pin[{group}]'" if group else f"pip install {package}"
+        command = f"python3 scripts/install.py {group}, or pip install 'hsr_pin[{group}]'" if group else f"pip install {package}"
         super().__init__(f"{package} is not installed; it comes with {command}")
 
 

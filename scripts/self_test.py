@@ -68,6 +68,9 @@ def told(found: Diagnosis, effect: str) -> str:
     """What the diagnosis says of an effect that is there: named, among how many alternatives, another answer; and its size."""
     law, verdict = parse_effect(effect), found.verdict
     sets = verdict.alternatives or (verdict.effects,)
+    special = [names[0] for names in sets if len(names) == 1 and names[0] in law.contains]
+    if special:
+        return f"its special case {special[0]} is named: these steps do not tell them apart"
     if (law.name,) not in sets:
         return f"NOT FOUND: {verdict.sentence}"
     grade = "named" if len(sets) == 1 else f"one of {len(sets)} alternatives"

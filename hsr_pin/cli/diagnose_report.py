@@ -96,10 +96,10 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
     best = diagnosis.search.best
     forms = {effect.name: ", ".join(value for _, value in effect.options) for effect in best.fit.hypothesis.effects}
     parts = [f"{name} ({forms[name]})" if forms.get(name) else name for name in best.names]
-    heading = f"best model: {' + '.join(parts) or 'stiffness and damping'}"
+    heading = f"most probable model: {' + '.join(parts) or 'stiffness and damping'}"
     others = [candidate for candidate in ranked(diagnosis.search.candidates) if candidate.names != best.names]
     named = [f"{number(1e3 * each.heldout_square**0.5)} {' + '.join(each.names) or 'K and C only'}" for each in others[:3]]
-    rivals = [Text(_cut(f"others [mm]: {'; '.join(named)}", width))] if named else []
+    rivals = [Text(_cut(f"others, by error [mm]: {'; '.join(named)}", width))] if named else []
     own, rows = estimates(best.fit), []
     for each in own:
         if "." not in each.name:

@@ -39,13 +39,22 @@ class _Commands(click.Group):
             formatter.write_dl([(name, what) for name, (_, what) in COMMANDS.items()])
 
 
-@click.group(name="hsr", cls=_Commands, context_settings={"max_content_width": 100}, epilog="Example: hsr diagnose sample")
+@click.group(
+    name="hsr",
+    cls=_Commands,
+    context_settings={"max_content_width": 100},
+    epilog="Example: hsr diagnose sample",
+    invoke_without_command=True,
+)
 @click.version_option(package_name="hsr_pin", prog_name="hsr_pin")
-def command() -> None:
+@click.pass_context
+def command(context: click.Context) -> None:
     """Simulate hybrid soft robots, and find out which physics the model lacks.
 
     Each command has its own help: hsr diagnose --help. Each is also installed by its own name: hsr-diagnose.
     """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 def main() -> None:

@@ -162,7 +162,9 @@ def _said(
     if len(decision.sets) > 1:
         common = f" Each contains {listed(names)}." if names else ""
         each = ", or ".join(f"{' with '.join(some)} ({found.posterior.sets[some]:.2f})" for some in decision.sets)
-        return "ambiguous", decision.sets, f"One of these is missing from the model ({sure}): {each}.{common}"
+        none = found.posterior.sets.get((), 0.0)
+        unknown = f" That no known cause is missing has the probability {none:.2f}." if none >= 1 - _CREDIBLE else ""
+        return "ambiguous", decision.sets, f"One of these is missing from the model ({sure}): {each}.{common}{unknown}"
     if not decision.sets:
         beside = sorted(set(decision.kinds) - {_kinds(found).get(name, "") for name in names})
         kinds = f"something of the kind {listed(beside)} ({'; '.join(KINDS[kind] for kind in beside)})" if beside else ""
@@ -171,7 +173,8 @@ def _said(
         return "partly_identified", (), f"{_capital(what)} {verb} missing from the model, in part of its gap ({sure})."
     model = found.leader(decision.sets[0])
     left = axes * model.model.misfit
-    goes = f"{100 * (1 - left / max(gap, 1e-300)):.0f} % of the squared gap is gone, {_mm(sqrt(left))} beyond noise is left"
+    share = f"{100 * (1 - left / max(gap, 1e-300)):.0f} % of the squared gap that stiffness and damping leave is gone"
+    goes = f"{share}, {_mm(sqrt(left))} beyond noise is left"
     them = "it" if len(names) == 1 else "them"
     if set(names) <= set(PLAIN):
         status = "partly_identified" if set(names) & set(SESSION) else "parameters"

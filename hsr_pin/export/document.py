@@ -169,7 +169,7 @@ def _diagnosis(
 ) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
     """Values of the parameters, effects, and where they come from."""
     verdict, tried = document.get("verdict", {}), document["candidates"]
-    chosen = tried[0]
+    chosen = max(tried, key=lambda each: each.get("probability", 0.0))
     if verdict.get("status") in _CERTAIN:
         wanted = sorted(verdict.get("effects", []))
         chosen = next((each for each in tried if sorted(each["effects"]) == wanted), chosen)
@@ -187,7 +187,7 @@ def _diagnosis(
     origin = [f"a diagnosis of {document.get('dataset')}: {verdict.get('sentence', '')}".strip()]
     if verdict.get("status") not in _CERTAIN:
         told = " + ".join(chosen["effects"]) or "no effect"
-        origin.append(f"the verdict leaves open what acts; this is the model with the smallest error, with {told}")
+        origin.append(f"the verdict leaves open what acts; this is the most probable model, with {told}")
     return values, effects, tuple(origin)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.misfit import Misfit
 from hsr_pin.identification.nuisance import Eliminated, prices
+from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
 #: Relative change of cost and values at which a fit has converged, and evaluations at most; the same of a quick look.
@@ -82,12 +84,15 @@ class Fit:
         return tuple(
             fact.name
             for fact, value in zip(self.hypothesis.parameters, self.values, strict=True)
-            if any(
-                abs(value - bound) < _AT * (fact.upper - fact.lower)
-                for bound in (fact.lower, fact.upper)
-                if bound != fact.neutral
-            )
+            if any(_near(value, bound, fact) for bound in (fact.lower, fact.upper) if bound != fact.neutral)
         )
+
+
+def _near(value: float, bound: float, fact: Parameter) -> bool:
+    """Whether a value is on a bound; of a ratio by its logarithm."""
+    if fact.ratio_width is not None and value > 0:
+        return abs(log(value / bound)) < _AT * log(fact.upper / fact.lower)
+    return abs(value - bound) < _AT * (fact.upper - fact.lower)
 
 
 def fit(

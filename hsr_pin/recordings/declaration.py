@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from hsr_pin.recordings.document import Section, read_document
-from hsr_pin.recordings.plausible import size_doubt
+from hsr_pin.recordings.plausible import payload_doubt, size_doubt
 from hsr_pin.recordings.poses import PARTS
 from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
 from hsr_pin.recordings.text import nearest
@@ -137,7 +137,7 @@ def read_declaration(path: Path) -> Declaration:
         diameter=diameter,
         mount=mount,
         markers=markers,
-        trials=_trials(top, robot, declared_whole(top, sections)),
+        trials=_trials(top, robot, declared_whole(top, sections), mass),
         bending=bending,
         torsion=robot.number("torsion", "Nm/rad", zero=True) if "torsion" in robot.values else math.inf,
         sections=sections,
@@ -226,7 +226,7 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
     return tuple(markers)
 
 
-def _trials(top: Section, robot: Section, sections: dict[str, float]) -> tuple[TrialDeclaration, ...]:
+def _trials(top: Section, robot: Section, sections: dict[str, float], mass: float) -> tuple[TrialDeclaration, ...]:
     keq = robot.number("keq", "Nm/rad") if "keq" in robot.values else sections.get("keq")
     damping = robot.number("damping", "Nm s/rad", zero=True) if "damping" in robot.values else sections.get("damping")
     trials: list[TrialDeclaration] = []
@@ -245,6 +245,8 @@ def _trials(top: Section, robot: Section, sections: dict[str, float]) -> tuple[T
             interpolated=interpolated_in(section if "input" in values else robot),
             section=section,
         )
+        if doubt := payload_doubt(mass, trial.tip_mass):
+            raise section.fault(doubt.key, doubt.key, **doubt.facts)
         parts = PurePosixPath(trial.file).parts
         if not trial.name or ".." in parts or PurePosixPath(trial.file).is_absolute() or "\\" in trial.file:
             raise section.fault("file", "file", expected="a file inside of the dataset's folder", received=repr(trial.file))

@@ -6,12 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
+from operator import mul
 from typing import Any
 
 #: No arm is denser than osmium, or lighter than the air that it displaces [kg/m3].
 DENSEST, LIGHTEST = 22_600.0, 1.2
 #: No arm is thicker than this times its length: a length and a diameter in different units are apart by a thousand.
 THICKEST = 2.0
+#: No arm carries more than this times its own mass.
+HEAVIEST = 30.0
+#: An arm whose farthest marker is this share of its arc length behind the base in every trial points another way.
+BACK = 0.5
+_ALONG = {"hanging": (0.0, 0.0, -1.0), "upright": (0.0, 0.0, 1.0), "horizontal": (1.0, 0.0, 0.0)}
+_WAYS = {"hanging": "down", "upright": "up", "horizontal": "along +x"}
 #: A direction is said within a turn either way [rad].
 TURN = 2 * math.pi
 #: What units of length and mass differ by.
@@ -50,6 +57,30 @@ def size_doubt(length: float, mass: float, diameter: float) -> Doubt | None:
     else:
         hint = "is the mass in kg, and the outer diameter in m?"
     return Doubt("mass", size, f"{mass:g} kg", hint)
+
+
+def payload_doubt(mass: float, tip_mass: float) -> Doubt | None:
+    """What is wrong with a mass at the tip of an arm [kg]; None: nothing."""
+    if tip_mass <= HEAVIEST * mass:
+        return None
+    hint = f"masses are in kg: is it in grams? then {tip_mass / THOUSAND:g}"
+    return Doubt("tip_mass", f"at most {HEAVIEST * mass:g} kg on an arm of {mass:g} kg", f"{tip_mass:g} kg", hint)
+
+
+def mount_doubt(mount: str, places: Sequence[tuple[float, float, float]], reach: float) -> Doubt | None:
+    """What is wrong with where the straight arm is said to point; None: nothing.
+
+    Args:
+        mount: "hanging", "upright" or "horizontal".
+        places: [m] of the farthest marker from the base, in the middle of each trial's samples.
+        reach: [m] its arc length.
+    """
+    along = {name: [sum(map(mul, place, way)) for place in places] for name, way in _ALONG.items()}
+    if not places or max(along[mount]) > -BACK * reach:
+        return None
+    fits = max(along, key=lambda name: min(along[name]))
+    where = f"{-max(along[mount]):.3g} m the other way in every trial"
+    return Doubt("mount", f"an arm that points {_WAYS[mount]}", where, f'is it mount = "{fits}"? z is up')
 
 
 def exchanged(arc_lengths: Sequence[float], distances: Sequence[float]) -> tuple[int, int] | None:

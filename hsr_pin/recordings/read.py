@@ -12,7 +12,7 @@ from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
 from hsr_pin.recordings.files import is_inside
 from hsr_pin.recordings.grid import instants_between, on_even_grid, with_commands_between
-from hsr_pin.recordings.plausible import exchanged
+from hsr_pin.recordings.plausible import exchanged, mount_doubt
 from hsr_pin.recordings.poses import points_of, seen_points
 from hsr_pin.recordings.samples import SAMPLES, sample_folder
 from hsr_pin.recordings.sampling import implausible
@@ -230,8 +230,14 @@ def _seen(positions: Array) -> bool:
 
 
 def _check_order(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
-    """Refuse markers that stand in each other's places along the arm in most samples of a trial."""
+    """Refuse an arm that points elsewhere, and markers that stand in each other's places in most samples of a trial."""
     markers = declaration.markers
+    last = max(range(len(markers)), key=lambda index: markers[index].arc_length)
+    tracks = [trial.trajectory.positions[:, last] for trial in trials]
+    places = [np.median(track[seen], axis=0) for track in tracks if (seen := np.isfinite(track).all(axis=1)).any()]
+    if doubt := mount_doubt(declaration.mount, [tuple(place) for place in places], markers[last].arc_length):
+        table = tables[0]
+        raise table.fault("mount", None, table.place[f"{markers[last].name}_x"], **doubt.facts)
     for trial, table in zip(trials, tables, strict=True):
         apart = np.linalg.norm(trial.trajectory.positions[:, : len(markers)], axis=2)
         distances = [float(np.median(each[np.isfinite(each)])) if np.isfinite(each).any() else np.nan for each in apart.T]

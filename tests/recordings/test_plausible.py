@@ -6,7 +6,7 @@ import pytest
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.settings import ImportSettings
-from hsr_pin.recordings.plausible import angle_doubt, exchanged, size_doubt
+from hsr_pin.recordings.plausible import angle_doubt, exchanged, mount_doubt, payload_doubt, size_doubt
 from hsr_pin.recordings.read import read_dataset
 
 
@@ -62,3 +62,28 @@ def test_an_arm_that_curls_up_or_stretches_has_its_markers_in_order():
     assert exchanged(arcs, [0.0, 0.14, 0.27]) is None
     assert exchanged(arcs, [0.0, np.nan, 0.24]) is None
     assert exchanged(arcs, [0.0, 0.23, 0.12]) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("mount", "place", "fits"),
+    [
+        ("hanging", (0.01, 0.0, 0.23), "upright"),
+        ("upright", (0.0, 0.0, -0.2), "hanging"),
+        ("horizontal", (-0.2, 0.0, 0.1), "upright"),
+    ],
+)
+def test_an_arm_on_the_other_side_of_its_base_has_another_mount(mount, place, fits):
+    assert mount_doubt(mount, [place, place], 0.24).hint == f'is it mount = "{fits}"? z is up'
+    bent = (0.2, 0.0, 0.0) if mount != "horizontal" else (0.0, 0.0, -0.2)
+    assert mount_doubt(mount, [place, bent], 0.24) is None
+
+
+def test_a_mount_that_the_recording_contradicts_is_refused_with_the_one_that_fits(spoil):
+    folder = spoil("dataset.toml", 'mount = "hanging"', 'mount = "upright"')
+    with pytest.raises(RecordingError, match=r"mount: expected an arm that points up, got .* is it mount = .hanging."):
+        read_dataset(folder)
+
+
+def test_a_payload_in_grams_is_refused():
+    assert payload_doubt(0.1, 52.0).hint == "masses are in kg: is it in grams? then 0.052"
+    assert payload_doubt(0.1, 2.0) is None

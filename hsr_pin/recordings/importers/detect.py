@@ -67,7 +67,7 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
         "format not recognised",
         expected="CSV of Vicon or OptiTrack, TSV of Qualisys, TRC, C3D, or a ROS bag",
         received="an empty file" if not head.strip() else repr(text[:40]),
-        hint="for any other table write a mapping, and give it with --map",
+        hint="any other table needs a mapping (--map): hsr-import --guess FILE writes one to edit",
         file=path,
         line=1,
         column=1,

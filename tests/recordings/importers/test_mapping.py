@@ -284,7 +284,7 @@ def test_points_of_a_table_need_a_clock(log):
 
 
 def test_a_table_without_a_mapping_is_told_of_it(log):
-    with pytest.raises(RecordingError, match="write a mapping, and give it with --map"):
+    with pytest.raises(RecordingError, match="any other table needs a mapping"):
         read_capture(log[0])
 
 
