@@ -226,7 +226,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("later", [0.0, 0.05, 0.3, 1.2])
+@pytest.mark.parametrize("later", [0.05, *(pytest.param(each, marks=pytest.mark.long) for each in (0.0, 0.3, 1.2))])
 def test_a_worker_that_is_killed_at_once_or_later_costs_one_line_and_its_work_is_done_again(script, later):
     out, err = (process := script(KILLED, later)).communicate(timeout=60)
     assert (process.returncode, err.splitlines()) == (0, [LOST])

@@ -47,7 +47,7 @@ def commands():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = "\n".join(re.findall(r"```bash\n(.*?)```", text, re.DOTALL)).replace(".venv/bin/", "")
     lines = [line.rpartition("&& ")[2] for line in blocks.splitlines() if line and "pytest" not in line]
-    return [*lines, *re.findall(r"\| `(hsr-[^`]+)` \|\n", text), *re.findall(r"\(`(hsr [^`]+)`\)", text)]
+    return [*lines, *re.findall(r"\| `(hsr-[^`]+)` \|\n", text)]
 
 
 def test_every_command_of_the_readme_runs_as_typed_in_a_bare_clone(tmp_path):

@@ -28,7 +28,7 @@ from hsr_pin.blind.plants.space.rod import SpaceRodPlant
 from hsr_pin.errors import SimulationFailure
 
 #: A law that cannot be as strong as it should, or at which the plant diverges, is drawn anew, so many times in all.
-DRAWS = 8
+DRAWS = 5
 #: Largest gap of a messy arm [mm], a twentieth of its length: beyond it a law would have to be stronger than on any arm.
 BELIEVABLE = 12.0
 

@@ -90,7 +90,8 @@ def test_steps_are_left_as_they_are():
     assert Mess(seed=4).staged(program("steps")) == program("steps")
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long), pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 1, 2])
 def test_small_effects_are_small_alone_and_about_the_noise_together(seed):
     nuisance = Nuisance(noise=5e-4)
     yardstick = Yardstick(program("steps", "upright"), nuisance, PLANT)

@@ -108,7 +108,9 @@ def test_another_form_is_told_by_its_name_and_kind(tmp_path):
     )
 
 
-@pytest.mark.parametrize("kind", ["appears", "grows", "parameter", "nothing"])
+@pytest.mark.parametrize(
+    "kind", ["nothing", *(pytest.param(each, marks=pytest.mark.long) for each in ("appears", "grows", "parameter"))]
+)
 def test_a_pair_holds_two_recordings_and_the_step_between_them(tmp_path, few, kind):
     case = of(plan_changes(3, 20, PROGRAM), kind)
     answer = build(case, tmp_path / "case_001", QUICK)

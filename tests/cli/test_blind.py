@@ -117,6 +117,7 @@ def test_tampered_answers_are_refused_in_one_line(tmp_path, capsys):
     assert error.startswith("hsr-blind: error: ") and "hash" in error and error.count("\n") == 1
 
 
+@pytest.mark.long
 def test_pairs_of_recordings_are_made_and_scored(tmp_path, quick, monkeypatch, capsys):
     monkeypatch.setattr("hsr_pin.blind.workshop.background", lambda *_: Background((TipMass(2e-4),), (0.1,), 0.1))
     folder = tmp_path / "pairs"

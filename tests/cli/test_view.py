@@ -81,7 +81,10 @@ def test_bad_input_is_one_line_and_exit_code_two(arguments, said, folder, monkey
 def test_without_viser_the_message_names_the_group(folder, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "viser", None)
     assert run(command, [str(folder), "--no-open"]) == 2
-    assert "viser is not installed; it comes with pip install 'hsr_pin[view]'" in capsys.readouterr().err
+    assert (
+        "viser is not installed; it comes with python3 scripts/install.py view, or pip install 'hsr_pin[view]'"
+        in capsys.readouterr().err
+    )
 
 
 def test_help_loads_nothing_heavy():

@@ -51,6 +51,7 @@ def test_its_law_is_named_under_the_torque_of_each_section_and_is_not_under_thei
     assert alone.search.best.fit.rms > 3 * left
 
 
+@pytest.mark.long
 def test_what_has_changed_in_it_is_told_with_its_size():
     old, new = recorded(name="old", seed=3), recorded(parse_effect("bend_at_rest:towards_x=0.1,towards_y=-0.05"), name="new")
     asked = {"effects": ("bend_at_rest", "unequal_stiffness", "tip_mass"), "links": 10, "jobs": 1, "max_effects": 0}

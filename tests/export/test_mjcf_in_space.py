@@ -90,7 +90,7 @@ def test_every_law_of_an_arm_in_space_is_tried():
         assert text.partition(":")[0] in {line.partition(":")[0] for line in sort(model(text), 4).missing}
 
 
-@pytest.mark.parametrize("effect", ["", *NATIVE, *BY_LAW])
+@pytest.mark.parametrize("effect", ["", *NATIVE, *(pytest.param(each, marks=pytest.mark.long) for each in BY_LAW)])
 def test_rounds_and_releases_are_those_of_hsr_pin(effect, tmp_path):
     gaps = worst_gap(model(*filter(None, [effect])), tmp_path, names=("round", "release"))
     assert max(gaps.values()) < LARGEST, gaps
@@ -143,6 +143,7 @@ def test_markers_beside_the_backbone_and_sections_are_where_they_are(tmp_path):
         ("unequal_lag:rise=0.08,fall=0.03,delay=0.01", "tip_mass:mass=0.05"),
     ],
 )
+@pytest.mark.long
 def test_laws_act_in_sections_as_they_do_in_hsr_pin(effects, tmp_path):
     arm = ArmSpecification.in_sections(UNEVEN, links=ENOUGH, placement="mid", torsion=1.0, mount="upright", tip_mass=0.01)
     gaps = worst_gap(CorrectedModel(arm, tuple(map(parse_effect, effects))), tmp_path, names=("round", "release of a couple"))

@@ -69,9 +69,9 @@ def end(made, tmp_path, monkeypatch, capsys):
     return one
 
 
-@settings(SETTINGS, max_examples=200)
+@settings(SETTINGS, max_examples=100)
 @given(st.sampled_from(KINDS), CHANGES, COMMANDS)
-def test_of_200_odd_datasets_each_ends_in_a_result_or_one_line(end, kind, changes, row):
+def test_of_100_odd_datasets_each_ends_in_a_result_or_one_line(end, kind, changes, row):
     event(end(kind, changes, row))
 
 
@@ -82,9 +82,9 @@ def test_of_2000_odd_datasets_each_ends_in_a_result_or_one_line(end, kind, chang
     event(end(kind, changes, row))
 
 
-@settings(SETTINGS, max_examples=100)
+@settings(SETTINGS, max_examples=40)
 @given(st.sampled_from(KINDS), SLIGHTLY, COMMANDS)
-def test_of_100_datasets_a_little_off_each_ends_in_a_result_or_one_line(end, kind, changes, row):
+def test_of_40_datasets_a_little_off_each_ends_in_a_result_or_one_line(end, kind, changes, row):
     event(end(kind, changes, row))
 
 

@@ -153,9 +153,9 @@ def end(whole, seed):
     return "told"
 
 
-def test_of_40_odd_recordings_each_ends_in_a_result_or_one_line(whole):
-    ends = Counter(end(whole, seed) for seed in range(40))
-    assert ends["told"] > 20
+def test_of_20_odd_recordings_each_ends_in_a_result_or_one_line(whole):
+    ends = Counter(end(whole, seed) for seed in range(20))
+    assert ends["told"] > 10
 
 
 @pytest.mark.long

@@ -23,6 +23,7 @@ def test_what_makes_a_supply_late_is_found_again(script):
     assert none > 10 * left
 
 
+@pytest.mark.long
 def test_both_are_told_of_the_recordings(script, shared, capsys, monkeypatch):
     monkeypatch.setattr("sys.argv", ["real_limits.py", str(shared / "recordings")])
     script.main()

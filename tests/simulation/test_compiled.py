@@ -153,7 +153,8 @@ def test_a_change_of_what_a_law_is_made_from_makes_new_code(installation, name, 
     assert [installation.run()[0]["law"] for _ in range(2)] == [False, True]
 
 
-@pytest.mark.parametrize("how", ["kept", pytest.param("locked", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("how", ["kept", "locked"])
 def test_the_loops_are_compiled_once_and_that_is_said_once(installation, how):
     if how == "locked":
         installation.lock()

@@ -86,12 +86,14 @@ def within(size, true):
     return size.step[0] <= true <= size.step[1]
 
 
+@pytest.mark.long
 def test_nothing_has_changed_where_nothing_has(sessions):
     verdict = sessions.diagnoses[0].verdict
     assert (verdict.status, verdict.effects, verdict.changes) == ("unchanged", (), ())
     assert 0 < verdict.limits["keq_scale"] < 0.1
 
 
+@pytest.mark.long
 def test_the_scatter_that_is_foretold_is_that_of_noise_along_three_axes(sessions):
     frame = sessions.diagnoses[0].found.frame
     count = np.mean([bins.counts[bins.counts > 0].mean() for bins in frame.pair.bins])
@@ -99,6 +101,7 @@ def test_the_scatter_that_is_foretold_is_that_of_noise_along_three_axes(sessions
     assert frame.off() > 0.9 * TRUE.noise * np.sqrt(3 / count)
 
 
+@pytest.mark.long
 def test_a_mass_that_came_is_named_alone_with_its_size(sessions):
     verdict = sessions.diagnoses[1].verdict
     assert (verdict.status, verdict.effects) == ("identified", ("tip_mass",))
@@ -107,11 +110,13 @@ def test_a_mass_that_came_is_named_alone_with_its_size(sessions):
     assert size.step[1] - size.step[0] < 0.01
 
 
+@pytest.mark.long
 def test_over_the_sessions_it_is_certain_from_the_one_in_which_it_came(sessions):
     mass = next(each for each in sessions.quantities if each.name == "tip_mass.mass")
     assert mass.first == 2
 
 
+@pytest.mark.long
 def test_the_report_shows_three_axes_and_the_document_is_json(sessions):
     text = report(sessions)
     for axis in "xyz":
@@ -129,6 +134,7 @@ def tilted(recorded, old):
     return framed(both, base.hypothesis, base.values)[0]
 
 
+@pytest.mark.long
 def test_what_goes_to_any_side_is_guessed_with_its_side(tilted):
     (asked,) = suspects(tilted.hypothesis, tilted.values, [Part("base_tilt", neutral(effect_named("base_tilt")))])[2:]
     guess = guessed(tilted, asked)
@@ -138,6 +144,7 @@ def test_what_goes_to_any_side_is_guessed_with_its_side(tilted):
     assert whole - guess.square > 0.9 * (whole - len(tilted.seen))  # all but noise
 
 
+@pytest.mark.long
 def test_an_effect_of_any_side_that_is_there_is_looked_at_from_where_it_is(tilted):
     part = Part("torque_offset", neutral(effect_named("torque_offset")))
     model = tilted.hypothesis.with_part(part)
