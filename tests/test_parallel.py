@@ -307,7 +307,7 @@ def _lives(pid):
 
 
 @pytest.mark.parametrize("sort", [signal.SIGKILL, signal.SIGTERM])
-@pytest.mark.parametrize("after", [0.0, 1.5])
+@pytest.mark.parametrize("after", [pytest.param(0.0, marks=pytest.mark.long), 1.5])
 def test_workers_end_with_the_process_that_began_them(script, sort, after):
     process = script(LONG, after)
     pids = [int(word) for word in process.stdout.readline().split()]

@@ -105,7 +105,14 @@ def test_without_any_folder_to_keep_it_in_a_law_is_compiled_in_every_process(ins
 
 
 @pytest.mark.parametrize("part", [pytest.param("loops", marks=pytest.mark.long), "law"])
-@pytest.mark.parametrize("damage", ["half an index", "empty index", "half the code", "no pickle", "a folder"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "half an index",
+        "a folder",
+        *(pytest.param(each, marks=pytest.mark.long) for each in ("empty index", "half the code", "no pickle")),
+    ],
+)
 def test_a_damaged_cache_is_told_once_and_made_anew(installation, damage, part):
     installation.run(part)
     for path in installation.folder.rglob("*.nbc" if damage == "half the code" else "*.nbi"):
