@@ -37,7 +37,7 @@ def _comparison(diagnosis: ChangeDiagnosis, width: int) -> list[Text]:
     if verdict.difference is not None:
         off = verdict.difference
         lines += [Text(), Text(f"{'RMS distance between the second recording and':<56}[mm]", style="bold cyan")]
-        lines.append(Text(f"{'what the first foretells':<54}{number(1e3 * off.before):>6}"))
+        lines.append(Text(f"{'what the first predicts':<54}{number(1e3 * off.before):>6}"))
         if verdict.changes:
             lines.append(Text(f"{'the same with the change':<54}{number(1e3 * off.after):>6}"))
         lines.append(Text(f"{'scatter that would be no surprise':<54}{number(1e3 * off.scatter):>6}"))
@@ -50,7 +50,7 @@ def _comparison(diagnosis: ChangeDiagnosis, width: int) -> list[Text]:
         lines += [Text(), *_wrapped(f"explain (drop of -2 log likelihood): {told}", width)]
     if diagnosis.reference is not None:
         names = " + ".join(diagnosis.reference.names) or "stiffness and damping"
-        lines += _wrapped(f"the first recording is described by: {names}, and a smooth leftover", width)
+        lines += _wrapped(f"the first recording is described by: {names}, and a smooth model discrepancy", width)
     lines += [line for each in advice(diagnosis) for line in _wrapped(f"next:  {each}", width)]
     return lines
 

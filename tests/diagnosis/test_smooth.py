@@ -33,6 +33,10 @@ def test_a_rank_correlation_is_scipys_with_equal_values_too():
 
 
 def test_a_diagnosis_loads_neither_statistics_nor_signals():
-    code = "import sys, hsr_pin.diagnosis.diagnose; print({'scipy.stats', 'scipy.signal', 'matplotlib'} & set(sys.modules))"
+    code = (
+        "import sys, hsr_pin.diagnosis.diagnose; from hsr_pin import sample; "
+        "from hsr_pin.identification.experiment import prepare; "
+        "prepare(sample('valve-arm')); print({'scipy.stats', 'scipy.signal', 'matplotlib'} & set(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -1,18 +1,20 @@
 """Known arms are identified, from their own recordings and nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification import heldout
 from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
+from hsr_pin.identification.fit import Fit, fit
 from hsr_pin.identification.heldout import leave_one_out
-from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.hypothesis import Hypothesis, Part
 from hsr_pin.identification.identify import identify, simulated
 
 
@@ -129,3 +131,18 @@ def test_a_trial_that_one_step_foretells_far_too_badly_is_foretold_by_a_fit_to_t
     assert rms(again) < 1.05 * rms(usual)
     monkeypatch.setattr(heldout, "_AGAIN", 0)
     assert rms(leave_one_out(experiment, whole)) > 10 * rms(usual)
+
+
+@pytest.mark.parametrize(
+    ("values", "bounds"),
+    [
+        ({"damping_scale": 0.068}, ()),  # of a ratio the logarithm counts: three times the bound is not on it
+        ({"damping_scale": 0.0201}, ("damping_scale",)),
+        ({"side_force.at": 0.9999}, ()),  # the tip is where the force acts unless the fit moves it
+        ({"side_force.at": 0.2001}, ("side_force.at",)),
+    ],
+)
+def test_a_value_is_on_a_bound_that_is_not_its_neutral_value(values, bounds):
+    hypothesis = Hypothesis().with_part(Part("side_force", EFFECTS["side_force"](force=0.1)))
+    known = {fact.name: fact.neutral for fact in hypothesis.parameters} | {"side_force.force": 0.1} | values
+    assert Fit.on_bound(SimpleNamespace(hypothesis=hypothesis, values=np.array([*known.values()]))) == bounds

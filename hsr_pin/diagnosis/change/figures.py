@@ -60,7 +60,7 @@ def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
 
 
 def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
-    """One of NEW's trials: how far it is from what OLD foretells, and what the change makes of that."""
+    """One of NEW's trials: how far it is from what OLD predicts, and what the change makes of that."""
     from matplotlib.figure import Figure
 
     found, pair = diagnosis.found, diagnosis.pair
@@ -80,7 +80,7 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
             )
             axes.axhline(0.0, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
             axes.set_xlabel("time [s]")
-            axes.set_title(f"{'xyz'[along]}: from what the first recording foretells [mm]")
+            axes.set_title(f"{'xyz'[along]}: from what the first recording predicts [mm]")
             if not axis:
                 axes.legend(frameon=False, loc="best")
     return figure
@@ -93,7 +93,7 @@ def _named(found: Found, diagnosis: ChangeDiagnosis) -> Fitted:
 
 
 def _seen(found: Found, marker: int, index: int) -> Array:
-    """(A, B) [m] along the axes how far a marker is from what OLD foretells of it, in one run of NEW."""
+    """(A, B) [m] along the axes how far a marker is from what OLD predicts of it, in one run of NEW."""
     frame = found.frame
     answer = np.full((len(frame.pair.experiment.axes), len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
     ends = np.cumsum([len(rows.run) for rows in frame.rows])[:-1]

@@ -87,11 +87,11 @@ class Frame:
 
     @property
     def foretold(self) -> Array:
-        """(n,) [m] of NEW, coordinate by coordinate: what OLD foretells, less what was measured."""
+        """(n,) [m] of NEW, coordinate by coordinate: what OLD predicts, less what was measured."""
         return self._metres(self.rooted[self.old :, 0])
 
     def off(self, moved: Sequence[Array] = ()) -> float:
-        """[m] RMS distance between NEW and what OLD foretells, with a change (B, M, A) [m] for each of its runs."""
+        """[m] RMS distance between NEW and what OLD predicts, with a change (B, M, A) [m] for each of its runs."""
         seen = self.foretold
         if moved:
             seen = seen + np.concatenate([rows.of(moved) for rows in self.rows])
