@@ -97,9 +97,9 @@ def test_what_does_not_repeat_is_not_shown_as_what_the_best_model_leaves(diagnos
     best, noise = diagnosis.ladder[-2:]
     floor = Rung("not repeatable; asked of no model", (), 0.123e-3, 0.0, (0.123e-3, 0.123e-3), floor=True)
     shown = Page(report(replace(diagnosis, ladder=(*diagnosis.ladder[:-1], floor, noise)))).text
-    assert "0.123 mm" in shown and "0.123 mm best model" not in shown
-    assert re.search(r"mm best model, on trials it was not fitted to", shown)
-    value = re.search(r"([0-9.]+) mm best model", shown).group(1)
+    assert "0.123 mm" in shown and "0.123 mm most probable model" not in shown
+    assert re.search(r"mm most probable model, on trials it was not fitted to", shown)
+    value = re.search(r"([0-9.]+) mm most probable model", shown).group(1)
     assert float(value) == pytest.approx(1e3 * best.rms, rel=0.01)
 
 
