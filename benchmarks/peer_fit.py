@@ -13,8 +13,9 @@ import numpy as np
 from peer_mujoco import mujoco_model
 from scipy.optimize import least_squares
 
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.trajectory import Array
 

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hsr_pin.effects import parse_effect
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import identify
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
 GAIN = 0.09 / 0.0689475729  # N m/bar: 0.09 N m/psi

@@ -15,10 +15,11 @@ import numpy as np
 
 from hsr_pin.effects import parse_effect
 from hsr_pin.identification.choice import choose
-from hsr_pin.identification.evaluation import rms
-from hsr_pin.identification.experiment import Experiment, Run, prepare, restricted
-from hsr_pin.identification.fit import fit
+from hsr_pin.identification.experiment import Experiment, prepare, restricted
 from hsr_pin.identification.identify import simulated
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
 LIGHT = 0.25  # [kg] loads below it are fitted, those above are held out

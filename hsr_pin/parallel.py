@@ -36,7 +36,7 @@ _EARLY = 16
 #: A scheduler answers within this time [s].
 _PATIENCE = 10
 #: What processes of our own are begun with: all that a fit will call.
-_PRELOADED = ("hsr_pin.diagnosis.fit_pool", "hsr_pin.simulation.warm")
+_PRELOADED = ("hsr_pin.inference.fit_pool", "hsr_pin.diagnosis.where", "hsr_pin.simulation.warm")
 _LOST = "hsr_pin: a worker process was lost; its work is done again"
 #: A script without this word does its work when a worker imports it.
 _GUARD = "__main__"

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import Identification, identify
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.trajectory import Array
 

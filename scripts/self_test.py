@@ -21,7 +21,7 @@ import numpy as np
 from hsr_pin import diagnose
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.effects.catalogue import parse_effect
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.inference.uncertainty import uncertainty
 
 #: Every effect, as large as one would notice.
 CASES = (

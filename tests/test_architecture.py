@@ -9,12 +9,12 @@ PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 
 #: Each room may import itself and the rooms before it.
 FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
-WAY = [*FOUNDATION, "robot", "effects", "simulation", "identification", "inference", "diagnosis"]
+WAY = [*FOUNDATION, "robot", "effects", "simulation", "inference", "identification", "diagnosis"]
 MAY_IMPORT = (
     {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)}
     | {
         "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
-        "inference": {"errors", "trajectory", "inference"},  # it knows no arm
+        "inference": {"errors", "parallel", "parameters", "trajectory", "inference"},  # it knows no arm
         "diagnosis": {*WAY, "recordings"},
         "recordings": {*FOUNDATION, "recordings"},
         "replay": {*FOUNDATION, "robot", "replay"},
@@ -107,7 +107,7 @@ def test_every_room_has_its_place_on_the_way():
         ("hsr_pin.recordings.read", "from hsr_pin.robot.specification import ArmSpecification"),
         ("hsr_pin.replay.plots", "from hsr_pin.recordings.read import read_dataset"),
         ("hsr_pin.diagnosis.report", "from hsr_pin.cli.command import command"),
-        ("hsr_pin.identification.fit", "from hsr_pin.control.stepping import ArmSimulator"),
+        ("hsr_pin.inference.fit", "from hsr_pin.control.stepping import ArmSimulator"),
         ("hsr_pin.blind.plants.arm", "from hsr_pin.robot.specification import ArmSpecification"),
         ("hsr_pin.blind.plants.arm", "from hsr_pin.blind import harness"),
         ("hsr_pin.blind.plants.arm", "import mujoco"),

@@ -122,8 +122,8 @@ def test_a_rollout_of_many_arms_is_each_arm_alone(bench):
 def test_mujoco_and_scipy_fit_what_hsr_fit_fits(bench, shared):
     pytest.importorskip("mujoco")
     from hsr_pin.identification.experiment import prepare, restricted
-    from hsr_pin.identification.fit import fit
     from hsr_pin.identification.hypothesis import Hypothesis
+    from hsr_pin.inference.fit import fit
 
     whole = prepare(bench("diagnosis").recordings())
     experiment = restricted(whole, [run.trial.name for run in whole.runs[2:4]])

@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 
 from hsr_pin import parallel
-from hsr_pin.diagnosis.candidate import candidate
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
-from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.errors import EffectError, InputError, MissingDependencyError, WorkerError
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.candidate import candidate
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.parallel import Serial, Shared, beforehand, begun, for_each, run, workers
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
@@ -176,7 +177,7 @@ def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
     assert not (tmp_path / "elsewhere").exists()
 
 
-@pytest.mark.parametrize("module", ["hsr_pin.diagnosis.fit_pool", "numba"])
+@pytest.mark.parametrize("module", ["hsr_pin.inference.fit_pool", "numba"])
 def test_processes_begin_with_what_a_fit_calls(module):
     with workers(2) as executor:
         assert run(executor, eval, [(f"'{module}' in __import__('sys').modules",)]) == [True]

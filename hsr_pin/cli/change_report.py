@@ -10,7 +10,7 @@ from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
 from hsr_pin.diagnosis.change.history import History, Quantity
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.words import HEADLINES, advice, rounded
-from hsr_pin.diagnosis.words import number
+from hsr_pin.inference.estimates import number
 
 _COLOURS = {
     "identified": "bold blue",

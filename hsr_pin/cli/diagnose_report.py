@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from rich.text import Text
 
 from hsr_pin.cli.console import console
-from hsr_pin.diagnosis.estimates import estimates, ranked
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.words import advice, headline, number, where_sentence
+from hsr_pin.diagnosis.words import advice, headline, where_sentence
+from hsr_pin.inference.estimates import estimates, number, ranked
 
 #: Lines of a screen, without the one for the next prompt.
 LINES = 23

@@ -10,11 +10,11 @@ from rich.console import Console
 from rich.table import Table
 
 from hsr_pin.cli.console import console
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.links_study import LinksStudy
 from hsr_pin.identification.paper_procedure import PaperProcedure
 from hsr_pin.identification.profile import Profile
+from hsr_pin.inference.residuals import rms
 from hsr_pin.trajectory import Array
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr_pin.identification.experiment import BASE, Experiment
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.prepared import BASE
 from hsr_pin.trajectory import Array
 
 #: The base is what moves if this share of the squared gap follows from its motion.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Run
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 #: A command is held while it changes by less than this share of its largest size, for at least so long [s] and so many samples.

@@ -11,30 +11,31 @@ from pathlib import Path
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidate import Candidate, candidate, data_of, key_of
 from hsr_pin.diagnosis.fingerprint.fingerprint import fingerprint
 from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
-from hsr_pin.diagnosis.fit_pool import FitPool
-from hsr_pin.diagnosis.ladder import ladder
 from hsr_pin.diagnosis.next_experiment import propose
 from hsr_pin.diagnosis.repeats import repeats
-from hsr_pin.diagnosis.resampling import squares
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.search import Search, judged, search, without
 from hsr_pin.diagnosis.verdict import Limits, Verdict, predicted_no_better, turned_plane, verdict_of
-from hsr_pin.diagnosis.where import Where, local_defect
+from hsr_pin.diagnosis.where import Where, local_defect, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
-from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.hypothesis import ACTING, PLAIN, SESSION, TRIALS, Hypothesis, Part, chain_of, readings
+from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
+from hsr_pin.identification.part import ACTING, PLAIN, SESSION, TRIALS, Part, readings
 from hsr_pin.identification.plane import Plane, in_its_plane
 from hsr_pin.inference import Cause, Loss, Model
 from hsr_pin.inference.calibration import calibrated
+from hsr_pin.inference.candidate import Candidate, candidate, data_of
+from hsr_pin.inference.fit import Fit, fit
+from hsr_pin.inference.fit_pool import FitPool
+from hsr_pin.inference.ladder import ladder
+from hsr_pin.inference.resampling import squares
 from hsr_pin.inference.residuals import lasting_square
+from hsr_pin.inference.search import Search, judged, search, without
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement
@@ -196,7 +197,7 @@ class _Study:
         data, numbers = data_of(experiment), calibrated()
         pool = FitPool(experiment, self.executor, variants, self.advance)
         base = candidate(experiment, base_fit, variants)
-        located = pool.where(base, self.seed)
+        located = pool.beside(locate, base, self.seed)
         starts = [base, *pool.full(_by_level(experiment, base_fit))]
         gap = len(experiment.axes) * base.model.misfit
         most = self.max_effects if gap > limits.closed**2 else 0
@@ -284,7 +285,7 @@ def _again(found: Search) -> list[Fit]:
         for part in each.fit.hypothesis.parts:
             if part.kind == "actuation_time":
                 fewer = without(each.fit, part.name)
-                models.setdefault(key_of(fewer.hypothesis), fewer)
+                models.setdefault(fewer.hypothesis.key, fewer)
     return list(models.values())
 
 

@@ -10,16 +10,16 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.estimates import estimates
-from hsr_pin.diagnosis.ladder import Rung
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.search import Search
 from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.inference import Decision, Loss, Model
 from hsr_pin.inference.calibration import calibrated
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.estimates import estimates
+from hsr_pin.inference.ladder import Rung
+from hsr_pin.inference.search import Search
 
 SCHEMA = 2
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.prepared import Run
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.integrator import Integrator
 from hsr_pin.simulation.motion import Engine

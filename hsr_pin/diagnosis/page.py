@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from hsr_pin.diagnosis.words import number
+from hsr_pin.inference.estimates import number
 
 _HERE = Path(__file__).parent
 

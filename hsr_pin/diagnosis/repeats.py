@@ -22,7 +22,8 @@ import numpy as np
 from scipy.special import gammaincinv
 
 from hsr_pin.diagnosis.commands import steps
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 #: Two commands are the same if they differ by more than this share of their range for at most this share of the time.

@@ -12,8 +12,6 @@ import numpy as np
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
-from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.estimates import Estimate, estimates
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.result import Diagnosis
@@ -30,8 +28,10 @@ from hsr_pin.diagnosis.words import (
 )
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
-from hsr_pin.identification.experiment import Run
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.estimates import Estimate, estimates
+from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.output import write_text
 from hsr_pin.trajectory import Array
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from hsr_pin.diagnosis.smooth import smoothed
 from hsr_pin.identification.evaluation import Response, respond
-from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.identification.fit import Fit
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.pose import modes_of
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.fit import Fit
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import sqrt
 
-from hsr_pin.diagnosis.search import Search
 from hsr_pin.effects.effect import KINDS
-from hsr_pin.identification.hypothesis import PLAIN, SESSION
+from hsr_pin.identification.part import PLAIN, SESSION
 from hsr_pin.identification.plane import Plane
 from hsr_pin.inference import Decision, Loss, decide
+from hsr_pin.inference.search import Search
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 

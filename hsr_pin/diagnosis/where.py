@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.diagnosis.base_motion import BaseMotion, base_motion
-from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.pulsation import Pulsation, pulsation
 from hsr_pin.diagnosis.residual_torque import ResidualTorque, residual_torques
 from hsr_pin.diagnosis.smooth import rank_correlation
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.phases import PHASES, phases
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
 
 _BINS = 4

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.spatial import SPATIAL
-from hsr_pin.identification.fit import Fit
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.estimates import number
+from hsr_pin.inference.fit import Fit
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
@@ -50,13 +50,6 @@ def headline(verdict: Verdict) -> str:
 def readable(names: Sequence[str]) -> str:
     """Names of effects as text: ``dry friction + tip mass``."""
     return " + ".join(name.replace("_", " ") for name in names)
-
-
-def number(value: float) -> str:
-    """Three digits, with the zeros that say so; a question mark for what is not known."""
-    if math.isnan(value):
-        return "?"
-    return "0" if value == 0 else f"{value:#.3g}".rstrip(".")
 
 
 def sentence(text: str) -> str:

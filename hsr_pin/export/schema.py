@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from hsr_pin.errors import InputError, quoted
-from hsr_pin.identification.hypothesis import ARM, SESSION
+from hsr_pin.identification.part import ARM, SESSION
 from hsr_pin.robot.specification import MAX_LINKS, RANGES
 from hsr_pin.trajectory import BENDS, MOUNTS
 

@@ -7,28 +7,25 @@
 - ``contradictions``: what of a declaration the recordings contradict
 - ``document``: a fit as JSON
 - ``evaluation``: what a hypothesis predicts, and its residuals
-- ``experiment``: a dataset made ready to be compared
+- ``experiment``: a dataset made ready to be compared, and the chains that simulate it
 - ``figure``: a fit as a picture
-- ``fit``: bounded, robust least squares
 - ``fitted_arms``: the arm with fitted numbers
-- ``heldout``: leave one trial out
 - ``holds``: samples that a logger repeated
 - ``hypothesis``: Hypothesis: a model with open parameters
 - ``identify``: identify: the whole fit of a dataset
 - ``input_form``: what a command does between its samples, where nobody says
 - ``jackknife``: numbers with intervals, by leaving one trial out
 - ``links_study``: how many links are worth their cost
-- ``misfit``: weighted residuals and derivatives for the search
 - ``nuisance``: what belongs to a trial and not to the arm
 - ``paper_procedure``: the paper's own five steps and its grid over C
+- ``part``: what a model may have more than stiffness and damping
 - ``phases``: rest, command change, transient, settled
 - ``plane``: the plane in which an arm bends, and whether it is the declared one
 - ``pose``: how an arm is bent whose markers are seen
+- ``prepared``: recordings that are ready to be compared
 - ``profile``: profile likelihood
 - ``reach``: how far from the base a marker may be
 - ``release``: how a motion starts that does not start at rest
 - ``smoothing``: the filter that tracks went through
 - ``starts``: several starts of a search
-- ``step``: one damped Gauss-Newton step
-- ``uncertainty``: intervals, correlations, what the data cannot tell
 """

@@ -10,7 +10,7 @@ from math import isfinite
 from typing import Any
 
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit
+from hsr_pin.inference.fit import Fit
 from hsr_pin.robot.specification import default_damping
 from hsr_pin.trajectory import Dataset, Marker
 

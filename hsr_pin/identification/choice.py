@@ -12,8 +12,9 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import Effect, neutral, with_values
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Run
-from hsr_pin.identification.hypothesis import ARM, LINKS, SESSION, Hypothesis
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis
+from hsr_pin.identification.part import ARM, SESSION
+from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.specification import Placement
 
 #: Short for the factors on what was declared.

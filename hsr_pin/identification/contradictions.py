@@ -13,7 +13,7 @@ from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array, Dataset, Marker
 
 if TYPE_CHECKING:
-    from hsr_pin.identification.experiment import Run
+    from hsr_pin.identification.prepared import Run
 
 #: A number a thousand times as large, or as small, is meant if it leaves less than this share of what the declared one leaves of
 #: the motion, and less than the second number of its variance.

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from hsr_pin.identification.arm_document import arm_to_json
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.links_study import LinksStudy
 from hsr_pin.identification.paper_procedure import PaperProcedure
 from hsr_pin.identification.profile import Profile
+from hsr_pin.inference.residuals import rms
 from hsr_pin.trajectory import Array
 
 SCHEMA = 1

@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Experiment, Run
 from hsr_pin.identification.holds import unheld
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.nuisance import GRIP, HELD, INSTANT, LETS_GO
 from hsr_pin.identification.pose import pose_from_markers
+from hsr_pin.identification.prepared import Prepared, Run
+from hsr_pin.inference.problem import Prediction
 from hsr_pin.simulation.cameras import Cameras
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.command import Delivered
@@ -65,35 +66,15 @@ class Response:
     rates: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """Marker positions of one run.
-
-    Attributes:
-        positions: (T, M, A) [m] along the axes at the measured times; NaN where the simulation failed.
-        slopes: (T, M, A, P) [m per unit] derivatives to the open parameters; None if not asked for.
-        nuisance: (T, M, A, K) [m] what one standard deviation of each number that belongs to the trial makes of them.
-    """
-
-    positions: Array
-    slopes: Array | None = None
-    nuisance: Array | None = None
-
-    @property
-    def failed(self) -> bool:
-        """Whether the simulation ended early."""
-        return not bool(np.isfinite(self.positions).all())
-
-
 def respond(
-    experiment: Experiment, run: Run, hypothesis: Hypothesis, values: Array, *, dynamics: Dynamics = "compiled"
+    experiment: Prepared, run: Run, hypothesis: Hypothesis, values: Array, *, dynamics: Dynamics = "compiled"
 ) -> Response:
     """Simulate one run with the open parameters at each of ``values`` (C, P); all take the steps that the first needs."""
     return next(respond_each(experiment, hypothesis, [Case(run, values)], dynamics))
 
 
 def respond_each(
-    experiment: Experiment, hypothesis: Hypothesis, cases: Iterable[Case], dynamics: Dynamics = "compiled"
+    experiment: Prepared, hypothesis: Hypothesis, cases: Iterable[Case], dynamics: Dynamics = "compiled"
 ) -> Iterator[Response]:
     """Likewise for each of some cases; arms that two of them share are made once."""
     made: dict[object, tuple[Engine, Cameras]] = {}
@@ -106,7 +87,7 @@ def respond_each(
         yield _respond(experiment, hypothesis, case, *made[shared])
 
 
-def _respond(experiment: Experiment, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
+def _respond(experiment: Prepared, hypothesis: Hypothesis, case: Case, engine: Engine, cameras: Cameras) -> Response:
     run, values, columns = case.run, case.values, engine.columns
     command = _delivered(run, engine, hypothesis.factor("torque_gain", run, values))
     if case.pushed is not None:
@@ -155,7 +136,7 @@ def _delivered(run: Run, engine: Engine, gain: Array) -> Delivered:
     return command
 
 
-def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
+def _start(experiment: Prepared, run: Run, hypothesis: Hypothesis, columns: Columns, cameras: Cameras) -> tuple[Array, Array]:
     """(C, N) each, in space (C, 3 N): the pose and its rate in which the markers are seen at the start.
 
     For a run at rest, about there.
@@ -176,28 +157,28 @@ def _start(experiment: Experiment, run: Run, hypothesis: Hypothesis, columns: Co
     return np.tile(q, (len(columns), 1)), np.tile(v, (len(columns), 1))
 
 
-def predict(experiment: Experiment, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
+def predict(experiment: Prepared, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
     """Simulate runs, each with its own values (P,) of the open parameters."""
     answers = respond_each(experiment, hypothesis, (Case(run, values[None]) for run, values in cases))
     return [Prediction(answer.positions[:, 0][..., experiment.axes]) for answer in answers]
 
 
-def predict_all(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Prediction]:
+def predict_all(experiment: Prepared, hypothesis: Hypothesis, values: Array) -> list[Prediction]:
     """Simulate every run at ``values`` (P,)."""
     return predict(experiment, hypothesis, [(run, values) for run in experiment.runs])
 
 
 def predict_with_slopes(
-    experiment: Experiment,
+    experiment: Prepared,
     hypothesis: Hypothesis,
     values: Array,
     *,
     central: bool = False,
-    gripped: Sequence[bool] | None = None,
+    shown: Sequence[bool] | None = None,
 ) -> list[Prediction]:
     """Simulate every run at ``values`` (P,), with the derivatives to the open parameters.
 
-    One-sided differences, or ``central`` ones at twice the price. ``gripped``: for each run whether a hand's hold is among the
+    One-sided differences, or ``central`` ones at twice the price. ``shown``: for each run whether a hand's hold is among the
     numbers that belong to it; default: of every release, where the experiment has hands.
     """
     lower, upper = hypothesis.bounds
@@ -212,8 +193,8 @@ def predict_with_slopes(
     def acting(run: Run) -> list[int]:
         return [p for p, name in enumerate(hypothesis.free) if hypothesis.acts(name, run)]
 
-    hands = [experiment.hand and run.start_pose is not None for run in experiment.runs]
-    hands = hands if gripped is None else [hand and grip for hand, grip in zip(hands, gripped, strict=True)]
+    hands = [experiment.shown(run) for run in experiment.runs]
+    hands = hands if shown is None else [hand and grip for hand, grip in zip(hands, shown, strict=True)]
 
     def case(run: Run, hand: bool) -> Case:
         points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
@@ -241,7 +222,7 @@ def predict_with_slopes(
     return predictions
 
 
-def _nuisance(experiment: Experiment, run: Run, answer: Response, hand: bool) -> Array:
+def _nuisance(experiment: Prepared, run: Run, answer: Response, hand: bool) -> Array:
     """(T, M, A, K) [m] for the first of the columns; the last, one for each direction, were held or are pushed aside."""
     length, seen = experiment.dataset.length, answer.positions[..., experiment.axes]
     columns, directions = [], experiment.directions
@@ -268,7 +249,7 @@ def _aside(answer: Response) -> float:
     return float(np.abs(answer.columns.bends(further).sum()))
 
 
-def _rested(experiment: Experiment, run: Run, answer: Response, k: int, direction: complex) -> Array:
+def _rested(experiment: Prepared, run: Run, answer: Response, k: int, direction: complex) -> Array:
     """(T, M, A) [m] what becomes of a place of rest that is off by one standard deviation.
 
     A torque made it so, and goes on: an arm with play is moved far by it where it rests, and hardly where it is driven. Where it
@@ -283,27 +264,6 @@ def _rested(experiment: Experiment, run: Run, answer: Response, k: int, directio
     bent = answer.columns.evenly(np.array([direction]))[None]
     change = answer.cameras.first.velocities(answer.angles[:, :1], bent)[:, 0][..., axes]
     return np.asarray(change * 2 * experiment.rest_scatter / length)
-
-
-def residuals(experiment: Experiment, predictions: Sequence[Prediction]) -> list[Array]:
-    """For each run (T, M, A) [m] predicted minus measured; NaN in gaps, the arm's length where a simulation failed."""
-    worst = experiment.dataset.length
-    return [
-        np.where(np.isfinite(run.compared), np.nan_to_num(p.positions - run.compared, nan=worst), np.nan)
-        for run, p in zip(experiment.runs, predictions, strict=True)
-    ]
-
-
-def rms(residual: Sequence[Array]) -> float:
-    """RMS distance [m] over all runs, samples and markers; NaN where none was seen."""
-    squares = np.concatenate([squared_distance(r) for r in residual])
-    return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
-
-
-def squared_distance(residual: Array) -> Array:
-    """(n,) [m^2] of every marker at every sample at which it was seen."""
-    squares = (residual**2).sum(axis=-1).ravel()
-    return np.asarray(squares[np.isfinite(squares)])
 
 
 def at_samples(run: Run, values: Array) -> Array:

@@ -1,10 +1,9 @@
-"""A dataset made ready to be compared with simulations: cleaned, cut to its start, its input a torque."""
+"""A dataset made ready to be compared with simulations (cleaned, cut to its start, its input a torque), and these."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,222 +11,75 @@ from numpy.typing import NDArray
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
 from hsr_pin.identification.contradictions import contradictions
+from hsr_pin.identification.evaluation import Case, predict, predict_with_slopes, respond_each
 from hsr_pin.identification.holds import without_repeats
-from hsr_pin.identification.nuisance import LETS_GO, rest_scatter
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.nuisance import rest_scatter
+from hsr_pin.identification.prepared import BASE, QUIETEST, REST, Prepared, Run
 from hsr_pin.identification.reach import farthest
-from hsr_pin.identification.release import median, start_of
+from hsr_pin.identification.release import start_of
 from hsr_pin.identification.smoothing import Filter, smoothing_of
+from hsr_pin.inference.problem import Prediction
+from hsr_pin.parameters import Parameter
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import white_noise
-from hsr_pin.robot.specification import ArmSpecification, mount_frame
-from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns
-from hsr_pin.simulation.command import Delivered
-from hsr_pin.trajectory import Array, Dataset, Marker, Trial
+from hsr_pin.robot.specification import mount_frame
+from hsr_pin.trajectory import Array, Dataset, Trial
 
-#: Markers nearer to the base than this share of the length do not tell anything about bending.
-BASE = 0.02
 #: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
 _STILL = (10.0, 0.002)
 #: A trial with more than this share of positions beyond the reach of the arm is none of this arm's.
 _FEW = 0.01
-#: Samples at most over which the pose at rest is averaged.
-_REST = 20
 #: Standard deviation of a median over that of a mean.
 _MEDIAN = 1.25
-#: No recording is less noisy than this [m].
-_QUIETEST = 1e-6
-#: Share of what a run moves that a step of integration may be in error by.
-_FINE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
-    """One trial as the model must reproduce it.
+class Experiment(Prepared):
+    """Recordings of an arm with the chains that simulate them: what is fitted to, searched and judged."""
 
-    Attributes:
-        trial: where it comes from.
-        time: (T,) [s] of the measured samples, from the start on.
-        torque: (T,) [N m] commanded: tau, or Eqs. (4) and (5) with the declared Keq; zeros for a release. In space complex:
-            towards x, and towards y of the base. Of an arm of sections the mean along it, where one number has to stand for all.
-        measured: (T, M, 3) [m]; NaN in gaps.
-        start_pose: (M, 3) [m] where the markers are at the start; None: settled under the first torque.
-        lead: fraction of a sample by which the motion starts before ``time[0]`` (a release between two samples).
-        start_velocity: (M, 3) [m/s] of the markers at the start; None: at rest.
-        interpolated: the torque goes straight from sample to sample instead of being held.
-        axes: the world's coordinates in which the arm moves.
-        by_section: (T, S) [N m] commanded, complex, of an arm of S > 1 sections; None: the same for all.
-        place: in the session, from 0 for the first of its trials to 1 for the last.
-        every: only one in so many of the samples that count is looked at.
-        rows: (R,) the samples that count: those that are new, and whose noise is independent; None: all.
-        smoothing: the filter that its markers went through; None: none.
-        found_poses: the pose at the start, its rate and its modes, by model: for others of its values the search begins there.
-        declared: the arm as the trial declares it, by chain.
-        delivered: what arrives of the command where no muscle changes it, by whether a curve is taken as one.
-    """
+    def some(self, kept: Sequence[int], samples: int) -> Experiment:
+        """These runs alone, with hardly more than so many samples of each.
 
-    trial: Trial
-    time: Array
-    torque: Array
-    measured: Array
-    start_pose: Array | None
-    lead: float
-    start_velocity: Array | None = None
-    interpolated: bool = False
-    axes: tuple[int, ...] = (0, 2)
-    by_section: Array | None = None
-    place: float = 0.0
-    every: int = 1
-    rows: NDArray[np.intp] | None = None
-    smoothing: Filter | None = None
-    found_poses: dict[object, tuple[Array, Array, Array]] = field(default_factory=dict, repr=False)
-    declared: dict[object, ArmSpecification] = field(default_factory=dict, repr=False)
-    delivered: dict[bool, Delivered] = field(default_factory=dict, init=False, repr=False)
+        What a hand may have done is left out: far from the truth it explains a swing as well as what is lacking would.
+        """
+        runs = (self.runs[k] for k in kept)
+        few = tuple(replace(run, every=max(1, len(run.time) // samples)) for run in runs)
+        return replace(self, runs=few, hand=False)
 
-    @property
-    def looked_at(self) -> NDArray[np.intp]:
-        """(R,) indices of the samples that are looked at."""
-        return np.asarray((np.arange(len(self.time)) if self.rows is None else self.rows)[:: self.every])
+    def of_runs(self, runs: Sequence[Run]) -> Experiment:
+        """These runs alone."""
+        return replace(self, runs=tuple(runs))
 
-    @property
-    def instants(self) -> Array:
-        """(R,) [s] of these."""
-        return np.asarray(self.time[self.looked_at])
+    def predict(self, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
+        """Simulate runs, each with its own values (P,) of the open parameters."""
+        return predict(self, hypothesis, cases)
 
-    @cached_property
-    def compared(self) -> Array:
-        """(R, M, A) [m] what was measured along the axes, of the samples that are looked at."""
-        return np.asarray(self.tracked[self.looked_at])
+    def predict_with_slopes(
+        self, hypothesis: Hypothesis, values: Array, *, central: bool = False, shown: Sequence[bool] | None = None
+    ) -> list[Prediction]:
+        """Simulate every run at values (P,), as :func:`~hsr_pin.identification.evaluation.predict_with_slopes` does."""
+        return predict_with_slopes(self, hypothesis, values, central=central, shown=shown)
 
-    @property
-    def tracked(self) -> Array:
-        """(T, M, A) [m] what was measured along the axes."""
-        return np.asarray(self.measured[:, :, self.axes])
+    def probe(self, hypothesis: Hypothesis, points: Array) -> list[Array]:
+        """For each run (T, C, M, A) [m] where the markers would be at each of the points (C, P)."""
+        answers = respond_each(self, hypothesis, (Case(run, points) for run in self.runs))
+        return [answer.positions[..., self.axes] for answer in answers]
 
-    @property
-    def whole(self) -> Run:
-        """The same with all samples looked at."""
-        return self if self.rows is None and self.every == 1 else replace(self, rows=None, every=1)
+    def as_read(self, hypothesis: Hypothesis, new: Sequence[Parameter], run: Run, changes: Array) -> Array:
+        """(n, A') what the amplitudes of the last part make of a run's residuals, of (n, A) for its plain variant.
 
-    @cached_property
-    def moved(self) -> float:
-        """RMS way [m] about its mean place of the marker that goes farthest."""
-        seen = np.asarray(np.isfinite(self.compared).all(axis=2))
-        ways = [self.compared[seen[:, m], m].var(axis=0).sum() for m in range(seen.shape[1]) if seen[:, m].any()]
-        return float(np.sqrt(max(ways, default=0.0)))
-
-    @property
-    def tolerance(self) -> float:
-        """Error of a step [m at the tip] that is small beside what moves."""
-        return max(_FINE * self.moved, _QUIETEST)
-
-    @property
-    def command(self) -> Array:
-        """(T, S) [N m] what drives each section; where all are driven alike (T, 1)."""
-        return self.torque[:, None] if self.by_section is None else self.by_section
-
-    @property
-    def drive(self) -> Array:
-        """(T,) [N m] the torque as recordings have it; in space (T, 2), or (T, 2 S) for S sections."""
-        if not np.iscomplexobj(self.torque):
-            return self.torque
-        return np.stack([self.command.real, self.command.imag], axis=2).reshape(len(self.time), -1)
-
-    @property
-    def span(self) -> float:
-        """How far the torque goes from its one end to the other [N m]; the farthest of the sections'."""
-        return float(np.hypot(np.ptp(self.command.real, axis=0), np.ptp(self.command.imag, axis=0)).max())
-
-    @cached_property
-    def rest(self) -> Array:
-        """(M, 3) [m] where the markers are before the first change of command; NaN for one that is not seen."""
-        return median(self.measured[self._at_rest])
-
-    @property
-    def resting(self) -> int:
-        """Samples before the first change of command, twenty at most."""
-        changes = np.flatnonzero(np.diff(self.command, axis=0).any(axis=1))
-        return min(int(changes[0]) + 1 if len(changes) else _REST, _REST)
-
-    @property
-    def _at_rest(self) -> slice:
-        """Those of these that a filter did not mix with others, if there are any."""
-        half = self.smoothing.half if self.smoothing else 0
-        return slice(half, self.resting - half) if self.resting > 2 * half else slice(0, self.resting)
-
-    @property
-    def samples_at_rest(self) -> int:
-        """How many independent samples these are."""
-        inside = self._at_rest
-        rows = self.whole.looked_at if self.rows is None else self.rows
-        return max(1, int(((rows >= inside.start) & (rows < inside.stop)).sum()))
-
-    @property
-    def step(self) -> float:
-        """Time between samples [s]."""
-        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """All usable trials of a dataset.
-
-    Attributes:
-        dataset: cleaned.
-        runs: one per usable trial.
-        markers: (M,) those that tell about bending (not the base's).
-        noise: (M,) [m] noise floor: standard deviation of each marker's coordinates along the axes.
-        notes: what was left out and why.
-        rest_scatter: [m] standard deviation, over the trials, of where the farthest marker rests.
-        hand: whether what let the arm go may have held it a little longer.
-    """
-
-    dataset: Dataset
-    runs: tuple[Run, ...]
-    markers: tuple[Marker, ...]
-    noise: Array
-    notes: tuple[str, ...] = ()
-    rest_scatter: float = 0.0
-    hand: bool = True
-
-    @cached_property
-    def reach(self) -> Array:
-        """(M,) [m] arc lengths of the markers."""
-        return np.array([marker.arc_length for marker in self.markers])
-
-    @property
-    def axes(self) -> tuple[int, ...]:
-        """The world's coordinates in which the arm moves: what is compared, and fitted to."""
-        return self.dataset.axes
-
-    @property
-    def directions(self) -> tuple[complex, ...]:
-        """In which the arm bends: as numbers, one in the plane, two in space."""
-        return (1.0, 1.0j)[: len(self.axes) - 1]
-
-    @property
-    def lasting(self) -> int:
-        """How many numbers say where the arm rests in a trial: one for each direction, none where it always rests alike."""
-        return len(self.directions) if self.rest_scatter > 0 else 0
-
-    def own(self, run: Run) -> int:
-        """How many numbers may belong to a run and not to the arm."""
-        released = 1 + len(self.directions) * (1 + self.hand * len(LETS_GO))
-        return self.lasting + (0 if run.start_pose is None else released)
-
-    def cameras(self, columns: Columns) -> Cameras:
-        """What is seen of arms with these markers."""
-        return Cameras(columns, self.reach, np.array([marker.beside for marker in self.markers]), fast=True)
-
-    @cached_property
-    def levels(self) -> tuple[float, ...]:
-        """The declared stiffnesses [Nm/rad], the softest first."""
-        return tuple(sorted({trial.keq for trial in self.dataset.trials}))
-
-    @property
-    def noise_rms(self) -> float:
-        """RMS distance [m] along the axes that noise alone leaves between model and markers."""
-        return float(np.sqrt(len(self.axes) * np.mean(self.noise**2)))
+        A size that goes with the stiffness level otherwise than its law says makes more or less of it; one of another level
+        makes nothing.
+        """
+        part, powers = hypothesis.parts[-1], [fact.resizes for fact in new if fact.amplitude] or [new[0].resizes]
+        if part.resized:
+            level = run.trial.keq / self.levels[0]
+            changes = changes * level ** np.tile(powers, changes.shape[1] // len(powers))
+        if part.levels:
+            acts = np.array([hypothesis.acts(fact.name, run) for fact in new])
+            changes = np.asarray(changes[:, :, None] * acts).reshape(len(changes), -1)
+        return changes
 
 
 def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
@@ -271,7 +123,7 @@ def restricted(experiment: Experiment, names: Collection[str]) -> Experiment:
     noise, runs = experiment.noise, tuple(run for run in experiment.runs if run.trial.name in names)
     far, sigma = int(np.argmax([marker.arc_length for marker in experiment.markers])), float(noise.max())
     places = [place for run in runs if (place := _resting(run, experiment.dataset, far, sigma))]
-    samples = min((run.samples_at_rest for run in runs if run.start_pose is None), default=_REST)
+    samples = min((run.samples_at_rest for run in runs if run.start_pose is None), default=REST)
     scatter = rest_scatter(places, _MEDIAN * sigma / samples**0.5)
     notes = [note for note in experiment.notes if note != _scattered(experiment.rest_scatter)]
     return replace(experiment, runs=runs, rest_scatter=scatter, notes=(*notes, _scattered(scatter)) if scatter else tuple(notes))
@@ -330,7 +182,7 @@ def _noise(dataset: Dataset, moving: list[int], *, held: bool) -> Array:
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():
         raise IdentificationError("markers", expected="some consecutive samples of one of them", received="gaps everywhere")
-    return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), _QUIETEST)
+    return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), QUIETEST)
 
 
 def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:

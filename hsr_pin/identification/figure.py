@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Run
 from hsr_pin.identification.identify import Identification
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit
+from hsr_pin.inference.fit import Fit
 from hsr_pin.robot.specification import ArmSpecification
 
 

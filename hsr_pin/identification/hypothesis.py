@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,56 +10,32 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.effects.effect import Effect, formless, neutral, with_values
+from hsr_pin.effects.effect import Effect, formless, with_values
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.part import ARM, PLAIN, SESSION, Part
+from hsr_pin.identification.prepared import Prepared, Run
+from hsr_pin.inference.problem import ALWAYS
 from hsr_pin.parameters import Parameter
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.simulation.columns import Columns
 from hsr_pin.trajectory import Array, Dataset
 
-#: Stiffness, mass and gain are usually measured to within a third or so; damping is often guessed, within a factor of three. As
-#: standard deviations of the logarithm of what is true over what was declared.
-_MEASURED, _GUESSED = 0.3, 1.0
-#: Open numbers of the arm itself, as factors on what was declared.
-ARM = {
-    fact.name: fact
-    for fact in (
-        Parameter("keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness over the declared one", ratio_width=_MEASURED),
-        Parameter("damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping over the declared one", ratio_width=_GUESSED),
-        Parameter("mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm over the declared one", ratio_width=_MEASURED),
-        Parameter(
-            "torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "torque that arrives over the commanded", ratio_width=_MEASURED
-        ),
-    )
-}
 #: Those that are factors on a number of the arm.
 _FACTORS = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
-#: Of the session: by how much the arm's stiffness differs in the last trial from the first (L. Mullins, Rubber Chem. Technol. 42,
-#: 1969), and after what part of the session most of that has come; and by how much the torque does, evenly.
-SESSION = {
-    "keq_drift": Parameter("keq_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "stiffness gained from the first trial to the last"),
-    "keq_drift.settling": Parameter(
-        "keq_drift.settling", "1", 0.5, 0.05, 5.0, 0.2, False, "part of the session over which it is gained"
-    ),
-    "gain_drift": Parameter("gain_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "torque gained from the first trial to the last"),
-}
 #: Open number of the arm -> by what it changes over the session.
 _DRIFTS = {"keq_scale": "keq_drift", "torque_gain": "gain_drift"}
-#: Candidates beside the effects, which stiffness and damping leave open, and the kind of physics that each belongs to.
-PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drift": "elastic", "gain_drift": "actuation_map"}
-#: Those that are the same in every trial.
-ACTING = tuple(name for name in PLAIN if name not in SESSION)
-#: Trials from which on a change over the session may be asked for.
-TRIALS = 4
-#: Kinds whose sizes may differ from one set-up of an arm to the next: how it is mounted and loaded, supplied and seen. What it
-#: is made of stays, or goes with the stiffness level.
-SET_UP = ("actuation_map", "mass_gravity", "measurement")
 #: Links of the chain that models an arm: its tip is within 0.05 % of the length of the continuous arm's.
 LINKS = 16
 #: Error of a step in fits [m at the tip].
 TOLERANCE = 2e-4
+#: Links and error of a step [m at the tip] of the chain that many models are tried with.
+_LINKS, _TOLERANCE = 8, 5e-4
+#: Factors on the damping and the amplitude of an initial estimate at which it is tried too: an effect may grow faster than its
+#: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
+_VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
+#: Factors on the damping, and sizes over their scale up to the width of the prior, of laws that make the torque late.
+_LATE = ((0.5, 0.2), (0.6, 1.5, 5.0))
 
 
 def chain_of(dataset: Dataset, links: int | None, placement: Placement | None) -> dict[str, Any]:
@@ -68,81 +45,6 @@ def chain_of(dataset: Dataset, links: int | None, placement: Placement | None) -
     """
     own_links, own_placement = dataset.chain or (LINKS, "mid")
     return {"links": links or own_links, "placement": placement or own_placement}
-
-
-@dataclass(frozen=True)
-class Part:
-    """What a model may have more than stiffness and damping: an effect, or another open number of the arm.
-
-    Attributes:
-        name: of the effect, or of the number: one of :data:`PLAIN`.
-        effect: with its options; None for a number.
-        resized: whether the effect's amplitude goes with the stiffness level where its law says that it stays, and stays
-            where its law says that it goes with it.
-        opens: of an effect that has its amplitudes ``apart`` the one that is open; empty: all parameters are.
-        levels: declared Keq [Nm/rad] at which it has a size of its own each; empty: one size for all.
-    """
-
-    name: str
-    effect: Effect | None = None
-    resized: bool = False
-    opens: str = ""
-    levels: tuple[float, ...] = ()
-
-    @property
-    def kind(self) -> str:
-        """Of physics that it belongs to."""
-        return self.effect.kind if self.effect else PLAIN[self.name]
-
-    @property
-    def flexible(self) -> bool:
-        """Whether it stands for its kind only."""
-        return self.effect is not None and self.effect.flexible
-
-    def contains(self, other: Part) -> bool:
-        """Whether the other is a special case of this one, which has more numbers to bend."""
-        if self.effect is None:
-            return False
-        if self.name == other.name:
-            return (
-                bool(self.levels) and replace(other, resized=False, levels=self.levels).reading == self.reading != other.reading
-            )
-        return (self.flexible and not other.flexible and other.kind == self.kind) or other.name in self.effect.contains
-
-    @property
-    def reading(self) -> tuple[object, ...]:
-        """Name, options, size and what is open: what tells it from other readings of the same law."""
-        return self.name, self.effect.options if self.effect else (), self.resized, self.opens, self.levels
-
-
-def readings(kind: type[Effect], *, space: bool = False, levels: int = 1, each: Sequence[float] = ()) -> list[Part]:
-    """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell.
-
-    Where there are levels (declared Keq [Nm/rad]) that tell a size ``each``, laws of a single number have that reading too, if
-    it is of the kinds of :data:`SET_UP`.
-    """
-    effects = [neutral(kind, **options) for options in kind.variants()]
-    return [
-        Part(kind.name, effect, resized, opens, own)
-        for effect in effects
-        if not formless([effect], space=space)
-        for opens in kind.apart or ("",)
-        for resized, own in _sizes(kind, opens, levels, tuple(float(f"{keq:g}") for keq in each))  # as names tell them
-    ]
-
-
-def _sizes(kind: type[Effect], opens: str, levels: int, each: tuple[float, ...]) -> list[tuple[bool, tuple[float, ...]]]:
-    """As the law says, the other way, and for each level its own: ``resized`` and ``levels`` of its readings."""
-    found: list[tuple[bool, tuple[float, ...]]] = [(False, ())]
-    if levels > 1 and _resizes(kind, opens):
-        found.append((True, ()))
-    if each and kind.kind in SET_UP and len(kind.parameters()) == 1 and not kind.flexible:
-        found.append((False, each))
-    return found
-
-
-def _resizes(kind: type[Effect], opens: str) -> bool:
-    return any(fact.resizes for fact in kind.parameters() if opens in ("", fact.name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,6 +110,55 @@ class Hypothesis:
         """The effects, and the open numbers of the arm beside stiffness and damping."""
         effects = tuple(Part(e.name, e, e.name in self.resized, self._opens(e), self._levels(e)) for e in self.effects)
         return (*(Part(name) for name in PLAIN if name in self.free), *effects)
+
+    @property
+    def key(self) -> tuple[tuple[object, ...], ...]:
+        """What it has beside stiffness and damping, in which variant: name, options, size and open amplitudes of each part."""
+        readings = tuple(sorted((part.reading for part in self.parts), key=repr))
+        return readings + tuple((name,) for name in self.free if name.partition("@")[0] in ARM and "@" in name)
+
+    @property
+    def labour(self) -> tuple[bool]:
+        """Larger where a law has a memory, which wants short steps."""
+        return (any(effect.states for effect in self.effects),)
+
+    @property
+    def rough(self) -> Hypothesis:
+        """The same with few links and larger steps."""
+        return replace(self, links=min(_LINKS, self.links), tolerance=max(_TOLERANCE, self.tolerance))
+
+    def tried_from(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
+        """Values (P,) from which a fit might start, each with its group.
+
+        The proposed ones are among them, and the same in the next valleys. Of a law that makes the torque late there are values
+        with much less damping, and with the declared arm: a strongly damped arm looks late by itself. Seen from there lateness is
+        worth next to nothing, so that its size is none of the proposal's.
+        """
+        found = [(k, self._moved(start, *factors)) for k, start in enumerate(starts) for factors in _VALLEYS]
+        facts, part, start = self.parameters, self.parts[-1], starts[0]
+        if part.kind != "actuation_time":
+            return found
+        own = [k for k, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{part.name}.")]
+        is_arms = [fact.name.partition("@")[0] in ARM for fact in facts]
+        arms = [(len(starts), self._moved(start, damping, 1.0)) for damping in _LATE[0]]
+        arms.append((ALWAYS, np.where(is_arms, [fact.neutral for fact in facts], start)))
+        for (group, arm), size in itertools.product(arms, _LATE[1]):
+            point = arm.copy()
+            sizes = [(facts[k], facts[k].neutral + size * facts[k].scale / len(own)) for k in own]
+            point[own] = [np.clip(value, fact.lower, fact.upper) for fact, value in sizes]
+            found.append((group, point))
+        return found
+
+    def _moved(self, values: Array, damping: float, amplitude: float) -> Array:
+        """Values (P,), the damping times one factor, and amplitudes of the last part as far from neutral times another."""
+        moved, last = values.copy(), self.parts[-1].name
+        for index, fact in enumerate(self.parameters):
+            if fact.name.partition("@")[0] == "damping_scale":
+                moved[index] *= damping
+            elif fact.amplitude and fact.name.startswith(f"{last}."):
+                moved[index] = fact.neutral + amplitude * (moved[index] - fact.neutral)
+            moved[index] = np.clip(moved[index], fact.lower, fact.upper)
+        return moved
 
     def _opens(self, effect: Effect) -> str:
         """The one amplitude that is open, of an effect that has them apart."""
@@ -288,7 +239,7 @@ class Hypothesis:
         settling = values[:, self.free.index(name)] if name in self.free else SESSION[name].neutral
         return np.asarray(np.expm1(-run.place / settling) / np.expm1(-1 / settling))
 
-    def columns(self, experiment: Experiment, run: Run, values: Array) -> Columns:
+    def columns(self, experiment: Prepared, run: Run, values: Array) -> Columns:
         """The arms of one run with the open parameters at ``values`` (C, P).
 
         Raises:
@@ -313,7 +264,7 @@ class Hypothesis:
             self.effects_at(values, run.trial.keq / experiment.levels[0], run.trial.keq),
         )
 
-    def declared(self, experiment: Experiment, run: Run) -> ArmSpecification:
+    def declared(self, experiment: Prepared, run: Run) -> ArmSpecification:
         """The arm as a run declares it, on this chain; fits may bend it further than an arm should be."""
         chain = (self.links, self.placement)
         if chain not in run.declared:

@@ -13,15 +13,16 @@ import numpy as np
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.choice import choose, without_effects
-from hsr_pin.identification.evaluation import predict_all, residuals, rms
+from hsr_pin.identification.evaluation import predict_all
 from hsr_pin.identification.experiment import Experiment, prepare, restricted
-from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.heldout import leave_one_out
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.input_form import as_it_fits, form_of, taken
 from hsr_pin.identification.plane import in_its_plane
 from hsr_pin.identification.starts import starts
-from hsr_pin.identification.uncertainty import Uncertainty, uncertainty
+from hsr_pin.inference.fit import Fit, fit
+from hsr_pin.inference.heldout import leave_one_out
+from hsr_pin.inference.residuals import residuals, rms
+from hsr_pin.inference.uncertainty import Uncertainty, uncertainty
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array, Dataset

@@ -14,9 +14,10 @@ from typing import Literal
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.identification.fit import Fit, fit
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.holds import clock
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.fit import Fit, fit
 
 #: Of open commands: all are held, only steps are, or all go straight from sample to sample.
 Form = Literal["held", "steps held", "straight"]

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import predict_all, rms, squared_distance
+from hsr_pin.identification.evaluation import predict_all
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms, squared_distance
 from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import predict, residuals, rms
+from hsr_pin.identification.evaluation import predict
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.inference.residuals import residuals, rms
 from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hsr_pin.identification.experiment import Run
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 PHASES = ("rest", "command change", "transient", "settled")

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
+from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 

@@ -10,9 +10,9 @@ from scipy.optimize import least_squares
 
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.misfit import Misfit
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.misfit import Misfit
+from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
 
 #: Where a parameter is held, in standard errors away from its best value on either side.

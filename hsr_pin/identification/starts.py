@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import predict, residuals, rms
+from hsr_pin.identification.evaluation import predict
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import ARM, Part
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import residuals, rms
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 

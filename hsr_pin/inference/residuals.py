@@ -1,4 +1,4 @@
-"""What residuals hold beside noise."""
+"""How far a model is from recordings, and what of that is no noise."""
 
 from __future__ import annotations
 
@@ -6,11 +6,32 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hsr_pin.inference.problem import Prediction, Problem
 from hsr_pin.trajectory import Array
 
 #: Samples apart: white noise has no covariance over them, and whatever swings, at any frequency, shows seven tenths of its power
 #: in one of the three.
 _LAGS = (1, 2, 3)
+
+
+def residuals(problem: Problem, predictions: Sequence[Prediction]) -> list[Array]:
+    """For each run (T, M, A) predicted minus measured; NaN in gaps, the worst there is where a simulation failed."""
+    return [
+        np.where(np.isfinite(run.compared), np.nan_to_num(p.positions - run.compared, nan=problem.worst), np.nan)
+        for run, p in zip(problem.runs, predictions, strict=True)
+    ]
+
+
+def rms(residual: Sequence[Array]) -> float:
+    """RMS distance over all runs, samples and channels; NaN where none was seen."""
+    squares = np.concatenate([squared_distance(r) for r in residual])
+    return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
+
+
+def squared_distance(residual: Array) -> Array:
+    """(n,) of every channel at every sample at which it was seen."""
+    squares = (residual**2).sum(axis=-1).ravel()
+    return np.asarray(squares[np.isfinite(squares)])
 
 
 def lasting_square(residuals: Sequence[Array]) -> float:

@@ -7,7 +7,7 @@ from math import floor, log10
 
 from hsr_pin.effects.catalogue import effect_named, laws
 from hsr_pin.effects.effect import Effect, formless, neutral
-from hsr_pin.identification.hypothesis import ARM
+from hsr_pin.identification.part import ARM
 from hsr_pin.parameters import Parameter
 
 #: Ends of the sliders of the arm: its stiffness and damping are seldom farther off.

@@ -22,7 +22,7 @@ from hsr_pin.view.session import Answer, Session, overall
 from hsr_pin.view.settings import Settings
 
 if TYPE_CHECKING:
-    from hsr_pin.identification.experiment import Run
+    from hsr_pin.identification.prepared import Run
 
 #: Pictures a second while the motion plays.
 RATE = 15.0

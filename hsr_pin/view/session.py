@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import View
-from hsr_pin.identification.evaluation import respond, rms
-from hsr_pin.identification.experiment import Experiment, Run, prepare
-from hsr_pin.identification.hypothesis import ARM, Hypothesis, chain_of
+from hsr_pin.identification.evaluation import respond
+from hsr_pin.identification.experiment import Experiment, prepare
+from hsr_pin.identification.hypothesis import Hypothesis, chain_of
+from hsr_pin.identification.part import ARM
+from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.residuals import rms
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.space import base_rotations

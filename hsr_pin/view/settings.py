@@ -9,7 +9,7 @@ from hsr_pin.effects.catalogue import EFFECTS, effect_named
 from hsr_pin.effects.effect import Effect
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.identification.hypothesis import ARM
+from hsr_pin.identification.part import ARM
 
 
 @dataclass(frozen=True)

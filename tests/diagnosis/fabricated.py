@@ -4,14 +4,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.proposals import Proposal
 from hsr_pin.diagnosis.verdict import Limits
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import PLAIN, Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import PLAIN, Part
 from hsr_pin.inference import Cause, Data, Model
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
 
 #: Noise floor and arm length [m] of every fabricated recording: 0.3 mm a coordinate.

@@ -8,11 +8,11 @@ import pytest
 
 from hsr_pin.diagnosis.diagnose import catalogue, diagnose, unfitted
 from hsr_pin.diagnosis.pulsation import Pulsation
-from hsr_pin.diagnosis.search import judged
 from hsr_pin.diagnosis.verdict import verdict_of
 from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, IdentificationError
 from hsr_pin.identification.experiment import prepare
+from hsr_pin.inference.search import judged
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
 

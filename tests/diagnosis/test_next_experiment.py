@@ -6,7 +6,8 @@ import pytest
 from hsr_pin.diagnosis.next_experiment import ALIKE, propose
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
 
 from .made import TRIALS, made
 

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis import proposals as module
-from hsr_pin.diagnosis.candidate import full_fit
-from hsr_pin.diagnosis.proposals import Proposal, _starts, looked_at, proposals, quick_fit
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part, readings
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis
+from hsr_pin.identification.part import Part, readings
+from hsr_pin.inference.candidate import full_fit
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.proposals import Proposal, _starts, looked_at, proposals, quick_fit
 from hsr_pin.parameters import parameter
 
 from .made import CATALOGUE, TRIALS, made
@@ -173,7 +174,7 @@ def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(m
         return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, proposal))
 
     assert latest() >= 0.03
-    monkeypatch.setattr("hsr_pin.diagnosis.proposals._LATE", ((), ()))
+    monkeypatch.setattr("hsr_pin.inference.proposals._LATE", ((), ()))
     assert latest() < 0.01
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from hsr_pin.diagnosis.residual_torque import residual_torques
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.inference.fit import fit
 
 from .made import TRIALS, made
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from hsr_pin.diagnosis.search import judged, search, without
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
-from hsr_pin.identification.hypothesis import readings
+from hsr_pin.identification.part import readings
+from hsr_pin.inference.search import judged, search, without
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, FakePool, candidate

@@ -17,8 +17,8 @@ from hsr_pin.diagnosis.report import report
 from hsr_pin.diagnosis.where import SIDES
 from hsr_pin.effects.catalogue import EFFECTS
 from hsr_pin.effects.catalogue import laws as catalogue_of
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.identify import identify
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
 pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")

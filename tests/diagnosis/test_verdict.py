@@ -2,9 +2,9 @@
 
 import pytest
 
-from hsr_pin.diagnosis.search import judged
 from hsr_pin.diagnosis.verdict import Limits, predicted_no_better, verdict_of
 from hsr_pin.inference import Loss
+from hsr_pin.inference.search import judged
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, LENGTH, LIMITS, candidate

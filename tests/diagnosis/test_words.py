@@ -7,12 +7,12 @@ import pytest
 
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.search import judged
 from hsr_pin.diagnosis.verdict import verdict_of
 from hsr_pin.diagnosis.words import advice, effect_options, sentence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
-from hsr_pin.identification.hypothesis import Part
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.search import judged
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, LENGTH, LIMITS, candidate

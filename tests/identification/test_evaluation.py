@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from hsr_pin.effects import EFFECTS
-from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, residuals, respond, rms
+from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, respond
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import residuals, rms
 
 TRUE = np.array([1.0, 1.0])
 

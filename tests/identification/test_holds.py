@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.identification.evaluation import predict_all, residuals, respond, rms
+from hsr_pin.identification.evaluation import predict_all, respond
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.holds import clock, is_held, unheld
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.input_form import as_it_fits
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import residuals, rms
 
 NOISE = 3e-4
 

@@ -8,11 +8,13 @@ import pytest
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.choice import choose
-from hsr_pin.identification.evaluation import predict_all, rms
+from hsr_pin.identification.evaluation import predict_all
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import LINKS, Hypothesis, Part, readings
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.hypothesis import LINKS, Hypothesis
+from hsr_pin.identification.part import Part, readings
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms
+from hsr_pin.inference.uncertainty import uncertainty
 
 
 def apart(experiment, one, other):

@@ -8,10 +8,10 @@ import pytest
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
 from hsr_pin.identification.input_form import as_it_fits, form_of, is_open, otherwise, taken
+from hsr_pin.inference.fit import fit
 
 TIME = 0.02 * np.arange(101)
 WAVES = [(1.11, size * np.sin(way * np.clip(TIME - 0.1, 0.0, None))) for size, way in ((0.7, 6.0), (-0.5, 11.0), (0.6, 8.0))]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.links_study import links_study
+from hsr_pin.inference.fit import fit
 
 
 @pytest.fixture(scope="module")

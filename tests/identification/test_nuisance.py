@@ -7,13 +7,14 @@ import pytest
 
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification import evaluation, heldout
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
-from hsr_pin.identification.nuisance import Eliminated, believed, prices, rest_scatter, taken_out
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.nuisance import rest_scatter
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.own_numbers import Eliminated, believed, prices, taken_out
+from hsr_pin.inference.residuals import rms
+from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.cameras import Cameras
@@ -131,7 +132,7 @@ def test_rests_that_differ_by_3_mm_are_said_and_do_not_move_the_arms_own_numbers
 
 
 def test_leaving_one_trial_out_equals_a_fit_without_it_where_rests_differ_too(still, add_noise, monkeypatch):
-    monkeypatch.setattr("hsr_pin.identification.fit._FULL", (1e-10, 40))
+    monkeypatch.setattr("hsr_pin.inference.fit._FULL", (1e-10, 40))
     noise = np.random.default_rng(2)
     tilted = scattered(still, 3e-3, seed=4)
     experiment = prepare(add_noise(tilted, lambda shape: 3e-4 * noise.normal(size=shape)))

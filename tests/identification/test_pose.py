@@ -6,9 +6,9 @@ import pytest
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.evaluation import predict, predict_with_slopes
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.pose import pose_from_markers
+from hsr_pin.inference.fit import fit
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.cameras import Cameras

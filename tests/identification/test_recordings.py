@@ -4,11 +4,11 @@ import time
 
 import pytest
 
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
 

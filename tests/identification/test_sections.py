@@ -10,10 +10,10 @@ from hsr_pin.diagnosis.repeats import alike
 from hsr_pin.errors import IdentificationError, InputError
 from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.identification.comparison import compare
-from hsr_pin.identification.evaluation import rms
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.motion import Engine

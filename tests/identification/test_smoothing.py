@@ -9,9 +9,9 @@ from scipy.signal import butter, filtfilt, lfilter, savgol_filter
 from hsr_pin.errors import RecordingError
 from hsr_pin.identification.evaluation import predict_with_slopes
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.smoothing import detected, moving_average
+from hsr_pin.inference.fit import fit
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.recordings import clean, read_dataset, write_dataset
 from hsr_pin.recordings.clean import moving_average as averaged

@@ -9,12 +9,13 @@ from hsr_pin.effects import parse_effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.choice import choose
 from hsr_pin.identification.comparison import compare
-from hsr_pin.identification.evaluation import predict_all, predict_with_slopes, rms
+from hsr_pin.identification.evaluation import predict_all, predict_with_slopes
 from hsr_pin.identification.experiment import prepare, restricted
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify, simulated
 from hsr_pin.identification.pose import pose_from_markers
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification

@@ -9,10 +9,10 @@ from scipy.signal import lfilter
 from hsr_pin.effects import parse_effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.profile import profile_likelihood
-from hsr_pin.identification.uncertainty import alike, uncertainty
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.uncertainty import alike, uncertainty
 
 TRUE = np.array([1.1, 0.8])
 NOISE = 3e-4

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hsr_pin.identification.evaluation import rms
+from hsr_pin.inference.residuals import rms
 
 SCRIPT = "real_data"
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hsr_pin.diagnosis.candidate import Candidate
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import Bench, Fitted, Guess, refined
 from hsr_pin.diagnosis.change.frame import Frame, framed
@@ -16,15 +15,17 @@ from hsr_pin.diagnosis.change.reference import described
 from hsr_pin.diagnosis.change.suspects import Suspect, suspects
 from hsr_pin.diagnosis.change.verdict import ChangeVerdict, Found, judge, needed
 from hsr_pin.diagnosis.diagnose import catalogue, refuse_formless
-from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
-from hsr_pin.identification.hypothesis import Hypothesis, Part, chain_of
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.identification.hypothesis import Hypothesis, chain_of
+from hsr_pin.identification.part import Part
 from hsr_pin.inference import Data, Loss
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.fit_pool import FitPool
+from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.parallel import workers
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement

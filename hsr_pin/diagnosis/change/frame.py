@@ -16,9 +16,11 @@ from scipy.linalg import solve_triangular
 
 from hsr_pin.diagnosis.change.leftover import Covariance, Rows, features, learnt, rows_of, thinned
 from hsr_pin.diagnosis.change.pair import Pair
-from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
+from hsr_pin.identification.evaluation import predict_with_slopes
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import Eliminated
+from hsr_pin.inference.own_numbers import Eliminated
+from hsr_pin.inference.problem import Prediction
+from hsr_pin.inference.residuals import residuals
 from hsr_pin.trajectory import Array
 
 #: How far the shared parameters may be from where the fit to OLD ended, over their scales.

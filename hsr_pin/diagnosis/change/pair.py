@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array, Marker
 
 #: Rows of one marker's coordinate over both recordings, about; and the narrowest bin [s].

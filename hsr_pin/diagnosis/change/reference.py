@@ -10,14 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidate import Candidate, candidate
-from hsr_pin.diagnosis.fit_pool import FitPool
-from hsr_pin.diagnosis.proposals import Proposal
-from hsr_pin.diagnosis.resampling import certainly_better
-from hsr_pin.diagnosis.screening import laws_first
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.candidate import Candidate, candidate
+from hsr_pin.inference.fit import fit
+from hsr_pin.inference.fit_pool import FitPool
+from hsr_pin.inference.proposals import Proposal
+from hsr_pin.inference.resampling import certainly_better
+from hsr_pin.inference.screening import laws_first
 
 #: Quick fits, and full ones, for each further effect.
 _GLANCES, _FINISHED = 6, 3

@@ -14,7 +14,8 @@ from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.words import HEADLINES, advice, rounded
 from hsr_pin.diagnosis.inline_svg import inline
 from hsr_pin.diagnosis.page import environment
-from hsr_pin.diagnosis.words import EXPERIMENTS, number, readable, sentence
+from hsr_pin.diagnosis.words import EXPERIMENTS, readable, sentence
+from hsr_pin.inference.estimates import number
 from hsr_pin.output import write_text
 
 

@@ -11,8 +11,8 @@ from scipy import stats
 
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.frame import Frame
-from hsr_pin.identification.hypothesis import ARM
-from hsr_pin.identification.step import damped_inverse, damped_step
+from hsr_pin.identification.part import ARM
+from hsr_pin.inference.step import damped_inverse, damped_step
 from hsr_pin.trajectory import Array
 
 #: Share of the diagonal of the normal matrix that is added to it: where a trial is left out, and where none is.

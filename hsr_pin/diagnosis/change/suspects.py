@@ -9,7 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from hsr_pin.identification.hypothesis import ARM, PLAIN, Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import ARM, PLAIN, Part
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 

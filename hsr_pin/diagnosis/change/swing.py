@@ -14,8 +14,9 @@ from scipy.linalg import eigh
 
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.pair import Pair
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.chain import chain_of, mass_matrix, weight_matrix
 from hsr_pin.trajectory import Array
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hsr_pin.diagnosis.change.size import Size
-from hsr_pin.diagnosis.words import EXPERIMENTS, number
-from hsr_pin.identification.hypothesis import ARM
+from hsr_pin.diagnosis.words import EXPERIMENTS
+from hsr_pin.identification.part import ARM
+from hsr_pin.inference.estimates import number
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.diagnosis.commands import Plateau
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.plane import farthest_seen
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 #: Share of a plateau, at its end, over which the arm is taken to be settled.

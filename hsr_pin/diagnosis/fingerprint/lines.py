@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr_pin.identification.experiment import Experiment, Run
+from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.space import base_rotations
 from hsr_pin.robot.specification import ArmSpecification

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.diagnosis.smooth import smoothed
-from hsr_pin.identification.experiment import Run
+from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 #: The acceleration must grow by this share of its largest on the way to rest, and be this many standard errors sure of it.

@@ -6,7 +6,7 @@ from scipy.optimize import approx_fprime
 
 from hsr_pin.diagnosis.change import leftover
 from hsr_pin.diagnosis.change.leftover import Covariance, learnt
-from hsr_pin.identification.nuisance import Eliminated
+from hsr_pin.inference.own_numbers import Eliminated
 
 
 def covariance(runs=5, samples=50, seed=0):

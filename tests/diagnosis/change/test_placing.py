@@ -10,7 +10,7 @@ from hsr_pin.diagnosis.change.diagnose import _may_change
 from hsr_pin.diagnosis.change.placing import PLACING, turns_cameras
 from hsr_pin.effects import EFFECTS, effect_named
 from hsr_pin.effects.effect import View, neutral
-from hsr_pin.identification.hypothesis import readings
+from hsr_pin.identification.part import readings
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.space_kinematics import space_marker_map
 from hsr_pin.robot.specification import ArmSpecification

@@ -1,11 +1,12 @@
 """OLD is described by the law that it has, not by one that is nearly its mirror image."""
 
 from hsr_pin.diagnosis.change.reference import described
-from hsr_pin.diagnosis.fit_pool import FitPool
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.parallel import workers
 
 from ..made import made

@@ -26,8 +26,9 @@ from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.fit import fit
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
+from hsr_pin.inference.fit import fit
 from hsr_pin.recordings.read import read_dataset
 
 pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")

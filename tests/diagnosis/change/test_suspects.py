@@ -4,7 +4,8 @@ import numpy as np
 
 from hsr_pin.diagnosis.change.suspects import suspects
 from hsr_pin.effects import EFFECTS
-from hsr_pin.identification.hypothesis import Hypothesis, readings
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import readings
 
 BIASES = readings(EFFECTS["torque_bias"], levels=2, each=(1.11, 2.33))
 

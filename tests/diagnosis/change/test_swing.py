@@ -14,7 +14,8 @@ from hsr_pin.diagnosis.change.verdict import Found
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
 from hsr_pin.robot.chain import Arms, chain_of, weight_matrix
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification

@@ -12,7 +12,8 @@ from hsr_pin.diagnosis.change.suspects import Suspect
 from hsr_pin.diagnosis.change.verdict import Found, judge, needed
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
-from hsr_pin.identification.hypothesis import Hypothesis, Part
+from hsr_pin.identification.hypothesis import Hypothesis
+from hsr_pin.identification.part import Part
 from hsr_pin.inference import Data
 
 ROWS = 800

@@ -8,21 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidate import Key, key_of
-from hsr_pin.diagnosis.fit_pool import FitPool
-from hsr_pin.diagnosis.proposals import Proposal
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import ARM
+from hsr_pin.inference.candidate import Key
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.fit_pool import FitPool
+from hsr_pin.inference.proposals import Proposal
 from hsr_pin.trajectory import Array
 
-#: The most promising proposals that get a quick fit beside the arm alone, and beside each of several models.
+#: The most promising proposals that get a quick fit beside the model without causes, and beside each of several models.
 _ALONE, _BESIDE = 12, 5
 #: Variants of one law that come before the variants of others.
 _VARIANTS = 3
 #: Two variants of one law whose predicted gains differ by less than this are the same on these recordings.
 _EQUAL = 1e-6
-#: A quick fit that ended at a stiffness or damping which differs by more than the first factor from that of the best, and leaves
-#: more than the second times its error, is made once more from there: the misfit of a swinging arm has several basins.
+#: A quick fit that ended at factors on declared numbers which differ by more than the first ratio from those of the best, and
+#: leaves more than the second times its error, is made once more from there: the misfit of what swings has several basins.
 _ELSEWHERE, _WORSE = 1.5, 1.2
 
 
@@ -31,7 +30,7 @@ def screened(proposals: Sequence[Proposal], *, alone: bool) -> list[Proposal]:
 
     Args:
         proposals: for adding a part to one model.
-        alone: whether that model is the arm alone: then every law is among them, in its most promising variant.
+        alone: whether that model has no causes: then every law is among them, in its most promising variant.
     """
     ranked = _distinct(sorted(proposals, key=lambda each: -each.gain))
     if alone:  # damping hides what is late where it was fitted without any law
@@ -69,9 +68,10 @@ def _of_many_laws(proposals: Sequence[Proposal]) -> list[Proposal]:
 
 def _no_less_than_special_cases(proposals: Sequence[Proposal]) -> list[Proposal]:
     """A law that contains others, as a probe may not show where damping hides what is late, promises at least what they do."""
-    gains = {part.name: each.gain for each in reversed(proposals) if not (part := each.hypothesis.parts[-1]).levels}
-    laws = ((each, each.hypothesis.parts[-1].effect) for each in proposals)
-    inside = [[gains.get(name, 0.0) for name in law.contains] if law else [] for each, law in laws]
+    parts = [each.hypothesis.parts[-1] for each in proposals]
+    alone = [k for k, part in enumerate(parts) if part.plain.reading == part.reading]
+    gains = {parts[k].name: proposals[k].gain for k in reversed(alone)}
+    inside = [[gains.get(name, 0.0) for name in part.special_cases] for part in parts]
     return [replace(each, gain=max(each.gain, *known, 0.0)) for each, known in zip(proposals, inside, strict=True)]
 
 
@@ -85,29 +85,34 @@ def laws_first(fits: Sequence[Fit]) -> list[Fit]:
 
 
 def from_one_basin(tasks: Sequence[tuple[Fit, Proposal]], pool: FitPool) -> list[Fit]:
-    """Quick fits, the best first, of which none is worse for want of the stiffness and damping that the best one found."""
+    """Quick fits, the best first, of which none is worse for want of the factors on declared numbers that the best one found."""
     quick = pool.quick(tasks)
     best = min(quick, key=lambda each: each.rms, default=None)
     again = [k for k, each in enumerate(quick) if best and each.rms > _WORSE * best.rms and _elsewhere(each, best)]
     quick += pool.quick(
-        [(tasks[k][0], Proposal(quick[k].hypothesis, (_with_arm_of(best, quick[k]),), tasks[k][1].gain)) for k in again if best]
+        [
+            (tasks[k][0], Proposal(quick[k].hypothesis, (_with_factors_of(best, quick[k]),), tasks[k][1].gain))
+            for k in again
+            if best
+        ]
     )
     kept: dict[Key, Fit] = {}
     for each in sorted(quick, key=lambda each: each.rms):
-        kept.setdefault(key_of(each.hypothesis), each)
+        kept.setdefault(each.hypothesis.key, each)
     return list(kept.values())
 
 
 def _elsewhere(fitted: Fit, best: Fit) -> bool:
-    """Whether a fit ended at quite another stiffness or damping than the best."""
-    own, other = _arm(fitted), _arm(best)
+    """Whether a fit ended at quite other factors on declared numbers than the best."""
+    own, other = _factors(fitted), _factors(best)
     return any(max(own[name] / other[name], other[name] / own[name]) > _ELSEWHERE for name in own.keys() & other)
 
 
-def _with_arm_of(best: Fit, fitted: Fit) -> Array:
-    """(P,) values of a fit, with the stiffness and damping of another."""
-    return np.array(list((fitted.named | {name: value for name, value in _arm(best).items() if name in fitted.named}).values()))
+def _with_factors_of(best: Fit, fitted: Fit) -> Array:
+    """(P,) values of a fit, with the factors on declared numbers of another."""
+    return np.array(list((fitted.named | {k: value for k, value in _factors(best).items() if k in fitted.named}).values()))
 
 
-def _arm(fitted: Fit) -> dict[str, float]:
-    return {name: value for name, value in fitted.named.items() if name.partition("@")[0] in ARM}
+def _factors(fitted: Fit) -> dict[str, float]:
+    facts = zip(fitted.hypothesis.parameters, fitted.values, strict=True)
+    return {fact.name: float(value) for fact, value in facts if fact.ratio_width is not None}

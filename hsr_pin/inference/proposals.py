@@ -9,11 +9,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import Case, respond_each
-from hsr_pin.identification.experiment import Experiment, Run
-from hsr_pin.identification.fit import Fit, fit
-from hsr_pin.identification.hypothesis import ARM, Hypothesis, Part
-from hsr_pin.identification.nuisance import Eliminated
+from hsr_pin.inference.fit import Fit, fit
+from hsr_pin.inference.misfit import scaled
+from hsr_pin.inference.own_numbers import Eliminated
+from hsr_pin.inference.problem import ALWAYS, Hypothesis, Part, Problem
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -25,17 +24,8 @@ _SHAPED = (0.25, 2.0)
 _STARTS = 2
 #: Probes and quick fits look at this many runs at most, and at hardly more samples than this of each.
 _ENOUGH, _SAMPLES = 8, 400
-#: Factors on the damping and the amplitude of a initial estimate at which it is tried too: an effect may grow faster than its
-#: amplitude; without it, the damping stood in for it, and a fit may stay in that valley.
-_VALLEYS = ((1.0, 1.0), (1.0, 0.5), (0.5, 2.0), (0.2, 6.0))
-#: Factors on the damping, and sizes over their scale up to the width of the prior, of laws that make the torque late.
-_LATE = ((0.5, 0.2), (0.6, 1.5, 5.0))
-#: Groups of such starts; the others are numbered by the proposed values that they come from.
-_DAMPED, _DECLARED = -1, -2
 #: A start whose misfit is more than this many times that of the best is dropped.
 _WORSE = 2.0
-#: Links and error of a step [m at the tip] of the chain that is screened.
-_LINKS, _TOLERANCE = 8, 5e-4
 #: No initial estimate goes further than this from neutral, over the parameter's scale, or than it was probed.
 _FARTHEST = 6.0
 #: What moves the residuals by less than this share of what the most telling number does tells nothing.
@@ -57,52 +47,46 @@ class Proposal:
     gain: float
 
 
-def proposals(experiment: Experiment, base: Fit, effects: Sequence[Part]) -> list[Proposal]:
+def proposals(problem: Problem, base: Fit, effects: Sequence[Part]) -> list[Proposal]:
     """Proposals for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
 
     Each effect is probed with a small amplitude (each of them, where it has several) at several values of its shape
     parameters, all in one batch. The change it makes is taken as linear in the amplitudes; those that fit best, with the open
     parameters adjusted along their known derivatives, and the misfit that it should leave, follow from linear least squares.
     """
-    experiment, base = _thinned(experiment, base)
-    told, without = base.whitened(), [base.eliminated(run) for run in range(len(experiment.runs))]
+    problem, base = _thinned(problem, base)
+    told, without = base.whitened(), [base.eliminated(run) for run in range(len(problem.runs))]
     residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
-    known = _Known(residual, slopes * base.hypothesis.scale)
-    probed: dict[Part, list[Array]] = {}  # of one size or another an effect changes as much more or less, here or there
+    known = _Known(residual, slopes * scaled(base.hypothesis)[0])
+    probed: dict[tuple[object, ...], list[Array]] = {}  # of each plain variant
     found: list[Proposal] = []
     for effect in effects:
-        plain = replace(effect, resized=False, levels=())
-        if plain not in probed:
-            probed[plain] = _changes(experiment, base, plain, without)
-        found += _propose(experiment, base, effect, known, probed[plain])
+        plain = effect.plain
+        if plain.reading not in probed:
+            probed[plain.reading] = _changes(problem, base, plain, without)
+        found += _propose(problem, base, effect, known, probed[plain.reading])
     return found
 
 
-def _changes(experiment: Experiment, base: Fit, effect: Part, without: Sequence[Eliminated]) -> list[Array]:
+def _changes(problem: Problem, base: Fit, effect: Part, without: Sequence[Eliminated]) -> list[Array]:
     """For each run (n, S A): what each of A amplitudes alone makes of the residuals, as large as in each of S probes."""
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     neutral = np.array([fact.neutral for fact in new])
     alone = [np.where(np.arange(len(new)) == k, probe, _at_rest(new, probe)) for probe in _probes(new) for k in _amplitudes(new)]
     points = np.array([np.append(base.values, values) for values in (neutral, *alone)])
-    seen = _side_by_side(experiment, whole, points)
+    seen = problem.probe(whole.rough, points)
     return [
         free(np.moveaxis(each[:, 1:] - each[:, :1], 1, -1)[w > 0] * w[w > 0][:, None])
         for each, w, free in zip(seen, base.weights, without, strict=True)
     ]
 
 
-def _propose(experiment: Experiment, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Proposal]:
+def _propose(problem: Problem, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Proposal]:
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     amplitudes, probes = _amplitudes(new), _probes(new)
-    if effect.resized:
-        powers = np.tile([new[k].resizes for k in amplitudes], len(probes))
-        levels = [run.trial.keq / experiment.levels[0] for run in experiment.runs]
-        seen = [changes * level**powers for changes, level in zip(seen, levels, strict=True)]
-    if effect.levels:
-        seen = [_where_it_acts(changes, whole, run, new) for changes, run in zip(seen, experiment.runs, strict=True)]
-    every = np.concatenate(seen)
+    every = np.concatenate([problem.as_read(whole, new, run, own) for own, run in zip(seen, problem.runs, strict=True)])
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
     for n, probe in enumerate(probes):
         changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
@@ -125,19 +109,6 @@ def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
     return np.array([fact.neutral if fact.amplitude else value for fact, value in zip(facts, values, strict=True)])
 
 
-def _where_it_acts(changes: Array, whole: Hypothesis, run: Run, new: Sequence[Parameter]) -> Array:
-    """(n, S A) what each of A sizes makes of a run's residuals, of (n, S) for one: nothing where it is another level's."""
-    acts = np.array([whole.acts(fact.name, run) for fact in new])
-    return np.asarray(changes[:, :, None] * acts).reshape(len(changes), -1)
-
-
-def _side_by_side(experiment: Experiment, hypothesis: Hypothesis, points: Array) -> list[Array]:
-    """For each run (T, C, M, 2) [m] about where the markers would be with each of the points (C, P)."""
-    rough = _rough(hypothesis)
-    answers = respond_each(experiment, rough, (Case(run, points) for run in experiment.runs))
-    return [answer.positions[..., experiment.axes] for answer in answers]
-
-
 def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:
     """The best first; of those that share their first shape parameter (where a local defect is), only the best."""
     found: dict[tuple[float, ...], tuple[float, Array]] = {}
@@ -146,16 +117,15 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
     return list(found.values())
 
 
-def _starts(experiment: Experiment, proposal: Proposal) -> tuple[Array, ...]:
+def _starts(problem: Problem, proposal: Proposal) -> tuple[Array, ...]:
     """Of each of the proposed values, and those in the next valleys, the one that simulates best; then the best of the others.
 
-    Of a law that makes the torque late the best with the declared arm is among them, however far it is from what was recorded.
+    The best of the group that is always tried is among them, however far it is from what was recorded.
     """
-    moved = [(k, _moved(proposal.hypothesis, start, *factors)) for k, start in enumerate(proposal.starts) for factors in _VALLEYS]
-    groups, tried = zip(*moved, *_late(proposal), strict=True)
+    groups, tried = zip(*proposal.hypothesis.tried_from(proposal.starts), strict=True)
     points, squares = np.array(tried), []
-    for run, seen in zip(experiment.runs, _side_by_side(experiment, proposal.hypothesis, points), strict=True):
-        missed = np.nan_to_num(seen - run.compared[:, None], nan=experiment.dataset.length)
+    for run, seen in zip(problem.runs, problem.probe(proposal.hypothesis.rough, points), strict=True):
+        missed = np.nan_to_num(seen - run.compared[:, None], nan=problem.worst)
         squares.append(np.where(np.isfinite(run.compared[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
     sizes = np.sqrt(np.sum(squares, axis=0))
     order = [int(k) for k in np.argsort(sizes, kind="stable")]
@@ -164,68 +134,31 @@ def _starts(experiment: Experiment, proposal: Proposal) -> tuple[Array, ...]:
         first.setdefault(groups[k], k)
     ranked = [*first.values(), *(k for k in order if k not in first.values())]
     chosen = [k for k in ranked[:_STARTS] if sizes[k] <= _WORSE * sizes[order[0]]]
-    if _DECLARED in first and first[_DECLARED] not in chosen:
-        chosen.append(first[_DECLARED])
+    if ALWAYS in first and first[ALWAYS] not in chosen:
+        chosen.append(first[ALWAYS])
     return tuple(points[k] for k in chosen)
 
 
-def _late(proposal: Proposal) -> list[tuple[int, Array]]:
-    """Of a law that makes the torque late, values (P,) with much less damping, and with the declared arm; each with its group.
-
-    A strongly damped arm looks late by itself. Seen from there lateness is worth next to nothing, so that its size is none of the
-    proposal's.
-    """
-    facts, part = proposal.hypothesis.parameters, proposal.hypothesis.parts[-1]
-    if part.kind != "actuation_time":
-        return []
-    own = [k for k, fact in enumerate(facts) if fact.amplitude and fact.name.startswith(f"{part.name}.")]
-    start, points = proposal.starts[0], []
-    declared = np.array([fact.neutral if fact.name.partition("@")[0] in ARM else v for fact, v in zip(facts, start, strict=True)])
-    arms = [*((_DAMPED, _moved(proposal.hypothesis, start, damping, 1.0)) for damping in _LATE[0]), (_DECLARED, declared)]
-    for (group, arm), size in itertools.product(arms, _LATE[1]):
-        point = arm.copy()
-        point[own] = [np.clip(facts[k].neutral + size * facts[k].scale / len(own), facts[k].lower, facts[k].upper) for k in own]
-        points.append((group, point))
-    return points
-
-
-def _moved(hypothesis: Hypothesis, values: Array, damping: float, amplitude: float) -> Array:
-    """Values (P,) with the damping times one factor, and how far amplitudes of the last effect are from neutral times another."""
-    moved, last = values.copy(), hypothesis.parts[-1].name
-    for index, fact in enumerate(hypothesis.parameters):
-        if fact.name.partition("@")[0] == "damping_scale":
-            moved[index] *= damping
-        elif fact.amplitude and fact.name.startswith(f"{last}."):
-            moved[index] = fact.neutral + amplitude * (moved[index] - fact.neutral)
-        moved[index] = np.clip(moved[index], fact.lower, fact.upper)
-    return moved
-
-
-def quick_fit(experiment: Experiment, base: Fit, proposal: Proposal) -> Fit:
+def quick_fit(problem: Problem, base: Fit, proposal: Proposal) -> Fit:
     """A quick fit from the best of a proposal's starts, to some of the runs; the best of them."""
-    experiment, base = _thinned(experiment, base)
-    answers = [fit(experiment, _rough(proposal.hypothesis), start=start, quick=True) for start in _starts(experiment, proposal)]
+    problem, base = _thinned(problem, base)
+    answers = [fit(problem, proposal.hypothesis.rough, start=start, quick=True) for start in _starts(problem, proposal)]
     return replace(min(answers, key=lambda fitted: fitted.rms), hypothesis=proposal.hypothesis)
 
 
-def _rough(hypothesis: Hypothesis) -> Hypothesis:
-    """The same on the chain that is screened."""
-    return replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
-
-
-def looked_at(experiment: Experiment) -> list[int]:
-    """Which of its runs probes and quick fits look at: of many some in which the arm moves little, some in which it moves far.
+def looked_at(problem: Problem) -> list[int]:
+    """Which of the runs probes and quick fits look at: of many some in which little moves, some in which much does.
 
     A stop that is met in two trials of ten is not to be looked for in the others.
     """
-    by_size = np.argsort([run.moved for run in experiment.runs], kind="stable")
+    by_size = np.argsort([run.moved for run in problem.runs], kind="stable")
     chosen = np.linspace(0, len(by_size) - 1, min(_ENOUGH, len(by_size))).round().astype(int)
     return sorted(by_size[chosen].tolist())
 
 
-def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
+def _thinned(problem: Problem, base: Fit) -> tuple[Problem, Fit]:
     """Some of the samples of some of the runs, and a fit as it stands on them."""
-    thin, kept = _some_of(experiment), looked_at(experiment)
+    thin, kept = _some_of(problem), looked_at(problem)
 
     def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
         return tuple(items[k][:: run.every] for k, run in zip(kept, thin.runs, strict=True))
@@ -242,14 +175,9 @@ def _thinned(experiment: Experiment, base: Fit) -> tuple[Experiment, Fit]:
 
 
 @lru_cache(maxsize=2)
-def _some_of(experiment: Experiment) -> Experiment:
-    """Some of the samples of some of the runs; the same at every call, which keep what they find out.
-
-    What a hand may have done is left to full fits: far from the truth it explains a swing as well as what is lacking would.
-    """
-    runs = (experiment.runs[k] for k in looked_at(experiment))
-    few = tuple(replace(run, every=max(1, len(run.time) // _SAMPLES)) for run in runs)
-    return replace(experiment, runs=few, hand=False)
+def _some_of(problem: Problem) -> Problem:
+    """Some of the samples of some of the runs; the same at every call, which keep what they find out."""
+    return problem.some(looked_at(problem), _SAMPLES)
 
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hsr_pin.diagnosis.resampling import interval, squares
+from hsr_pin.inference.resampling import interval, squares
 from hsr_pin.trajectory import Array
 
 

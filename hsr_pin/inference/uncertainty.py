@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import stdtrit
 
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import PLAIN, Part
+from hsr_pin.inference.fit import Fit
 from hsr_pin.trajectory import Array
 
 #: Directions in which the data are this much weaker than in their best one count as not told (scaled parameters).
@@ -17,8 +16,6 @@ WEAK = 1e-3
 _BLIND, _NOTHING = 1e-8, 1e-100
 #: An error of the model that lasts through every trial is not known to be smaller than this share of a sample's floor.
 _LASTING = 0.01
-#: Numbers that differ by less than twice this share are nearly the same.
-ALIKE = 0.025
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,34 +85,6 @@ def uncertainty(fit: Fit) -> Uncertainty:
             if value < WEAK * singular_values[0] or width > 1
         ),
     )
-
-
-def clearness(fit: Fit) -> dict[str, float]:
-    """For each part of a fitted model how many standard errors its size is from none.
-
-    Of a part with several amplitudes all together (A. Wald, Trans. AMS 54, 1943): each may be in doubt, and that there is one
-    certain.
-    """
-    facts, sure = fit.hypothesis.parameters, uncertainty(fit)
-    own: dict[str, list[int]] = {}
-    for place, fact in enumerate(facts):
-        if fact.amplitude or fact.name in PLAIN:
-            own.setdefault(fact.name.partition(".")[0], []).append(place)
-    neutral = np.array([fact.neutral for fact in facts])
-    away = (fit.values - neutral) / np.maximum(sure.standard_error, 1e-12)
-    return {
-        name: float(np.sqrt(max(0.0, away[k] @ np.linalg.pinv(sure.correlation[np.ix_(k, k)], hermitian=True) @ away[k])))
-        for name, k in own.items()
-    }
-
-
-def alike(fit: Fit, part: Part) -> bool:
-    """Whether the numbers that set a law apart from its special cases may be all the same, or nearly, by their 95 % intervals."""
-    unlike = [f"{part.name}.{name}" for name in part.effect.unlike] if part.effect else []
-    places = [list(fit.named).index(name) for name in unlike]
-    low, high = uncertainty(fit).interval[places].T
-    near = ALIKE * np.abs(fit.values[places])
-    return bool(unlike) and float((low - near).max()) <= float((high + near).min())
 
 
 def _memory(residual: Array) -> int:

@@ -6,10 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hsr_pin.diagnosis.candidate import Candidate
-from hsr_pin.diagnosis.words import number
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.uncertainty import uncertainty
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.uncertainty import uncertainty
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class Estimate:
 
 
 def estimates(fit: Fit) -> tuple[Estimate, ...]:
-    """Every open parameter of a fit: the arm's own first, then those of each effect."""
+    """Every open parameter of a fit: those of the model without causes first, then those of each cause."""
     intervals, on_bound = uncertainty(fit).interval, fit.on_bound()
     return tuple(
         Estimate(fact.name, fact.unit, float(value), (float(low), float(high)), fact.description, fact.name in on_bound)
@@ -57,8 +56,15 @@ def estimates(fit: Fit) -> tuple[Estimate, ...]:
     )
 
 
+def number(value: float) -> str:
+    """Three digits, with the zeros that say so; a question mark for what is not known."""
+    if math.isnan(value):
+        return "?"
+    return "0" if value == 0 else f"{value:#.3g}".rstrip(".")
+
+
 def ranked(tried: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """The best reading of each set of effects, the smallest error on held-out trials first."""
+    """The best variant of each set of causes, the smallest error on held-out trials first."""
     best: dict[tuple[str, ...], Candidate] = {}
     for candidate in sorted(tried, key=lambda candidate: (candidate.heldout_square, candidate.names)):
         best.setdefault(candidate.names, candidate)

@@ -1,4 +1,4 @@
-"""How far a hypothesis is from an experiment, as a function of its open parameters over their scales."""
+"""How far a model is from recordings, as a function of its open parameters over their scales."""
 
 from __future__ import annotations
 
@@ -7,60 +7,56 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.identification.evaluation import Prediction, predict_with_slopes, residuals
-from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.nuisance import Eliminated, believed, prices, taken_out
+from hsr_pin.inference.own_numbers import Eliminated, believed, prices, taken_out
+from hsr_pin.inference.problem import Hypothesis, Prediction, Problem
+from hsr_pin.inference.residuals import residuals
 from hsr_pin.trajectory import Array
 
-#: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
-TRUEST = 5e-4
 
-
-def floor(experiment: Experiment) -> Array:
-    """(M,) [m] what noise and the truest of models leave of a coordinate of each marker."""
-    return np.hypot(experiment.noise, TRUEST * experiment.dataset.length)
+def scaled(hypothesis: Hypothesis) -> tuple[Array, Array, Array]:
+    """(P,) each: the scales of the open parameters, and their bounds over these."""
+    facts = hypothesis.parameters
+    scale = np.array([fact.scale for fact in facts])
+    return scale, np.array([fact.lower for fact in facts]) / scale, np.array([fact.upper for fact in facts]) / scale
 
 
 class Misfit:
     """Weighted residuals and their derivatives, for least squares; what was simulated last is kept.
 
     Args:
-        experiment: what to fit to.
+        problem: recordings, and who simulates them.
         hypothesis: the model and what is open in it.
-        weights: for each run (T, M, A) [1/m], zero in gaps; default: one over what noise and the truest of
+        weights: for each run (T, M, A), zero in gaps; default: one over what noise and the truest of
             models leave.
     """
 
-    def __init__(self, experiment: Experiment, hypothesis: Hypothesis, weights: Sequence[Array] | None = None) -> None:
-        self.experiment, self.hypothesis = experiment, hypothesis
-        self.scale = hypothesis.scale
-        self.lower, self.upper = (bound / self.scale for bound in hypothesis.bounds)
-        known = [np.where(np.isfinite(run.compared), 1 / floor(experiment)[:, None], 0.0) for run in experiment.runs]
+    def __init__(self, problem: Problem, hypothesis: Hypothesis, weights: Sequence[Array] | None = None) -> None:
+        self.problem, self.hypothesis = problem, hypothesis
+        self.scale, self.lower, self.upper = scaled(hypothesis)
+        known = [np.where(np.isfinite(run.compared), 1 / problem.floor[:, None], 0.0) for run in problem.runs]
         self.weights = known if weights is None else list(weights)
         self.evaluations = 0
-        self._lasting = experiment.lasting
         self._seen = [weight > 0 for weight in self.weights]
         self._at: tuple[bytes, tuple[bool, ...]] | None = None
         self._eliminated: list[Eliminated] = []
-        self._gripped = (False,) * len(experiment.runs)
+        self._shown = (False,) * len(problem.runs)
 
     @property
-    def gripped(self) -> tuple[bool, ...]:
-        """For each run whether a hand's hold is among the numbers that belong to it, as :meth:`hold` found it last."""
-        return self._gripped
+    def shown(self) -> tuple[bool, ...]:
+        """For each run whether it shows the numbers that it may have, as :meth:`hold` found it last."""
+        return self._shown
 
     def predictions(self, x: Array) -> list[Prediction]:
         """With one-sided differences."""
-        if self._at != (x.tobytes(), self._gripped):
-            self._predictions = predict_with_slopes(self.experiment, self.hypothesis, x * self.scale, gripped=self._gripped)
-            self._at = x.tobytes(), self._gripped
+        if self._at != (x.tobytes(), self._shown):
+            self._predictions = self.problem.predict_with_slopes(self.hypothesis, x * self.scale, shown=self._shown)
+            self._at = x.tobytes(), self._shown
             self.evaluations += 1
         return self._predictions
 
     def missed(self, x: Array) -> list[Array]:
-        """For each run (T, M, A) [m] predicted minus measured."""
-        return residuals(self.experiment, self.predictions(x))
+        """For each run (T, M, A) predicted minus measured."""
+        return residuals(self.problem, self.predictions(x))
 
     def residual(self, x: Array) -> Array:
         """(n,) weighted, without gaps, what belongs to the trials eliminated."""
@@ -78,20 +74,20 @@ class Misfit:
 
         Were it to change from point to point, the derivatives would lack that.
         """
-        if self.experiment.hand and any(run.start_pose is not None for run in self.experiment.runs):
-            self._gripped = self._held_on(x)
-        price = prices(self.left(x), self.weights, self._lasting)
+        if any(map(self.problem.shown, self.problem.runs)):
+            self._shown = self._shows(x)
+        price = prices(self.left(x), self.weights, self.problem.doubted)
         parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
         bases = [(nuisance * w[..., None])[seen] / price[: nuisance.shape[-1]] for nuisance, w, seen in parts]
         self._eliminated = [Eliminated.of(basis) for basis in bases]
         return any(basis.shape[1] for basis in bases)
 
-    def _held_on(self, x: Array) -> tuple[bool, ...]:
-        """For each run whether it shows that a hand still held the arm after its release; what was simulated for it serves on."""
-        self._gripped = (True,) * len(self.experiment.runs)
-        whole, seen = self.nuisance(x), self._lasting + len(self.experiment.axes)
-        left = taken_out(self.missed(x), self.weights, [each[..., :seen] for each in whole], self._lasting)
-        price = float(prices(left, self.weights, self._lasting)[seen])
+    def _shows(self, x: Array) -> tuple[bool, ...]:
+        """For each run whether it shows the numbers that count only then; what was simulated for it serves on."""
+        self._shown = (True,) * len(self.problem.runs)
+        whole, seen = self.nuisance(x), self.problem.seen
+        left = taken_out(self.missed(x), self.weights, [each[..., :seen] for each in whole], self.problem)
+        price = float(prices(left, self.weights, self.problem.doubted)[seen])
         answers = []
         for residual, weight, known, nuisance in zip(left, self.weights, self._seen, whole, strict=True):
             hold = (nuisance[..., seen:] * weight[..., None])[known] / price
@@ -110,9 +106,9 @@ class Misfit:
         return self._eliminated
 
     def left(self, x: Array) -> list[Array]:
-        """For each run (T, M, A) [m] predicted minus measured, without what belongs to the trial."""
-        return taken_out(self.missed(x), self.weights, self.nuisance(x), self._lasting)
+        """For each run (T, M, A) predicted minus measured, without what belongs to the trial."""
+        return taken_out(self.missed(x), self.weights, self.nuisance(x), self.problem)
 
     def nuisance(self, x: Array) -> list[Array]:
-        """For each run (T, M, A, K) [m] what one standard deviation of each number of the trial's own makes."""
+        """For each run (T, M, A, K) what one standard deviation of each number of the trial's own makes."""
         return [p.nuisance for p in self.predictions(x) if p.nuisance is not None]

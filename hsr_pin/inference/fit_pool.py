@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from typing import Any, TypeVar
 
-from hsr_pin.diagnosis.candidate import Candidate, full_fit
-from hsr_pin.diagnosis.proposals import Proposal, proposals, quick_fit
-from hsr_pin.diagnosis.where import Where, locate
-from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import Part
+from hsr_pin.inference.candidate import Candidate, full_fit
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.problem import Part, Problem
+from hsr_pin.inference.proposals import Proposal, proposals, quick_fit
 from hsr_pin.parallel import Shared, begun, run
 
-#: Effects whose probes make one task: they are quick.
+T = TypeVar("T")
+
+#: Causes whose probes make one task: they are quick.
 _TOGETHER = 3
 
 
 class FitPool:
-    """Fits many models to one experiment.
+    """Fits many models to the same recordings.
 
     Args:
-        experiment: what to fit to.
+        problem: what to fit to, and who simulates it.
         executor: who computes.
         variants: how many variants of each law are offered.
         advance: called after each fit.
@@ -29,18 +30,17 @@ class FitPool:
 
     def __init__(
         self,
-        experiment: Experiment,
+        problem: Problem,
         executor: Executor,
         variants: Mapping[str, int] | None = None,
         advance: Callable[[], None] = lambda: None,
     ) -> None:
-        self.experiment = experiment
-        self._shared, self._executor, self._advance = Shared(experiment), executor, advance
+        self._shared, self._executor, self._advance = Shared(problem), executor, advance
         self._variants = dict(variants or {})
 
-    def where(self, base: Candidate, seed: int) -> Callable[[], Where]:
-        """Begin to map what a model misses, beside the fits; and what gives the maps."""
-        return begun(self._executor, _where, self._shared, base, seed)
+    def beside(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+        """Begin ``function(problem, *arguments)`` beside the fits; and what waits for its answer."""
+        return begun(self._executor, _with_problem, self._shared, function, arguments)
 
     def propose(self, asked: Sequence[tuple[Candidate, Sequence[Part]]]) -> list[list[Proposal]]:
         """For each of some models, proposals for adding each of some parts; none for a part that cannot be simulated."""
@@ -61,33 +61,33 @@ class FitPool:
         return [answer for _, answer in sorted(zip(order, answers, strict=True), key=lambda each: each[0])]
 
 
-def _labour(fit: Fit) -> tuple[bool, int]:
-    """More for a fit that takes longer, to begin with: a law with a memory wants short steps, and every number another column."""
-    return any(effect.states for effect in fit.hypothesis.effects), len(fit.values)
+def _labour(fit: Fit) -> tuple[Any, ...]:
+    """More for a fit that takes longer, to begin with: every number is another simulation."""
+    return (*fit.hypothesis.labour, len(fit.values))
 
 
 def _cut(parts: Sequence[Part]) -> list[list[Part]]:
     """A few parts each; variants of a law that differ in what their size goes with stay together: they share their probes."""
     groups: list[list[Part]] = []
     for part in parts:
-        if groups and (len(groups[-1]) < _TOGETHER or part.resized or part.levels):
+        if groups and (len(groups[-1]) < _TOGETHER or part.plain.reading != part.reading):
             groups[-1].append(part)
         else:
             groups.append([part])
     return groups
 
 
-def _propose(shared: Shared[Experiment], base: Fit, parts: Sequence[Part]) -> list[Proposal]:
+def _with_problem(shared: Shared[Problem], function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
+    return function(shared.get(), *arguments)
+
+
+def _propose(shared: Shared[Problem], base: Fit, parts: Sequence[Part]) -> list[Proposal]:
     return proposals(shared.get(), base, parts)
 
 
-def _where(shared: Shared[Experiment], base: Candidate, seed: int) -> Where:
-    return locate(shared.get(), base, seed)
-
-
-def _quick(shared: Shared[Experiment], base: Fit, proposal: Proposal) -> Fit:
+def _quick(shared: Shared[Problem], base: Fit, proposal: Proposal) -> Fit:
     return quick_fit(shared.get(), base, proposal)
 
 
-def _full(shared: Shared[Experiment], start: Fit, variants: Mapping[str, int]) -> Candidate:
+def _full(shared: Shared[Problem], start: Fit, variants: Mapping[str, int]) -> Candidate:
     return full_fit(shared.get(), start, variants)

@@ -1,4 +1,4 @@
-"""Bounded, robust least squares on marker distances, weighted by the noise floor."""
+"""Bounded, robust least squares on distances, weighted by the noise floor."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from hsr_pin.identification.evaluation import predict_with_slopes, rms
-from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.misfit import Misfit
-from hsr_pin.identification.nuisance import Eliminated, prices
+from hsr_pin.inference.misfit import Misfit
+from hsr_pin.inference.own_numbers import Eliminated, prices
+from hsr_pin.inference.problem import Hypothesis, Problem
+from hsr_pin.inference.residuals import rms
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -30,20 +29,20 @@ class Fit:
     """Where a fit ended.
 
     Attributes:
-        hypothesis: what was fitted.
+        hypothesis: what was fitted (:class:`~hsr_pin.inference.problem.Hypothesis`).
         values: (P,) of its open parameters.
-        residuals: for each run (T, M, A) [m] predicted minus measured, along the axes, without what belongs to the trial.
+        residuals: for each run (T, M, A) predicted minus measured, without what belongs to the trial.
         missed: for each run the same with it.
         slopes: for each run (T, M, A, P) derivatives of the prediction there.
-        weights: for each run (T, M, A) [1/m] with which the residuals counted; zero in gaps.
-        nuisance: for each run (T, M, A, K) [m] what one standard deviation of each number of the trial's own makes.
-        price: (K,) of these: see :func:`hsr_pin.identification.nuisance.prices`.
+        weights: for each run (T, M, A) with which the residuals counted; zero in gaps.
+        nuisance: for each run (T, M, A, K) what one standard deviation of each number of the trial's own makes.
+        price: (K,) of these: see :func:`hsr_pin.inference.own_numbers.prices`.
         converged: whether the search came to its end.
-        evaluations: how many times the experiment was simulated.
+        evaluations: how many times all runs were simulated.
         failed: names of the trials whose simulation ends early there.
     """
 
-    hypothesis: Hypothesis
+    hypothesis: Any
     values: Array
     residuals: tuple[Array, ...]
     missed: tuple[Array, ...]
@@ -57,7 +56,7 @@ class Fit:
 
     @property
     def rms(self) -> float:
-        """RMS marker distance [m] on the trials that were fitted."""
+        """RMS distance on the trials that were fitted."""
         return rms(self.residuals)
 
     @property
@@ -96,24 +95,24 @@ def _near(value: float, bound: float, fact: Parameter) -> bool:
 
 
 def fit(
-    experiment: Experiment,
+    problem: Problem,
     hypothesis: Hypothesis,
     *,
     start: Array | None = None,
     quick: bool = False,
     spread: float | None = None,
 ) -> Fit:
-    """Fit the open parameters of a hypothesis to an experiment.
+    """Fit the open parameters of a model to recordings.
 
     Args:
-        experiment: what to fit to.
+        problem: what to fit to, and who simulates it.
         hypothesis: the model and what is open in it.
         start: (P,) values to start from; default: those of the hypothesis.
         quick: stop early: enough to see which of many models are worth a full fit.
         spread: residual [in noise floors] beyond which a coordinate counts as an outlier (soft-L1 loss); default: six times
             the robust spread at the start.
     """
-    misfit = Misfit(experiment, hypothesis)
+    misfit = Misfit(problem, hypothesis)
     lower, upper = misfit.lower, misfit.upper
     x = np.clip((hypothesis.start if start is None else np.asarray(start)) / misfit.scale, lower, upper)
     if spread is None:
@@ -124,7 +123,7 @@ def fit(
         x, converged = _searched(misfit, x, spread, quick)
     predictions, plain, missed, nuisance = misfit.predictions(x), misfit.missed(x), misfit.left(x), misfit.nuisance(x)
     if not quick:  # a search is steered well enough by one-sided differences; intervals and null directions want better ones
-        predictions = predict_with_slopes(experiment, hypothesis, x * misfit.scale, central=True, gripped=misfit.gripped)
+        predictions = problem.predict_with_slopes(hypothesis, x * misfit.scale, central=True, shown=misfit.shown)
     weights = [
         w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25 for r, w in zip(missed, misfit.weights, strict=True)
     ]  # of the soft-L1 loss at the optimum
@@ -136,10 +135,10 @@ def fit(
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
         nuisance=tuple(nuisance),
-        price=prices(missed, weights, experiment.lasting),
+        price=prices(missed, weights, problem.doubted),
         converged=converged,
         evaluations=misfit.evaluations,
-        failed=tuple(run.trial.name for run, p in zip(experiment.runs, predictions, strict=True) if p.failed),
+        failed=tuple(run.name for run, p in zip(problem.runs, predictions, strict=True) if p.failed),
     )
 
 

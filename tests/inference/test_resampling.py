@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.resampling import certainly_better, draws, gain_interval, interval, squares
+from hsr_pin.inference.resampling import certainly_better, draws, gain_interval, interval, squares
 
 
 def noise(size, *, trials=4, samples=5000, seed=0):

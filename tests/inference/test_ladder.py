@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.ladder import ladder
+from hsr_pin.inference.ladder import ladder
 
 NOISE = 0.5e-3
 

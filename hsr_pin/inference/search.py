@@ -13,15 +13,17 @@ from math import log
 
 import numpy as np
 
-from hsr_pin.diagnosis.candidate import Candidate, Key, key_of
-from hsr_pin.diagnosis.fit_pool import FitPool
-from hsr_pin.diagnosis.proposals import Proposal
-from hsr_pin.diagnosis.screening import from_one_basin, laws_first, screened
-from hsr_pin.identification.fit import Fit
-from hsr_pin.identification.hypothesis import Part
-from hsr_pin.inference import Calibration, Data, Model, Posterior, log_evidence, posterior
-from hsr_pin.inference.evidence import reachable, variance
+from hsr_pin.inference.calibration import Calibration
+from hsr_pin.inference.candidate import Candidate, Key
+from hsr_pin.inference.evidence import log_evidence, reachable, variance
+from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.fit_pool import FitPool
+from hsr_pin.inference.model import Data, Model
+from hsr_pin.inference.posterior import Posterior, posterior
+from hsr_pin.inference.problem import Part
+from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
+from hsr_pin.inference.screening import from_one_basin, laws_first, screened
 
 #: A model whose odds against the best are longer than this is not credible.
 _ODDS = 20.0
@@ -40,7 +42,7 @@ class Search:
     """What the search found.
 
     Attributes:
-        candidates: every model that was fitted, the arm alone first.
+        candidates: every model that was fitted, that without causes first.
         posterior: over them, in their order, and over what has no model to fit, after them.
         data: the scale on which residuals count.
     """
@@ -51,7 +53,7 @@ class Search:
 
     @property
     def base(self) -> Candidate:
-        """Stiffness and damping alone."""
+        """The model without causes."""
         return self.candidates[0]
 
     @property
@@ -153,8 +155,8 @@ def search(
     """Fit every model that may be credible.
 
     Args:
-        starts: models that are fitted already, the arm alone first.
-        parts: the catalogue, each effect with the options it is to be tried with.
+        starts: models that are fitted already, that without causes first.
+        parts: the catalogue, every variant of each cause.
         pool: who does the fitting.
         data: the scale on which residuals count.
         calibration: the numbers of the judgement.
@@ -222,7 +224,7 @@ def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool
     tasks: dict[Key, tuple[Fit, Proposal]] = {}
     for base, proposals in zip(targets, asked, strict=True):
         for proposal in screened(proposals, alone=not base.names):
-            tasks.setdefault(key_of(proposal.hypothesis), (base.fit, proposal))
+            tasks.setdefault(proposal.hypothesis.key, (base.fit, proposal))
     new = [task for key, task in tasks.items() if key not in state.fitted]
     return pool.full(_promising(laws_first(from_one_basin(new, pool)), state, _LEAST, _MOST))
 
@@ -246,7 +248,7 @@ def _parts_of_best(pool: FitPool, state: _State) -> list[Candidate]:
     if len(best.names) < 2:
         return []
     smaller = [without(best.fit, name) for name in best.names]
-    return pool.full([each for each in smaller if key_of(each.hypothesis) not in state.fitted])
+    return pool.full([each for each in smaller if each.hypothesis.key not in state.fitted])
 
 
 def _relatives(state: _State) -> list[Candidate]:
@@ -260,14 +262,14 @@ def _varied(models: Sequence[Candidate], parts: Sequence[Part], pool: FitPool, s
     asked: list[tuple[Candidate, list[Part]]] = []
     for model in models:
         for part in model.fit.hypothesis.parts:
-            base = state.fitted.get(key_of(without(model.fit, part.name).hypothesis))
+            base = state.fitted.get(without(model.fit, part.name).hypothesis.key)
             rest = set(model.names) - {part.name}
             relatives = [other for other in parts if other.name not in rest and (other.name == part.name or part.contains(other))]
             if base is not None and relatives:
                 asked.append((base, relatives))
     new: list[Fit] = []
     for (base, _), proposals in zip(asked, state.propose(asked, pool), strict=True):
-        tasks = [(base.fit, each) for each in proposals if key_of(each.hypothesis) not in state.fitted]
+        tasks = [(base.fit, each) for each in proposals if each.hypothesis.key not in state.fitted]
         new += _promising(from_one_basin(tasks, pool), state, 1, _SIBLINGS)
-    first = {key_of(each.hypothesis): each for each in new}
+    first = {each.hypothesis.key: each for each in new}
     return pool.full(list(first.values()))
