@@ -16,7 +16,7 @@
 - ``residual_torque``: the torque along the arm that the model lacks
 - ``result``: what a diagnosis found, and how it is shown in Python
 - ``smooth``: motion smoothed and differentiated; ranks
-- ``verdict``: what is reported of the posterior, in words
+- ``verdict``: the words of a verdict on an arm
 - ``where``: maps along the arm, time, operating range and trials
 - ``words``: names and numbers as a person would say them
 """

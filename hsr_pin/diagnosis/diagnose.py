@@ -16,7 +16,7 @@ from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
 from hsr_pin.diagnosis.next_experiment import propose
 from hsr_pin.diagnosis.repeats import repeats
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.verdict import Limits, Verdict, predicted_no_better, turned_plane, verdict_of
+from hsr_pin.diagnosis.verdict import WORDS, turned_plane
 from hsr_pin.diagnosis.where import Where, local_defect, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
@@ -27,6 +27,7 @@ from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
 from hsr_pin.identification.part import ACTING, PLAIN, SESSION, TRIALS, Part, readings
 from hsr_pin.identification.plane import Plane, in_its_plane
+from hsr_pin.identification.prepared import TRUEST
 from hsr_pin.inference import Cause, Loss, Model
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.candidate import Candidate, candidate, data_of
@@ -36,6 +37,7 @@ from hsr_pin.inference.ladder import ladder
 from hsr_pin.inference.resampling import squares
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.inference.search import Search, judged, search, without
+from hsr_pin.inference.verdict import Limits, Verdict, predicted_no_better, verdict_of
 from hsr_pin.parallel import beforehand, workers
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement
@@ -154,7 +156,7 @@ class _Study:
         prints = prints.with_print(OutOfPlane(self.plane)) if self.plane else prints
         experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
         length, scatter = experiment.dataset.length, own.floor if own else None
-        limits = Limits.of(experiment.noise_rms, length)
+        limits = Limits.of(experiment.noise_rms, TRUEST * length)
         paper = replace(self.hypothesis, links=self.declared_links, placement="base")
         lacking = _insufficient(experiment)
         if lacking:
@@ -169,12 +171,12 @@ class _Study:
         experiment = _able(experiment, base_fit)
         experiment, found, located = self._searched(experiment, base_fit, limits)
         declared = lasting_square(_simulated(experiment, self.hypothesis))
-        verdict = verdict_of(found, limits, declared, length, scatter=scatter, loss=self.loss)
+        verdict = verdict_of(found, limits, declared, WORDS, length=length, scatter=scatter, loss=self.loss)
         self.tell("where the gap lies")
         rungs = self._rungs(found, experiment)
         if self.aside:
             alone, best = (squares(rungs[k][2]).mean ** 0.5 for k in (0, -1))
-            verdict = predicted_no_better(verdict, alone, best, found.best.names)
+            verdict = predicted_no_better(verdict, alone, best, found.best.names, WORDS)
         verdict = turned_plane(verdict, self.plane)
         where = replace(located, defect=local_defect(found.best))
         return Diagnosis(

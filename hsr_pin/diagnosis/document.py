@@ -11,7 +11,6 @@ from dataclasses import asdict
 from typing import Any
 
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.verdict import Left
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.inference import Decision, Loss, Model
@@ -20,6 +19,7 @@ from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import estimates
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.search import Search
+from hsr_pin.inference.verdict import Left
 
 SCHEMA = 2
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.repeats import Repeats
-from hsr_pin.diagnosis.verdict import Limits, Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.diagnosis.words import headline, sentence
 from hsr_pin.errors import MissingDependencyError
@@ -19,6 +18,7 @@ from hsr_pin.inference import Loss
 from hsr_pin.inference.estimates import number
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.search import Search
+from hsr_pin.inference.verdict import Limits, Verdict
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import KINDS
@@ -14,6 +13,7 @@ from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import number
 from hsr_pin.inference.fit import Fit
+from hsr_pin.inference.verdict import Verdict
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis

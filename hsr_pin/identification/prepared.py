@@ -26,7 +26,7 @@ QUIETEST = 1e-6
 #: Share of what a run moves that a step of integration may be in error by.
 _FINE = 0.02
 #: No model of an arm is truer than this share of its length: markers that are seen with less noise than that weigh the same.
-_TRUEST = 5e-4
+TRUEST = 5e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +226,7 @@ class Prepared:
     @cached_property
     def floor(self) -> Array:
         """(M,) [m] what noise and the truest of models leave of a coordinate of each marker."""
-        return np.hypot(self.noise, _TRUEST * self.dataset.length)
+        return np.hypot(self.noise, TRUEST * self.dataset.length)
 
     @property
     def worst(self) -> float:

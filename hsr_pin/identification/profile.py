@@ -42,7 +42,7 @@ def profile_likelihood(experiment: Experiment, fit: Fit, name: str) -> Profile:
 
     The likelihood is that of residuals with the weights of the fit; it counts as many independent observations as the parameter's
     variance, estimated with autocorrelation, says there are. Where the model is as good as linear this gives the same interval as
-    :func:`~hsr_pin.identification.uncertainty.uncertainty`; where it is not, this one is the better.
+    :func:`~hsr_pin.inference.uncertainty.uncertainty`; where it is not, this one is the better.
 
     Raises:
         IdentificationError: the parameter was not fitted.

@@ -21,6 +21,7 @@
 - ``search``: which models to fit, until none could enter the credible set
 - ``step``: one damped Gauss-Newton step
 - ``uncertainty``: intervals, correlations, what the data cannot tell
+- ``verdict``: what is reported of the posterior, in words
 """
 
 from hsr_pin.inference.calibration import Calibration

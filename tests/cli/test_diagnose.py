@@ -15,9 +15,9 @@ from hsr_pin.cli.diagnose import _OTHER_STAGES, command, progress
 from hsr_pin.cli.diagnose_report import LINES, screen
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
-from hsr_pin.diagnosis.verdict import Verdict
 from hsr_pin.errors import IdentificationError
 from hsr_pin.inference.estimates import estimates
+from hsr_pin.inference.verdict import Verdict
 from hsr_pin.output import PAGE_SIGNATURE
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset

@@ -7,7 +7,7 @@ import pytest
 
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.next_experiment import Proposal
-from hsr_pin.diagnosis.verdict import Verdict
+from hsr_pin.inference.verdict import Verdict
 
 
 @pytest.fixture(scope="session")

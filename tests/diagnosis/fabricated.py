@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hsr_pin.diagnosis.verdict import Limits
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
 from hsr_pin.identification.hypothesis import Hypothesis
@@ -14,10 +13,11 @@ from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
+from hsr_pin.inference.verdict import Limits
 
 #: Noise floor and arm length [m] of every fabricated recording: 0.3 mm a coordinate.
 NOISE, LENGTH = 3e-4, 0.24
-LIMITS = Limits.of(np.sqrt(2) * NOISE, LENGTH)
+LIMITS = Limits.of(np.sqrt(2) * NOISE, 5e-4 * LENGTH)
 TRIALS, SAMPLES = 6, 60
 DATA = Data(noise=NOISE**2, count=TRIALS * SAMPLES * 2)
 

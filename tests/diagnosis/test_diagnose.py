@@ -8,11 +8,12 @@ import pytest
 
 from hsr_pin.diagnosis.diagnose import catalogue, diagnose, unfitted
 from hsr_pin.diagnosis.pulsation import Pulsation
-from hsr_pin.diagnosis.verdict import verdict_of
+from hsr_pin.diagnosis.verdict import WORDS
 from hsr_pin.effects import EFFECTS
 from hsr_pin.errors import EffectError, IdentificationError
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.inference.search import judged
+from hsr_pin.inference.verdict import verdict_of
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
 
@@ -106,7 +107,7 @@ def test_what_pulsates_is_of_a_kind_without_a_name_where_it_predicts_most_of_the
     base = candidate(gap=4e-3)
     where = SimpleNamespace(base=None, pulsation=Pulsation(2.0, 0.1, share))
     found = judged([base], DATA, CALIBRATION, unfitted(base, where))
-    said = verdict_of(found, LIMITS, (5e-3) ** 2, LENGTH)
+    said = verdict_of(found, LIMITS, (5e-3) ** 2, WORDS, length=LENGTH)
     assert (said.effects, said.kinds) == ((), kinds)
 
 

@@ -6,10 +6,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis import proposals as module
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
-from hsr_pin.identification.experiment import prepare
+from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
 from hsr_pin.identification.part import Part, readings
 from hsr_pin.inference.candidate import full_fit
@@ -120,8 +119,8 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
     soft, stiff = 1.11, 2.33
     experiment, base = two_levels({soft: 0.08, stiff: 0.08 * (stiff / soft if sizes_change else 1)})
     simulated = []
-    plain = module._side_by_side
-    monkeypatch.setattr(module, "_side_by_side", lambda *given: simulated.append(given) or plain(*given))
+    plain = Experiment.probe
+    monkeypatch.setattr(Experiment, "probe", lambda *given: simulated.append(given) or plain(*given))
     stays, goes, each = proposals(experiment, base, readings(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
     assert len(simulated) == 1
     assert (stays.hypothesis.resized, goes.hypothesis.resized) == ((), ("torque_bias",))
@@ -174,7 +173,7 @@ def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(m
         return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, proposal))
 
     assert latest() >= 0.03
-    monkeypatch.setattr("hsr_pin.inference.proposals._LATE", ((), ()))
+    monkeypatch.setattr("hsr_pin.identification.hypothesis._LATE", ((), ()))
     assert latest() < 0.01
 
 

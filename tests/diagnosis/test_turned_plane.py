@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.diagnose import diagnose
-from hsr_pin.diagnosis.verdict import Verdict, turned_plane
+from hsr_pin.diagnosis.verdict import turned_plane
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.identify import identify
 from hsr_pin.identification.plane import in_its_plane, plane_of
+from hsr_pin.inference.verdict import Verdict
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import Scenario, Settled

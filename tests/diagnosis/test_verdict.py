@@ -2,9 +2,10 @@
 
 import pytest
 
-from hsr_pin.diagnosis.verdict import Limits, predicted_no_better, verdict_of
+from hsr_pin.diagnosis.verdict import WORDS
 from hsr_pin.inference import Loss
 from hsr_pin.inference.search import judged
+from hsr_pin.inference.verdict import Limits, predicted_no_better, verdict_of
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, LENGTH, LIMITS, candidate
@@ -14,7 +15,7 @@ GAP = 4e-3
 
 def verdict(*candidates, nominal=GAP, **options):
     found = judged([candidate(gap=GAP), *candidates], DATA, CALIBRATION)
-    return verdict_of(found, LIMITS, nominal**2, LENGTH, **options)
+    return verdict_of(found, LIMITS, nominal**2, WORDS, length=LENGTH, **options)
 
 
 def test_one_law_that_closes_the_gap_is_identified():
@@ -69,7 +70,7 @@ def test_a_declared_model_that_fits_leaves_no_gap():
 
 def test_stiffness_and_damping_explain_what_they_close():
     found = judged([candidate(gap=0.5 * LIMITS.closed)], DATA, CALIBRATION)
-    assert verdict_of(found, LIMITS, GAP**2, LENGTH).status == "parameters"
+    assert verdict_of(found, LIMITS, GAP**2, WORDS, length=LENGTH).status == "parameters"
 
 
 def test_a_dearer_wrong_name_makes_the_verdict_more_careful():
@@ -80,13 +81,13 @@ def test_a_dearer_wrong_name_makes_the_verdict_more_careful():
 
 def test_what_predicts_trials_set_aside_no_better_is_not_named():
     said = verdict(candidate("tip_mass"))
-    assert predicted_no_better(said, 2e-3, 1e-3, ("tip_mass",)) is said
-    withheld = predicted_no_better(said, 1e-3, 2e-3, ("tip_mass",))
+    assert predicted_no_better(said, 2e-3, 1e-3, ("tip_mass",), WORDS) is said
+    withheld = predicted_no_better(said, 1e-3, 2e-3, ("tip_mass",), WORDS)
     assert (withheld.status, withheld.effects, withheld.kinds, withheld.confidence) == ("unexplained", (), (), {})
     assert "no better (2.00 mm) than stiffness and damping alone (1.00 mm)" in withheld.sentence
 
 
 def test_what_is_too_small_to_report_follows_from_noise_and_length():
-    assert Limits.of(1e-3, 0.24).closed == pytest.approx(3e-4)
-    assert Limits.of(1e-5, 0.24).closed == pytest.approx(1.8e-4)
-    assert Limits.of(1e-3, 0.24).explains(0.02, 1.0) and not Limits.of(1e-3, 0.24).explains(0.2, 1.0)
+    assert Limits.of(1e-3, 1.2e-4).closed == pytest.approx(3e-4)
+    assert Limits.of(1e-5, 1.2e-4).closed == pytest.approx(1.8e-4)
+    assert Limits.of(1e-3, 1.2e-4).explains(0.02, 1.0) and not Limits.of(1e-3, 1.2e-4).explains(0.2, 1.0)

@@ -7,12 +7,13 @@ import pytest
 
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.verdict import verdict_of
+from hsr_pin.diagnosis.verdict import WORDS
 from hsr_pin.diagnosis.words import advice, effect_options, sentence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.part import Part
 from hsr_pin.inference.search import judged
+from hsr_pin.inference.verdict import verdict_of
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, LENGTH, LIMITS, candidate
@@ -22,7 +23,7 @@ GAP = 4e-3
 
 def advised(*candidates, **changes):
     found = judged([candidate(gap=GAP), *candidates], DATA, CALIBRATION)
-    verdict = verdict_of(found, LIMITS, (6e-3) ** 2, LENGTH)
+    verdict = verdict_of(found, LIMITS, (6e-3) ** 2, WORDS, length=LENGTH)
     return advice(replace(Diagnosis(None, verdict, (), found, LIMITS, ()), **changes))
 
 

@@ -9,11 +9,11 @@ import pytest
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification import heldout
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify, simulated
 from hsr_pin.identification.part import Part
+from hsr_pin.inference import heldout
 from hsr_pin.inference.fit import Fit, fit
 from hsr_pin.inference.heldout import leave_one_out
 from hsr_pin.inference.residuals import rms

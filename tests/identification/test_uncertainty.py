@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from hsr_pin.effects import parse_effect
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.profile import profile_likelihood
 from hsr_pin.inference.fit import fit
-from hsr_pin.inference.uncertainty import alike, uncertainty
+from hsr_pin.inference.uncertainty import uncertainty
 
 TRUE = np.array([1.1, 0.8])
 NOISE = 3e-4
@@ -109,16 +108,3 @@ def test_the_profile_of_something_that_was_not_fitted_is_refused(steps):
     experiment = prepare(steps)
     with pytest.raises(IdentificationError, match="keq_scale, damping_scale"):
         profile_likelihood(experiment, fit(experiment, Hypothesis(), quick=True), "mass_scale")
-
-
-def test_times_of_rise_and_fall_are_alike_where_the_arm_has_a_lag_and_a_delay_and_not_where_it_vents_slowly(record):
-    command = np.repeat([0.0, 1.0, 0.0], [10, 50, 61])
-    model = Hypothesis().with_effects(parse_effect("unequal_lag:rise=0.05,fall=0.05,delay=0.01"))
-    for laws, same in (
-        (("actuator_lag:time_constant=0.1", "dead_time:delay=0.03"), True),
-        (("unequal_lag:rise=0.08,fall=0.12",), False),
-    ):
-        recording = record([(1.11, command)], seconds=1.2, effects=[parse_effect(law) for law in laws])
-        assert alike(fit(prepare(recording), model), model.parts[0]) is same
-    bias = Hypothesis().with_effects(parse_effect("torque_bias:bias=0.1"))
-    assert not alike(fit(prepare(recording), bias), bias.parts[0])  # it has none that could be
