@@ -10,20 +10,24 @@ PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 #: Each room may import itself and the rooms before it.
 FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "inference", "identification", "diagnosis"]
+#: What knows no arm: anybody's model is judged by it.
+ANY_MODEL = [*FOUNDATION, "inference", "report"]
 MAY_IMPORT = (
     {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)}
     | {
         "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
-        "inference": {"errors", "parallel", "parameters", "trajectory", "inference"},  # it knows no arm
-        "diagnosis": {*WAY, "recordings"},
+        "inference": {*ANY_MODEL} - {"report"},
+        "report": {*ANY_MODEL},
+        "explain": {*ANY_MODEL, "recordings", "explain"},
+        "diagnosis": {*WAY, "recordings", "report"},
         "recordings": {*FOUNDATION, "recordings"},
         "replay": {*FOUNDATION, "robot", "replay"},
         "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
         "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
         "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
-        "blind": {*WAY, "recordings", "replay", "control", "blind", "blind.plants"},
+        "blind": {*WAY, "recordings", "report", "replay", "control", "blind", "blind.plants"},
         "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
-        "cli": {*WAY, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
+        "cli": {*WAY, "recordings", "report", "explain", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
     }
 )
 

@@ -7,9 +7,7 @@
 - ``document``: a diagnosis as JSON
 - ``figures``: the pictures of the report
 - ``fingerprint``: what recordings show without a model
-- ``inline_svg``: pictures inside a page
 - ``next_experiment``: what to record next
-- ``page``: in what surroundings pages are written
 - ``pulsation``: what pulses by a clock of its own
 - ``repeats``: trial-to-trial repeatability
 - ``report``: a diagnosis as one HTML page

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hsr_pin.diagnosis.fingerprint.prints import Print
-from hsr_pin.diagnosis.inline_svg import ROLES, drawing
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.diagnosis.words import model_name, readable
 from hsr_pin.identification.prepared import Run
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import number, ranked
+from hsr_pin.report.inline_svg import ROLES, drawing
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

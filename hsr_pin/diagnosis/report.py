@@ -12,27 +12,18 @@ import numpy as np
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
-from hsr_pin.diagnosis.inline_svg import inline
-from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.words import (
-    EXPERIMENTS,
-    advice,
-    effect_options,
-    headline,
-    model_name,
-    readable,
-    scales,
-    sentence,
-    where_sentence,
-)
+from hsr_pin.diagnosis.words import EXPERIMENTS, advice, effect_options, model_name, readable, scales, sentence, where_sentence
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.prepared import Run
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import Estimate, estimates
 from hsr_pin.inference.uncertainty import uncertainty
+from hsr_pin.inference.verdict import headline
 from hsr_pin.output import write_text
+from hsr_pin.report.inline_svg import inline
+from hsr_pin.report.page import environment
 from hsr_pin.trajectory import Array
 
 #: Rows of the table of probabilities, and the least probability that is listed.

@@ -11,14 +11,14 @@ from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.repeats import Repeats
 from hsr_pin.diagnosis.where import Where
-from hsr_pin.diagnosis.words import headline, sentence
+from hsr_pin.diagnosis.words import sentence
 from hsr_pin.errors import MissingDependencyError
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.inference import Loss
 from hsr_pin.inference.estimates import number
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.search import Search
-from hsr_pin.inference.verdict import Limits, Verdict
+from hsr_pin.inference.verdict import Limits, Verdict, headline
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

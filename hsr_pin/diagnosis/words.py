@@ -13,22 +13,9 @@ from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import number
 from hsr_pin.inference.fit import Fit
-from hsr_pin.inference.verdict import Verdict
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
-
-#: Verdict -> what it comes down to.
-HEADLINES = {
-    "identified": "Missing physics identified",
-    "partly_identified": "Missing physics identified in part",
-    "ambiguous": "More than one explanation",
-    "parameters": "Stiffness and damping explain it",
-    "no_gap": "No gap",
-    "unexplained": "Not explained by any known effect",
-    "insufficient": "Too little to go on",
-    "unchanged": "Nothing has changed",
-}
 
 #: Standard experiment -> how to carry it out.
 EXPERIMENTS = {
@@ -40,11 +27,6 @@ EXPERIMENTS = {
     "payload": "the same steps with 50 g at the tip",
     "tilted base": "the same steps with the base tilted by 20 degrees",
 }
-
-
-def headline(verdict: Verdict) -> str:
-    """What a verdict comes down to."""
-    return HEADLINES[verdict.status]
 
 
 def readable(names: Sequence[str]) -> str:

@@ -3,6 +3,7 @@
 - ``calibration``: the few numbers of the judgement, and the cases that they were fitted to
 - ``candidate``: a fitted model with its error on held-out trials
 - ``decision``: the report with the smallest expected loss
+- ``document``: what a search found, for JSON
 - ``estimates``: what a fit says about its parameters
 - ``evidence``: the logarithm of the evidence for one model
 - ``fit``: bounded, robust least squares

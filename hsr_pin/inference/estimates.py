@@ -49,6 +49,8 @@ class Estimate:
 
 def estimates(fit: Fit) -> tuple[Estimate, ...]:
     """Every open parameter of a fit: those of the model without causes first, then those of each cause."""
+    if not len(fit.values):
+        return ()
     intervals, on_bound = uncertainty(fit).interval, fit.on_bound()
     return tuple(
         Estimate(fact.name, fact.unit, float(value), (float(low), float(high)), fact.description, fact.name in on_bound)

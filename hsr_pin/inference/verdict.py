@@ -12,6 +12,19 @@ from hsr_pin.inference.search import Search
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
+#: Verdict -> what it comes down to.
+HEADLINES = {
+    "identified": "Missing physics identified",
+    "partly_identified": "Missing physics identified in part",
+    "ambiguous": "More than one explanation",
+    "parameters": "Fitted parameters explain it",
+    "no_gap": "No gap",
+    "unexplained": "Not explained by any known effect",
+    "insufficient": "Too little to go on",
+    "unchanged": "Nothing has changed",
+}
+
+
 #: Probability of the smallest collection of sets of causes whose names and kinds are listed.
 _CREDIBLE = 0.95
 
@@ -26,6 +39,10 @@ class Vocabulary:
         kinds: of physics, in a few words each.
         numbers: causes that are numbers of the model itself, in words: they are no missing effects.
         session: those of them that change over the session.
+        missing: what is said of a cause.
+        nothing: status and beginning of the sentence where the declared model leaves no gap.
+        declared: the model as declared, as a row of the ladder.
+        headlines: what a verdict comes down to, by its status.
     """
 
     fitted: str
@@ -33,6 +50,10 @@ class Vocabulary:
     kinds: Mapping[str, str]
     numbers: Mapping[str, str] = field(default_factory=dict)
     session: frozenset[str] = frozenset()
+    missing: str = "missing from the model"
+    nothing: tuple[str, str] = ("no_gap", "The declared model reproduces these recordings")
+    declared: str = "declared model"
+    headlines: Mapping[str, str] = field(default_factory=lambda: HEADLINES)
 
 
 @dataclass(frozen=True)
@@ -126,8 +147,8 @@ def verdict_of(
     gap, rest = axes * found.base.model.misfit, axes * found.best.model.misfit
     left = Left(sqrt(rest), rest / max(gap, 1e-300), length, scatter)
     if sqrt(nominal) <= limits.closed:
-        sentence = f"The declared model reproduces these recordings to within {words.size(limits.closed)} of their noise."
-        return Verdict("no_gap", (), (), sentence, left=left)
+        status, sentence = words.nothing
+        return Verdict(status, (), (), f"{sentence} to within {words.size(limits.closed)} of their noise.", left=left)
     if sqrt(gap) <= limits.closed:
         return Verdict("parameters", (), (), _parameters(found, sqrt(nominal), sqrt(gap), words), left=left)
     decision = decide(found.posterior, loss)
@@ -190,7 +211,7 @@ class _Words:
         each = ", or ".join(f"{' with '.join(some)} ({judged[some]:.2f})" for some in sets)
         none = judged.get((), 0.0)
         unknown = f" That no known cause is missing has the probability {none:.2f}." if none >= 1 - _CREDIBLE else ""
-        return "ambiguous", sets, f"One of these is missing from the model ({self.sure}): {each}.{common}{unknown}"
+        return "ambiguous", sets, f"One of these is {self.words.missing} ({self.sure}): {each}.{common}{unknown}"
 
     def _in_part(self) -> str:
         names, kinds = self.decision.names, _kinds(self.found)
@@ -199,7 +220,7 @@ class _Words:
         of_kind = f"something of the kind {listed(beside)} ({what})" if beside else ""
         both = _capital(", and ".join(filter(None, (listed(names), of_kind))))
         verb = "are" if len(names) + bool(beside) > 1 else "is"
-        return f"{both} {verb} missing from the model, in part of its gap ({self.sure})."
+        return f"{both} {verb} {self.words.missing}, in part of its gap ({self.sure})."
 
     def _one(self) -> tuple[str, tuple[Names, ...], str]:
         names, many = self.decision.names, len(self.decision.names) > 1
@@ -215,7 +236,7 @@ class _Words:
             return status, (), f"{what} {'explain' if many else 'explains'} it ({self.sure}): {goes}."
         whole = self.limits.explains(left, self.gap)
         rest = "" if whole else "; something else is left"
-        sentence = f"{listed(names)} {'are' if many else 'is'} missing from the model ({self.sure}): {goes}{rest}."
+        sentence = f"{listed(names)} {'are' if many else 'is'} {self.words.missing} ({self.sure}): {goes}{rest}."
         return ("identified" if whole else "partly_identified"), (), sentence
 
     def _nothing(self) -> tuple[str, tuple[Names, ...], str]:
@@ -251,6 +272,11 @@ def _parameters(found: Search, before: float, after: float, words: Vocabulary) -
     values = ", ".join(f"{name} {value:.3g}" for name, value in found.leader(()).fit.named.items())
     falls = f"the gap beyond noise falls from {words.size(before)} to {words.size(after)}"
     return f"{_capital(words.fitted)} explain it ({values}): {falls}."
+
+
+def headline(verdict: Verdict) -> str:
+    """What a verdict comes down to."""
+    return HEADLINES[verdict.status]
 
 
 def listed(names: Sequence[str]) -> str:

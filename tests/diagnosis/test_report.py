@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.report import _notes, report, telling, write_report
-from hsr_pin.diagnosis.words import HEADLINES
+from hsr_pin.inference.verdict import HEADLINES
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import STATUSES
 

@@ -10,8 +10,8 @@ from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.verdict import Found
-from hsr_pin.diagnosis.inline_svg import ROLES, drawing
 from hsr_pin.diagnosis.words import readable
+from hsr_pin.report.inline_svg import ROLES, drawing
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

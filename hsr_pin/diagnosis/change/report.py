@@ -12,11 +12,11 @@ from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
 from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.diagnosis.change.words import HEADLINES, advice, rounded
-from hsr_pin.diagnosis.inline_svg import inline
-from hsr_pin.diagnosis.page import environment
 from hsr_pin.diagnosis.words import EXPERIMENTS, readable, sentence
 from hsr_pin.inference.estimates import number
 from hsr_pin.output import write_text
+from hsr_pin.report.inline_svg import inline
+from hsr_pin.report.page import environment
 
 
 def write_report(history: History, path: str | Path) -> None:

@@ -12,9 +12,9 @@ from hsr_pin.diagnosis.fingerprint.bending import Bending, bending
 from hsr_pin.diagnosis.fingerprint.decay import turning_points
 from hsr_pin.diagnosis.fingerprint.prints import Print, counted, logarithmic, said
 from hsr_pin.diagnosis.fingerprint.timing import crossing
-from hsr_pin.diagnosis.inline_svg import ROLES
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
+from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

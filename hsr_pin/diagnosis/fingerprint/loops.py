@@ -10,10 +10,10 @@ import numpy as np
 from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.fingerprint.bending import Bending, bending
 from hsr_pin.diagnosis.fingerprint.prints import Print, said
-from hsr_pin.diagnosis.inline_svg import ROLES
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_of
 from hsr_pin.identification.prepared import Run
+from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from hsr_pin.diagnosis.fingerprint.prints import Print, said
-from hsr_pin.diagnosis.inline_svg import ROLES
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.plane import Plane, plane_of
+from hsr_pin.report.inline_svg import ROLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

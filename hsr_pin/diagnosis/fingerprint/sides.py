@@ -14,8 +14,8 @@ import numpy as np
 from hsr_pin.diagnosis.fingerprint.decay import decay
 from hsr_pin.diagnosis.fingerprint.lines import Lines
 from hsr_pin.diagnosis.fingerprint.prints import Print, counted, said
-from hsr_pin.diagnosis.inline_svg import ROLES
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
+from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

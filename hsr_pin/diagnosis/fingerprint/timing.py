@@ -10,9 +10,9 @@ import numpy as np
 from hsr_pin.diagnosis.commands import Step, steps
 from hsr_pin.diagnosis.fingerprint.bending import Bending, bending
 from hsr_pin.diagnosis.fingerprint.prints import Print, counted, said
-from hsr_pin.diagnosis.inline_svg import ROLES
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, mean_of
+from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:

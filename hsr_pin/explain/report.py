@@ -1,0 +1,108 @@
+"""An explanation as one HTML file that needs nothing else: no network, no scripts; for the screen and for paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from markupsafe import Markup
+
+from hsr_pin.explain.result import Explanation
+from hsr_pin.explain.where import sentence
+from hsr_pin.inference.estimates import estimates
+from hsr_pin.inference.uncertainty import uncertainty
+from hsr_pin.output import write_text
+from hsr_pin.report.inline_svg import ROLES, drawing, inline
+from hsr_pin.report.page import environment
+from hsr_pin.trajectory import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Rows of the table of probabilities, and the least probability that is listed.
+_ROWS, _LISTED = 8, 0.01
+#: Width of a figure [inch], and channels that are drawn.
+_WIDTH, _DRAWN = 7.4, 4
+
+
+def write_report(found: Explanation, path: str | Path) -> None:
+    """Write the report.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    write_text(path, report(found))
+
+
+def report(found: Explanation) -> str:
+    """The text of that file."""
+    best = found.search.best
+    sets = [(" + ".join(names), p) for names, p in found.search.posterior.sets.items() if p >= _LISTED][:_ROWS]
+    index = int(np.argmax([_square(each) for each in found.nominal]))
+    run = found.recordings.runs[index]
+    caption = f"{run.name}, where the declared model misses most"
+    return (
+        environment(Path(__file__).parent)
+        .get_template("explanation.html.jinja")
+        .render(
+            found=found,
+            model=found.recordings.model,
+            verdict=found.verdict,
+            headline=found.headline,
+            sets=sets,
+            causes=[found.recordings.model.cause(name) for name in _spoken_of(found)],
+            estimates=estimates(best.fit),
+            doubts=uncertainty(best.fit).weak if len(best.fit.values) else (),
+            where=sentence(found.where),
+            channels=_channels(found),
+            caption=caption,
+            motion=Markup(inline(_motion(found, index), "motion", caption)),
+            percent=lambda share: f"{100 * share:.1f} %".replace("-0.0", "0.0"),
+        )
+    )
+
+
+def _spoken_of(found: Explanation) -> list[str]:
+    """Names of the causes that the verdict or the most probable model names, in the order of the model."""
+    said = {*found.verdict.effects, *found.search.best.names, *(name for names in found.verdict.alternatives for name in names)}
+    return [cause.name for cause in found.recordings.model.causes if cause.name in said]
+
+
+def _channels(found: Explanation) -> list[dict[str, Any]]:
+    """Of each channel its error with the declared, the fitted and the most probable model, in its unit."""
+    recordings = found.recordings
+    shown = (found.nominal, found.search.base.heldout, found.search.best.heldout)
+    rows = []
+    for m, (name, unit) in enumerate(zip(recordings.channels, recordings.units, strict=True)):
+        errors = [unit * _square([each[:, m] for each in missed]) ** 0.5 for missed in shown]
+        rows.append({"name": name, "unit": recordings.model.units.get(name, ""), "errors": errors, "floor": unit})
+    return rows
+
+
+def _motion(found: Explanation, index: int) -> Figure:
+    """What was measured in one trial, and what the declared and the most probable model predict there."""
+    from matplotlib.figure import Figure
+
+    recordings, run = found.recordings, found.recordings.runs[index]
+    best = found.search.best.heldout[index]
+    channels = recordings.channels[:_DRAWN]
+    with drawing():
+        figure = Figure(figsize=(_WIDTH, 0.4 + 1.3 * len(channels)), layout="constrained")
+        for m, axes in enumerate(figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]):
+            unit, measured = recordings.units[m], run.compared[:, m, 0]
+            axes.plot(run.time, unit * measured, color=ROLES["measured"], lw=2.4, alpha=0.5, label="measured")
+            axes.plot(
+                run.time, unit * (measured + found.nominal[index][:, m, 0]), color=ROLES["declared"], label="declared model"
+            )
+            axes.plot(run.time, unit * (measured + best[:, m, 0]), color=ROLES["model"], label="most probable model")
+            shown = recordings.model.units.get(channels[m], "")
+            axes.set_ylabel(f"{channels[m]} [{shown}]" if shown else channels[m])
+        figure.axes[0].legend(ncols=3, loc="lower left", bbox_to_anchor=(0, 1))
+        figure.axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def _square(missed: Any) -> float:
+    parts: list[Array] = [np.ravel(each) for each in missed]
+    return float(np.nanmean(np.concatenate(parts) ** 2))
