@@ -45,7 +45,8 @@ class Change:
 
     def predict_many(self, cases: Sequence[tuple[Mapping[str, float], Trial]]) -> list[Mapping[str, Array]]:
         """Likewise for many at once."""
-        later = [(self.changed(values), trial.inputs[0]) for values, trial in cases]
+        own = [{name: values.get(name, 0.0) for name in trial.own} for values, trial in cases]
+        later = [(self.changed(values) | more, trial.inputs[0]) for (values, trial), more in zip(cases, own, strict=True)]
         earlier = [(self.known, trial.inputs[1]) for _, trial in cases]
         answers = self.model.outputs([*later, *earlier])
         halves = zip(answers[: len(cases)], answers[len(cases) :], strict=True)

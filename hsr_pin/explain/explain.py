@@ -162,7 +162,8 @@ def explain_change(
 def _difference(late: Trial, early: Trial) -> Trial:
     """What was measured later minus what was measured earlier."""
     measured = {channel: np.asarray(late.measured[channel]) - np.asarray(early.measured[channel]) for channel in late.measured}
-    return Trial(late.name, late.time, measured, (late, early), late.labels)
+    own = {name: size * 2**0.5 for name, size in late.own.items()}  # of both
+    return Trial(late.name, late.time, measured, (late, early), late.labels, own)
 
 
 def _split(whole: Recordings, test: Sequence[str]) -> tuple[Recordings | None, Recordings]:

@@ -102,7 +102,7 @@ class Trial:
 
     Attributes:
         name: of the trial.
-        time: (N,) [s], rising.
+        time: (N,) [s], rising; anything that becomes an array.
         measured: for each channel (N,) what was measured; NaN in gaps.
         inputs: whatever the model's function needs to know of the trial; it must be possible to pickle it.
         labels: of the trial (a payload, an operator, a day), by which the gap is shown too.
@@ -111,8 +111,8 @@ class Trial:
     """
 
     name: str
-    time: ArrayLike
-    measured: Mapping[str, ArrayLike]
+    time: Array
+    measured: Mapping[str, Array]
     inputs: Any = None
     labels: Mapping[str, str | float] = field(default_factory=dict)
     own: Mapping[str, float] = field(default_factory=dict)

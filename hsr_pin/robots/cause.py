@@ -1,0 +1,124 @@
+"""What may be missing at the joints of a robot: the interface of one cause."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from hsr_pin.explain.model import Cause
+from hsr_pin.parameters import Parameter
+from hsr_pin.trajectory import Array
+
+if TYPE_CHECKING:
+    import pinocchio as pin
+
+#: Kind of physics -> what it says, in a few words.
+KINDS = {
+    "friction": "a torque that opposes the motion of a joint, and hardly depends on its speed",
+    "damping": "a torque that grows with the speed of a joint",
+    "elastic": "a torque that grows with the angle of a joint",
+    "mass_gravity": "masses, inertias and gravity",
+    "actuation_map": "the map from the recorded torque to the torque that acts",
+    "actuation_time": "the torque comes late",
+    "measurement": "what the encoders show",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """What is usual in the recordings: it sets the scales of what may be missing.
+
+    Attributes:
+        torque: (n,) [N m] RMS of each joint.
+        speed: (n,) [rad/s] RMS of each.
+        angle: (n,) [rad] half the range of each.
+        mass: [kg] of all that moves.
+        inertia: (n,) [kg m^2] seen at each joint.
+    """
+
+    torque: Array
+    speed: Array
+    angle: Array
+    mass: float
+    inertia: Array
+
+
+class Values:
+    """Values of one cause for B simulations side by side, as arrays (B, n) or (B, 1)."""
+
+    def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]]) -> None:
+        self._cause, self._joints, self._values = cause, joints, values
+
+    def of_joints(self, name: str = "") -> Array:
+        """(B, n) of each joint."""
+        keys = [f"{self._cause.name}.{of(name, joint)}" for joint in self._joints]
+        return np.array([[each[key] for key in keys] for each in self._values])
+
+    def shared(self, name: str) -> Array:
+        """(B, 1) of all joints."""
+        return np.array([[each[f"{self._cause.name}.{name}"]] for each in self._values])
+
+
+def of(name: str, joint: str) -> str:
+    """What a number of a joint is called: by the joint alone where a cause has one number for each."""
+    return f"{name}:{joint}" if name else joint
+
+
+class JointCause(ABC):
+    """One thing that the declared model of a robot may lack.
+
+    A subclass overrides the method where it acts; the others leave the model as it is. B simulations run side by side, each with
+    values of its own; amplitudes that are 0 give back the declared model.
+    """
+
+    name: ClassVar[str]
+    #: One of :data:`KINDS`.
+    kind: ClassVar[str]
+    description: ClassVar[str]
+    citation: ClassVar[str] = ""
+    #: Names of causes that are special cases of this one.
+    contains: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
+        """Those of a robot with these joints: of each of them, named by :func:`of`; then what they share."""
+
+    def as_cause(self, joints: Sequence[str], sizes: Sizes) -> Cause:
+        """It as a search takes it: at all joints, or at any one of them."""
+        facts = self.parameters(joints, sizes)
+        shared = tuple(fact.name for fact in facts if fact.name.rpartition(":")[2] not in joints)
+        own = {joint: tuple(fact.name for fact in facts if fact.name.rpartition(":")[2] == joint) for joint in joints}
+        single = tuple((*names, *shared) for names in own.values() if names) if len(joints) > 1 else ()
+        return Cause(self.name, self.kind, facts, self.description, apart=single, contains=self.contains)
+
+    def armature(self, values: Values) -> Array | None:
+        """(B, n) [kg m^2] that is added at the joints."""
+        return None
+
+    def bodies(self, values: Values) -> Array | None:
+        """(B, K) numbers that change masses or gravity; simulations that have the same share a model."""
+        return None
+
+    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+        """Change the bodies of a model by its numbers (K,)."""
+        raise NotImplementedError
+
+    def command(self, values: Values, time: Array, torque: Array) -> Array:
+        """(B, N, n) [N m] the torque that acts, of (B, N, n) that was recorded at times (N,) [s]."""
+        return torque
+
+    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array] | None:
+        """(B, n) [N m] added at the joints, and (B, n) [N m s/rad] by how much it falls with the speed."""
+        return None
+
+    def shown(self, values: Values, q: Array) -> Array:
+        """(B, ..., n) what the encoders show of angles (B, ..., n)."""
+        return q
+
+    def read(self, values: Values, q: Array) -> Array:
+        """(B, n) the angles of which the encoders show (B, n): the inverse of :meth:`shown`."""
+        return q

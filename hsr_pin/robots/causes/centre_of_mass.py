@@ -1,0 +1,34 @@
+"""Centres of mass farther from the joints, or nearer, than declared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pinocchio as pin
+
+from hsr_pin.explain.model import amplitude
+from hsr_pin.parameters import Parameter
+from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.trajectory import Array
+
+
+class CentreOfMass(JointCause):
+    """Centres of mass farther from the joints, or nearer, than declared."""
+
+    name = "centre_of_mass"
+    kind = "mass_gravity"
+    description = "centres of mass farther from the joints, or nearer, than declared"
+
+    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
+        """A share of each link."""
+        return tuple(amplitude(joint, 0.05, lower=-0.9, upper=5.0) for k, joint in enumerate(joints))
+
+    def bodies(self, values: Values) -> Array:
+        """The shares."""
+        return values.of_joints()
+
+    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+        """Along the line from the joint that moves the link."""
+        for k, share in enumerate(numbers, 1):
+            own = model.inertias[k]
+            model.inertias[k] = pin.Inertia(own.mass, (1 + share) * own.lever, own.inertia)

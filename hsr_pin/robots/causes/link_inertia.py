@@ -1,0 +1,34 @@
+"""Links that are harder or easier to turn than declared, at the same mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pinocchio as pin
+
+from hsr_pin.explain.model import amplitude
+from hsr_pin.parameters import Parameter
+from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.trajectory import Array
+
+
+class LinkInertia(JointCause):
+    """Links that are harder or easier to turn than declared, at the same mass."""
+
+    name = "link_inertia"
+    kind = "mass_gravity"
+    description = "links that are harder or easier to turn than declared, at the same mass"
+
+    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
+        """A share of each link."""
+        return tuple(amplitude(joint, 0.1, lower=-1.0, upper=10.0) for k, joint in enumerate(joints))
+
+    def bodies(self, values: Values) -> Array:
+        """The shares."""
+        return values.of_joints()
+
+    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+        """The inertia about the centre of mass of the links that the joints move."""
+        for k, share in enumerate(numbers, 1):
+            own = model.inertias[k]
+            model.inertias[k] = pin.Inertia(own.mass, own.lever, (1 + share) * own.inertia)

@@ -1,0 +1,34 @@
+"""Links heavier or lighter than declared, with inertias in proportion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pinocchio as pin
+
+from hsr_pin.explain.model import amplitude
+from hsr_pin.parameters import Parameter
+from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.trajectory import Array
+
+
+class LinkMass(JointCause):
+    """Links heavier or lighter than declared, with inertias in proportion."""
+
+    name = "link_mass"
+    kind = "mass_gravity"
+    description = "links heavier or lighter than declared, with inertias in proportion"
+
+    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
+        """A share of each link."""
+        return tuple(amplitude(joint, 0.05, lower=-0.9, upper=5.0) for k, joint in enumerate(joints))
+
+    def bodies(self, values: Values) -> Array:
+        """The shares."""
+        return values.of_joints()
+
+    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+        """The inertia of the links that the joints move."""
+        for k, share in enumerate(numbers, 1):
+            own = model.inertias[k]
+            model.inertias[k] = pin.Inertia((1 + share) * own.mass, own.lever, (1 + share) * own.inertia)

@@ -1,0 +1,193 @@
+"""Many simulations of one robot side by side, each with values and a stretch of a recording of its own.
+
+A step is of second order: the articulated-body algorithm of Pinocchio is evaluated half a step ahead, with a speed extrapolated
+from the step before. Friction counts implicitly, so that a joint that sticks costs no small steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from hsr_pin.robots.cause import JointCause, Values
+from hsr_pin.robots.friction import sliding
+from hsr_pin.robots.robot import Robot
+from hsr_pin.trajectory import Array
+
+#: Longest step [s].
+_LONGEST = 2.5e-3
+#: A joint that is this fast [rad/s] has left its model.
+_LOST = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Part of a recording.
+
+    Attributes:
+        time: (N,) [s] of its samples.
+        torque: (N, n) [N m] recorded.
+        before_time: (K,) [s] of what was recorded earlier, of which late torques know.
+        before: (K, n) [N m] likewise.
+        q: (n,) [rad] at the start, as the encoders show it.
+        v: (n,) [rad/s] likewise.
+    """
+
+    time: Array
+    torque: Array
+    before_time: Array
+    before: Array
+    q: Array
+    v: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One simulation.
+
+    Attributes:
+        stretch: what is simulated.
+        values: of all causes' parameters, by name.
+        aside: (n,) [rad/s] by which the speed at the start differs from the shown one.
+    """
+
+    stretch: Stretch
+    values: Mapping[str, float]
+    aside: Array
+
+
+def simulate(robot: Robot, causes: Sequence[JointCause], neutral: Mapping[str, float], cases: Sequence[Case]) -> list[Array]:
+    """(N, n) [rad] what the encoders show in each case; NaN from where a simulation fails.
+
+    Args:
+        robot: as declared.
+        causes: what may be missing.
+        neutral: values of all their parameters with which nothing is.
+        cases: what is simulated.
+    """
+    answers: list[Array] = [np.empty(0)] * len(cases)
+    by_length: dict[int, list[int]] = {}
+    for k, case in enumerate(cases):
+        by_length.setdefault(len(case.stretch.time), []).append(k)
+    for own in by_length.values():
+        shown = _Side(robot, [cause for cause in causes if _acts(cause, neutral, cases)], [cases[k] for k in own]).run()
+        for k, seen in zip(own, shown, strict=True):
+            answers[k] = seen
+    return answers
+
+
+class _Side:
+    """Simulations of stretches with equally many samples."""
+
+    def __init__(self, robot: Robot, causes: Sequence[JointCause], cases: Sequence[Case]) -> None:
+        self.robot, self.cases = robot, cases
+        named = [case.values for case in cases]
+        self.causes = [(cause, Values(cause, robot.joints, named)) for cause in causes]
+        self.groups = self._models()
+
+    def _models(self) -> list[tuple[list[int], pin.ModelPool, Array]]:
+        """Simulations that share their bodies: which, their model, and the inverse (G, n, n) of its mass matrix at the start."""
+        count, columns = len(self.cases), []
+        for cause, values in self.causes:
+            columns += [each for each in (cause.bodies(values), cause.armature(values)) if each is not None]
+        keys = np.hstack(columns) if columns else np.zeros((count, 0))
+        groups: dict[bytes, list[int]] = {}
+        for k, key in enumerate(keys):
+            groups.setdefault(key.tobytes(), []).append(k)
+        found = []
+        for own in groups.values():
+            model = self.robot.model.copy()
+            for cause, values in self.causes:
+                bodies, armature = cause.bodies(values), cause.armature(values)
+                if bodies is not None:
+                    cause.change_bodies(bodies[own[0]], model)
+                if armature is not None:
+                    model.armature = model.armature + self.robot.sorted(armature[own[0]])
+            data, order = model.createData(), self.robot.order
+            inverse = np.empty((len(own), model.nv, model.nv))
+            for place, k in enumerate(own):
+                half = np.triu(pin.computeMinverse(model, data, self.cases[k].stretch.q[order]))
+                inverse[place] = half + half.T - np.diag(np.diag(half))
+            found.append((own, pin.ModelPool(model, 1), inverse))
+        return found
+
+    def run(self) -> Array:
+        """(B, N, n) [rad] what the encoders show."""
+        torque, step = self._driven(), self._steps()
+        q = np.array([case.stretch.q for case in self.cases])
+        v = np.array([case.stretch.v + case.aside for case in self.cases])
+        moved = q + v
+        for cause, values in reversed(self.causes):
+            q, moved = cause.read(values, q), cause.read(values, moved)
+        v = moved - q
+        angles = np.empty((len(q), torque.shape[1], q.shape[1]))
+        angles[:, 0], last = q, np.zeros_like(q)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for n in range(torque.shape[1] - 1):
+                parts = max(1, int(np.ceil(step[:, n].max() / _LONGEST - 1e-9)))
+                h = step[:, n, None] / parts
+                for part in range(parts):
+                    at = (part + 0.5) / parts
+                    driven = (1 - at) * torque[:, n] + at * torque[:, n + 1]
+                    last = self._acceleration(q + h / 2 * v, v + h / 2 * last, v, driven, h)
+                    q, v = q + h * v + h**2 / 2 * last, v + h * last
+                lost = ~(np.abs(v) < _LOST).all(axis=1)
+                q[lost], v[lost], last[lost] = np.nan, 0.0, 0.0
+                angles[:, n + 1] = q
+        for cause, values in self.causes:
+            angles = cause.shown(values, angles)
+        return angles
+
+    def _acceleration(self, q: Array, ahead: Array, v: Array, driven: Array, h: Array) -> Array:
+        """(B, n) [rad/s^2] over a step h (B, 1) [s], from half a step ahead; friction as it is at its end."""
+        robot, order = self.robot, self.robot.order
+        torque = driven - robot.damping * ahead
+        implicit = np.zeros_like(v)
+        if robot.friction.any():
+            added, slope = sliding(robot.friction, v)
+            torque, implicit = torque + added, implicit + slope
+        for cause, values in self.causes:
+            if (found := cause.torque(values, q, v, driven)) is not None:
+                torque, implicit = torque + found[0], implicit + found[1]
+        q = np.nan_to_num(q)
+        answer = np.empty_like(v)
+        for own, pool, inverse in self.groups:
+            columns = (np.asfortranarray(each[own][:, order].T) for each in (q, ahead, torque))
+            a = np.reshape(pin.abaInParallel(1, pool, *columns), (v.shape[1], -1)).T
+            slope = implicit[own][:, order]
+            if slope.any():
+                a = np.linalg.solve(np.eye(a.shape[1]) + h[own][:, :, None] * inverse * slope[:, None, :], a[..., None])[..., 0]
+            found_at = np.empty_like(a)
+            found_at[:, order] = a
+            answer[own] = found_at
+        return answer
+
+    def _steps(self) -> Array:
+        return np.array([np.diff(case.stretch.time) for case in self.cases])
+
+    def _driven(self) -> Array:
+        """(B, N, n) [N m] the torque that acts."""
+        driven: list[Array] = []
+        same: dict[int, list[int]] = {}
+        for k, case in enumerate(self.cases):
+            same.setdefault(id(case.stretch), []).append(k)
+        placed: dict[int, Array] = {}
+        for own in same.values():
+            stretch = self.cases[own[0]].stretch
+            time = np.concatenate([stretch.before_time, stretch.time])
+            torque = np.repeat(np.concatenate([stretch.before, stretch.torque])[None], len(own), axis=0)
+            for cause, _ in self.causes:
+                values = Values(cause, self.robot.joints, [self.cases[k].values for k in own])
+                torque = cause.command(values, time, torque)
+            placed |= dict(zip(own, torque[:, len(stretch.before) :], strict=True))
+        driven = [placed[k] for k in range(len(self.cases))]
+        return np.array(driven)
+
+
+def _acts(cause: JointCause, neutral: Mapping[str, float], cases: Sequence[Case]) -> bool:
+    """Whether it is there in any case."""
+    own = [name for name in neutral if name.startswith(f"{cause.name}.")]
+    return any(case.values[name] != neutral[name] for case in cases for name in own)
