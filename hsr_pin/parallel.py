@@ -75,6 +75,22 @@ class Shared(Generic[T]):
         return isinstance(other, Shared) and self._mark == other._mark
 
 
+class Held(Shared[T]):
+    """The same for tasks that this process does itself: nothing is packed."""
+
+    def __init__(self, thing: T) -> None:
+        self._thing, self._mark = thing, str(id(thing))
+
+    def get(self) -> T:
+        """The thing."""
+        return self._thing
+
+
+def shared(thing: T, executor: Executor) -> Shared[T]:
+    """Something that many tasks of an executor need."""
+    return Held(thing) if isinstance(executor, Serial) else Shared(thing)
+
+
 @lru_cache(maxsize=8)
 def _unpacked(shared: Shared[Any]) -> Any:
     return pickle.loads(shared._packed)

@@ -10,6 +10,8 @@ PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 #: Each room may import itself and the rooms before it.
 FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "inference", "identification", "diagnosis"]
+#: What else a command may call.
+MAY_SHOW = ["report", "explain", "robots"]
 #: What knows no arm: anybody's model is judged by it.
 ANY_MODEL = [*FOUNDATION, "inference", "report"]
 MAY_IMPORT = (
@@ -19,6 +21,7 @@ MAY_IMPORT = (
         "inference": {*ANY_MODEL} - {"report"},
         "report": {*ANY_MODEL},
         "explain": {*ANY_MODEL, "recordings", "explain"},
+        "robots": {*ANY_MODEL, "recordings", "explain", "robots"},
         "diagnosis": {*WAY, "recordings", "report"},
         "recordings": {*FOUNDATION, "recordings"},
         "replay": {*FOUNDATION, "robot", "replay"},
@@ -27,7 +30,7 @@ MAY_IMPORT = (
         "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
         "blind": {*WAY, "recordings", "report", "replay", "control", "blind", "blind.plants"},
         "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
-        "cli": {*WAY, "recordings", "report", "explain", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
+        "cli": {*WAY, *MAY_SHOW, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
     }
 )
 

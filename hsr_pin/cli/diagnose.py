@@ -52,10 +52,17 @@ def command(dataset: str, **options: Any) -> None:
 
     With --since OLD the question is what has changed in the arm since that recording: DATASET is compared with what the best
     model of OLD predicts.
+
+    DATASET may also be a folder with recordings of a robot of rigid links (robot.toml): then the causes are those of its joints.
     """
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
     check_outputs(files, read=[dataset_folder(each) for each in (dataset, *options["since"])], force=options["force"])
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: processes, not threads, share the cores
+    if os.path.isfile(os.path.join(dataset, "robot.toml")):
+        from hsr_pin.cli.robot import tell_robot
+
+        tell_robot(dataset, options)
+        return
     if options["since"]:
         from hsr_pin.cli.since import tell_since
 

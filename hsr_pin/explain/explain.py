@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import pickle
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
@@ -90,6 +91,8 @@ def explain(
     Raises:
         InputError: too few trials, an unknown cause, or predictions that do not belong to the trials.
     """
+    if executor is not None or jobs != 1:
+        _check_importable(model)
     whole = Recordings(model, trials)
     aside, used = _split(whole, test)
     chosen = model.causes if causes is None else [model.cause(name) for name in dict.fromkeys(causes)]
@@ -164,6 +167,19 @@ def _difference(late: Trial, early: Trial) -> Trial:
     measured = {channel: np.asarray(late.measured[channel]) - np.asarray(early.measured[channel]) for channel in late.measured}
     own = {name: size * 2**0.5 for name, size in late.own.items()}  # of both
     return Trial(late.name, late.time, measured, (late, early), late.labels, own)
+
+
+def _check_importable(model: Model) -> None:
+    """Refuse functions that other processes cannot have.
+
+    Raises:
+        InputError: one that cannot be pickled.
+    """
+    try:
+        pickle.dumps(model)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        hint = "use jobs=1, or functions that a module defines"
+        raise InputError("model", expected="functions that other processes can import", received=str(error), hint=hint) from error
 
 
 def _split(whole: Recordings, test: Sequence[str]) -> tuple[Recordings | None, Recordings]:

@@ -194,7 +194,8 @@ class Model:
         Raises:
             InputError: a channel is missing, or has another length than the trial.
         """
-        many = self.predict_many(cases) if self.predict_many else [self.predict(values, trial) for values, trial in cases]
+        with np.errstate(all="ignore"):  # a fit may ask for what cannot be simulated
+            many = self.predict_many(cases) if self.predict_many else [self.predict(values, trial) for values, trial in cases]
         return [_checked(found, trial) for found, (_, trial) in zip(many, cases, strict=True)]
 
 

@@ -27,6 +27,8 @@ from hsr_pin.trajectory import Array
 _FRACTION, _OWN = 0.02, 0.5
 #: What a simulation that failed counts as, over the spread of what was measured.
 _FAILED = 3.0
+#: A prediction larger than this many times that is a failure too.
+_LOST = 100.0
 #: Numbers of predictions that are kept: 80 MB.
 _KEPT = 10_000_000
 #: Factors on the amplitudes of an initial estimate at which it is tried too.
@@ -199,6 +201,19 @@ class Recording:
         return float(np.nanmax(np.nanstd(self.scaled, axis=0), initial=0.0))
 
 
+class _Known(OrderedDict[object, Array]):
+    """Predictions that were made, the latest of them."""
+
+    size = 0
+
+    def keep(self, new: Mapping[object, Array]) -> None:
+        """Add some, and forget the oldest."""
+        self.update(new)
+        self.size += sum(each.size for each in new.values())
+        while self.size > _KEPT:
+            self.size -= self.popitem(last=False)[1].size
+
+
 class Recordings:
     """Trials, and the model that is to reproduce them.
 
@@ -227,7 +242,7 @@ class Recordings:
         self.noise, self.floor = rms / self.units, np.ones(len(self.units))
         self.runs = tuple(Recording(trial, _stacked(trial.measured, self.channels) / self.units[:, None]) for trial in trials)
         self.worst = _FAILED * max(run.moved for run in self.runs)
-        self._known: OrderedDict[object, Array] = OrderedDict()
+        self._known = _Known()
 
     def _noise(self, channel: str, trials: Sequence[Trial]) -> float:
         if channel in self.model.noise:
@@ -241,7 +256,7 @@ class Recordings:
         return math.hypot(self._noise(channel, trials), self.model.truest * spread) or 1.0
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_known": OrderedDict()}
+        return self.__dict__ | {"_known": _Known()}
 
     @property
     def seen(self) -> int:
@@ -325,15 +340,13 @@ class Recordings:
         found = self.model.outputs([(values, run.trial) for run, values in new.values()])
         here: dict[object, Array] = dict(zip(new, map(self._scaled, found), strict=True))
         answers = [here[key] if key in here else self._known[key] for key in keys]
-        self._known.update(here)
-        size = sum(each.size for each in self._known.values())
-        while size > _KEPT:
-            size -= self._known.popitem(last=False)[1].size
+        self._known.keep(here)
         return [answer[:: run.every] for answer, (run, _) in zip(answers, cases, strict=True)]
 
     def _scaled(self, outputs: Mapping[str, Any]) -> Array:
-        """(N, M, 1) over the floors."""
-        return np.asarray(_stacked(outputs, self.channels) / self.units[:, None])
+        """(N, M, 1) over the floors; NaN for what is far from anything that was measured."""
+        scaled = _stacked(outputs, self.channels) / self.units[:, None]
+        return np.where(np.abs(scaled) < _LOST * self.worst, scaled, np.nan)
 
 
 def _stacked(outputs: Mapping[str, Any], channels: Sequence[str]) -> Array:

@@ -10,7 +10,7 @@ from hsr_pin.inference.candidate import Candidate, full_fit
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal, proposals, quick_fit
-from hsr_pin.parallel import Shared, begun, run
+from hsr_pin.parallel import Shared, begun, run, shared
 
 T = TypeVar("T")
 
@@ -35,7 +35,7 @@ class FitPool:
         variants: Mapping[str, int] | None = None,
         advance: Callable[[], None] = lambda: None,
     ) -> None:
-        self._shared, self._executor, self._advance = Shared(problem), executor, advance
+        self._shared, self._executor, self._advance = shared(problem, executor), executor, advance
         self._variants = dict(variants or {})
 
     def beside(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:

@@ -3,8 +3,7 @@
 The arms come from the package example-robot-data.  A case keeps 3 to 6 of an arm's joints, fixes the others,
 hides a cause in the MuJoCo model (or in the encoder, or in the clock), lets a joint controller that knows only
 the nominal bodies drive the arm, and writes what a user would have: robot.urdf, robot.toml and trial_NN.csv.
-In row k of a trial, q is what the encoders said at t_k and tau is the command worked out from it, which the drives
-hold until t_(k+1).  Run it as: python mujoco_robot.py FOLDER SEED COUNT
+Row k has the encoders' q at t_k and the command tau worked out from it, which the drives hold until t_(k+1).
 """
 
 import copy, importlib.metadata, json, math, pathlib, sys  # noqa: E401
@@ -31,12 +30,12 @@ PLAIN = ("load_friction", "torque_gain", "dead_time", "drive_lag", "drifting_tor
 LEVELS, SHARE = ("small", "medium", "large"), (0.03, 0.06, 0.10, 0.18, 0.25, 0.38)  # of a joint's torque (rms): the ranges for small, medium and large
 SIZES = {  # of the causes that are not sized by their share of the torque
     "rotor_inertia": (0.05, 0.1, 0.2, 0.35, 0.5, 1.0),  # of the joint's inertia
-    "dead_time": (0.006, 0.01, 0.015, 0.025, 0.03, 0.045), "drive_lag": (0.008, 0.012, 0.02, 0.035, 0.045, 0.07),  # s
+    "dead_time": (0.006, 0.01, 0.014, 0.022, 0.026, 0.036), "drive_lag": (0.007, 0.011, 0.018, 0.028, 0.036, 0.05),  # s
     "saturation": (0.95, 0.97, 0.87, 0.92, 0.75, 0.83),  # the quantile of the torque's size that is still reached
     "encoder_gain": (0.015, 0.03, 0.05, 0.09, 0.12, 0.18), "payload": (0.05, 0.1, 0.2, 0.35, 0.5, 0.9),  # of the rated payload
     "tilted_base": (1, 2, 3, 5.5, 7, 12),  # degrees
     "joint_stop": (0.04, 0.06, 0.1, 0.15, 0.2, 0.28),  # the share of the time that the motions want to be beyond it
-    "backlash": (0.005, 0.01, 0.018, 0.03, 0.04, 0.06), "joint_elasticity": (8, 11, 4.5, 6.5, 2.8, 3.8),  # rad; Hz, motor held
+    "backlash": (0.006, 0.012, 0.02, 0.035, 0.05, 0.08), "joint_elasticity": (8, 11, 4.5, 6.5, 2.8, 3.8),  # rad; Hz, motor held
 }  # fmt: skip
 
 def _numbers(element, key):
@@ -62,8 +61,7 @@ def bodies(robot, moving, tool=None):
     source, names = _description(robot)
     home, root = dict(zip(names, ROBOTS[robot][2])), ET.Element("robot", name=robot)
     for old in source.findall("link"):
-        new = ET.SubElement(root, "link", name=old.get("name"))
-        new.extend(copy.deepcopy(old.findall("inertial")))
+        ET.SubElement(root, "link", name=old.get("name")).extend(copy.deepcopy(old.findall("inertial")))
     for old in source.findall("joint"):
         name, still = old.get("name"), old.get("type") == "fixed" or old.get("name") not in moving
         new = ET.SubElement(root, "joint", name=name, type="fixed" if still else "revolute")
@@ -194,9 +192,11 @@ class Survey:
         self.room = np.minimum(0.9, np.abs(m.jnt_range.T - self.home).min(0) - 0.1)
         self.motions = motions(case["seed"], self.home, self.room, case["trials"])
         self.q, v, a = (np.concatenate([r[k][int(PREROLL / GRID) :: 25] for r in self.motions]) for k in "qva")
-        self.tau = inverse(m, self.data, self.q, v, a)
-        self.gravity = inverse(m, self.data, self.q, 0 * v, 0 * a)
-        self.scale, self.speed, self.inertia = rms(self.tau), rms(v), self.inertias()
+        self.tau, self.gravity = (inverse(m, self.data, self.q, x * v, x * a) for x in (1, 0))
+        self.scale, self.speed, mass = rms(self.tau), rms(v), self.mass()
+        lean = np.subtract(*(inverse(m, self.data, self.home + x * one, 0 * one, 0 * one) for x in (1e-3, 0)))
+        self.pull = np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, 1e3 * lean.T))).max())  # 1/s, how fast the arm would fall
+        self.inertia, self.free = np.diag(mass), 1 / (np.diag(mass) * np.diag(np.linalg.inv(mass)))  # free of the others' motion: 1
         off = [inverse(m, self.data, self.q + 0.05 * one[j], v, a) - self.tau for j in range(m.nv)]
         self.gradient = np.array([(rms(x) / self.scale).max() / 0.05 for x in off])  # of an encoder's offset, per rad
         self.bodies, self.heavier, self.own = [m.body(int(b)).name for b in m.jnt_bodyid], np.empty(m.nv), np.empty(m.nv)
@@ -204,19 +204,18 @@ class Survey:
             kept = m.body_mass[b], m.body_inertia[b].copy()
             m.body_mass[b], m.body_inertia[b] = TINY, TINY
             self.heavier[j] = (rms(inverse(m, self.data, self.q, v, a) - self.tau) / self.scale).max()
-            self.own[j] = 1 - self.inertias()[j] / self.inertia[j]
+            self.own[j] = 1 - self.mass()[j, j] / self.inertia[j]
             m.body_mass[b], m.body_inertia[b] = kept
-        self.inertias()  # leaves the arm at home, for the causes that look at it
+        self.mass()  # leaves the arm at home, for the causes that look at it
         tip, jac = self.data.body(ROBOTS[case["robot"]][1]), np.zeros((3, m.nv))
         mujoco.mj_jacBody(m, self.data, jac, None, tip.id)
         self.push = float(1 / np.median(np.linalg.norm(jac, axis=0) / self.scale))  # N at the tip, worth the motions' torque
         self.tip, self.down = tip.xpos.copy(), -tip.xmat.reshape(3, 3)[2]
 
-    def inertias(self):
-        """Each joint's own inertia, at home."""
+    def mass(self):
+        """The mass matrix at home."""
         one = np.eye(self.model.nv)
-        q, zero = np.tile(self.home, (len(one), 1)), 0 * one
-        return np.diag(inverse(self.model, self.data, q, zero, one) - inverse(self.model, self.data, q, zero, zero)).copy()
+        return np.subtract(*(inverse(self.model, self.data, self.home + 0 * one, 0 * one, x * one) for x in (1, 0)))
 
 def _size(cause, level, rng, case, s):
     """The parameters of one cause at this level, and the joints that it sits on."""
@@ -229,14 +228,16 @@ def _size(cause, level, rng, case, s):
         return int(rng.choice(np.flatnonzero(score >= least)))  # a ValueError if there is none
 
     if cause in (*SHARED, *LONE, "joint_spring"):
-        how = rng.choice([1, int(rng.integers(2, n + 1)), n], p=[0.6, 0.2, 0.2] if cause in SHARED else [1, 0, 0])
+        late = cause in ("dead_time", "drive_lag")  # the same for all joints, or else the controller would go mad
+        how = rng.choice([1, n if late else int(rng.integers(2, n + 1)), n], p=[0.6, 0.2, 0.2] if cause in SHARED else [1, 0, 0])
         on = sorted(rng.choice(n, int(how), replace=False).tolist())
-        on = [best(s.gradient, 0.3)] if cause == "load_friction" and how == 1 else on
+        if late: best(np.array([-u * s.pull]), -0.2)  # or no controller could hold the arm
+        on = [best(s.free if late else s.gradient, 0.5)] if (late or cause == "load_friction") and how == 1 else on
         unit = {"viscous_friction": s.scale / s.speed, "rotor_inertia": s.inertia, "joint_spring": s.scale / 0.3,
                 "quadratic_drag": s.scale / s.speed**2} | dict.fromkeys(PLAIN, np.ones(n))  # fmt: skip
         values = {}
-        for j in on:  # a dead time or a lag is the same for all
-            x = (u if cause in ("dead_time", "drive_lag") else rng.uniform(*span)) * unit.get(cause, s.scale)[j]
+        for j in on:
+            x = (u if late else rng.uniform(*span)) * unit.get(cause, s.scale)[j]
             phase = rng.uniform(0, 2 * math.pi)
             values[names[j]] = {
                 "torque_gain": 1 + sign * x, "torque_bias": x if phase > 3 else -x,
@@ -246,7 +247,7 @@ def _size(cause, level, rng, case, s):
             }.get(cause, x)  # fmt: skip
         return {"level": level, "values": values}, list(values)
     limit = np.quantile(np.abs(s.tau), min(u, 1), axis=0)
-    reverses = np.minimum((s.tau > 0).mean(0), (s.tau < 0).mean(0)) > 0.15
+    reverses = np.abs(np.diff(np.sign(s.tau), axis=0)).mean(0) / 2 > 0.012  # every other second
     spots = {  # where a cause shows itself: a score of the joints and the least that will do
         "saturation": (limit / (TINY + np.abs(s.gravity).max(0)), 1.2), "joint_stop": (s.speed, 0.2),
         "encoder_offset": (s.gradient, 0.4), "encoder_gain": (s.gradient * rms(s.q), 0.6), "encoder_eccentricity": (s.gradient, 0.8),
@@ -308,7 +309,7 @@ def draw(seed, causes=None, level=None):
             if attempt == 79: raise
     late = sum(max(sized[c][0]["values"].values()) for c in ("dead_time", "drive_lag") if c in sized)
     most = 5.0 if {"backlash", "joint_elasticity"} & set(causes) else min(20.0, 0.25 / max(late, TINY))  # rad/s
-    gains = np.clip(np.sqrt(6 * survey.scale / survey.inertia), min(most, 7.0), most) * rng.uniform(0.7, 1)  # weak joints: stiffer
+    gains = np.clip(np.sqrt(10 * survey.scale / survey.inertia), min(most, 8.0), most) * rng.uniform(0.7, 1)  # weak joints: stiffer
     viscous = survey.scale / survey.speed * rng.uniform(0, 0.008, len(pick)) * sticky
     case |= {"parameters": {c: p for c, (p, _) in sized.items()}, "on": {c: j for c, (_, j) in sized.items()}}
     return json.loads(json.dumps(case | {"viscous": viscous.tolist(), "stiffness": gains.tolist()}))  # plain numbers only
@@ -325,8 +326,7 @@ class Plant:
         self.delay, self.clock, root = np.zeros(n, int), p.get("clock_skew", {}).get("stretch", 1.0), survey.root
         for cause in {"backlash", "joint_elasticity"} & set(p):
             root = split(root, case["on"][cause][0], p[cause]["motor_share"])
-        spec = _spec(root)
-        tip = spec.body(ROBOTS[case["robot"]][1])
+        tip = (spec := _spec(root)).body(ROBOTS[case["robot"]][1])
         for motor, k in [(spec.add_actuator(name=k, target=k, trntype=mujoco.mjtTrn.mjTRN_JOINT), k) for k in names]:
             if k in p.get("drive_lag", {}).get("values", {}):
                 motor.dyntype, motor.dynprm = mujoco.mjtDyn.mjDYN_FILTEREXACT, [p["drive_lag"]["values"][k]] + [0] * 9
@@ -343,7 +343,7 @@ class Plant:
         self.model = m = spec.compile()
         self.data, self.tip = mujoco.MjData(m), m.body(tip.name).id
         self.qadr, self.dof = (np.array([getattr(m.joint(k), f)[0] for k in names]) for f in ("qposadr", "dofadr"))
-        m.dof_solref[:], m.dof_solimp[:] = (2 * STEP, 1), (0.98, 0.99, 0.001, 0.5, 2)  # friction that sticks well
+        m.dof_solref[:], m.dof_solimp[:] = (2 * STEP, 1), (0.9995, 0.9995, 0.001, 0.5, 2)  # friction that sticks well
         m.dof_damping[self.dof] = case["viscous"]
         for cause, x in p.items():
             for j in [names.index(k) for k in case["on"][cause]] or [0]:
@@ -446,7 +446,7 @@ def simulate(case, trials=None):
     """All trials of a case: the URDF tree to declare, the logs, what was misdeclared, and the figures for the answer."""
     import mujoco
     survey, n = Survey(case), len(case["moving"])
-    declared, changed = misdeclare(survey.root, case["seed"]) if case["misdeclared"] else (survey.root, {})
+    declared, changed = misdeclare(survey.root, case["seed"]) if case["misdeclared"] else (copy.deepcopy(survey.root), {})
     nominal, true = ((m, mujoco.MjData(m)) for m in (_spec(declared).compile(), survey.model))
     plant, rng = Plant(case, survey), np.random.default_rng([case["seed"], 3])
     logs, sums, reach = [], np.zeros((3, n)), np.zeros(n)
@@ -469,16 +469,18 @@ def simulate(case, trials=None):
 def record(folder: pathlib.Path, seed: int, name: str | None = None, case: dict | None = None) -> dict:
     """Draw the case of this seed, simulate it, write the recordings into the folder and return the answer."""
     case, folder, name = case or draw(seed), pathlib.Path(folder), name or f"case-{seed}"
-    tries = (simulate(case | {"stiffness": [f * w for w in case["stiffness"]]}) for f in (1.0, 0.7, 1.4, 0.5))  # should the arm run away
-    declared, logs, changed, figures = next(r for r in tries if max(r[3]["reach"]) < 3)
+    for softer, level in ((1.0, None), (0.7, None), (1.4, None), (1.0, "medium"), (1.0, "small")):  # should the arm run away
+        case = draw(seed, case["causes"], level) if level else case
+        declared, logs, changed, figures = simulate(case | {"stiffness": [softer * w for w in case["stiffness"]]})
+        if max(figures["reach"]) < 3: break
     folder.mkdir(parents=True, exist_ok=True)
     ET.indent(declared)
     ET.ElementTree(declared).write(folder / "robot.urdf", encoding="utf-8", xml_declaration=True)
-    q, tau = ([f"{x}{i + 1}" for i in range(len(case["moving"]))] for x in ("q", "tau"))
+    q, tau = ([f"{x}{i}" for i, _ in enumerate(case["moving"], 1)] for x in ("q", "tau"))
     (folder / "robot.toml").write_text(f'name = "{name}"\nurdf = "robot.urdf"\njoints = {json.dumps(case["moving"])}\n\n'
         f'[channels]\ntime = "t"\nposition = {json.dumps(q)}\ntorque = {json.dumps(tau)}\n')
-    for k, rows in enumerate(logs):
-        np.savetxt(folder / f"trial_{k + 1:02d}.csv", rows, "%.9g", ",", header=",".join(["t", *q, *tau]), comments="")
+    for k, rows in enumerate(logs, 1):
+        np.savetxt(folder / f"trial_{k:02d}.csv", rows, "%.9g", ",", header=",".join(["t", *q, *tau]), comments="")
     joints = sorted({j for on in case["on"].values() for j in on}, key=case["moving"].index)
     nuisance = {"nominal_numbers": changed, "viscous_friction": dict(zip(case["moving"], case["viscous"])),
                 "encoder": case["encoder"], "rate_hz": case["rate"], "jitter_s": case["jitter_steps"] * STEP}  # fmt: skip
@@ -487,9 +489,8 @@ def record(folder: pathlib.Path, seed: int, name: str | None = None, case: dict 
 
 def main(argv: list[str]) -> None:
     """FOLDER SEED COUNT: write COUNT cases case_001.. with the seeds SEED, SEED+1, .. and answers.json."""
-    folder, seed, count, answers = pathlib.Path(argv[0]), int(argv[1]), int(argv[2]), {}
-    for k in range(count):
-        here = f"case_{k + 1:03d}"
+    folder, seed, answers = pathlib.Path(argv[0]), int(argv[1]), {}
+    for k, here in enumerate(f"case_{i + 1:03d}" for i in range(int(argv[2]))):
         answers[here] = record(folder / here, seed + k, here.replace("_", "-"))
         (folder / "answers.json").write_text(json.dumps(answers, indent=1) + "\n")
         print(here, answers[here]["kind"], answers[here]["causes"], flush=True)
