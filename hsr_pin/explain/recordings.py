@@ -293,7 +293,13 @@ class Recordings:
         return [Prediction(answer) for answer in answers]
 
     def predict_with_slopes(
-        self, hypothesis: Variant, values: Array, *, central: bool = False, shown: Sequence[bool] | None = None
+        self,
+        hypothesis: Variant,
+        values: Array,
+        *,
+        central: bool = False,
+        shown: Sequence[bool] | None = None,
+        own: bool = True,
     ) -> list[Prediction]:
         """For every run at values (P,), with derivatives and what belongs to the trials."""
         sides = _steps(hypothesis.parameters, values, central)
@@ -302,16 +308,17 @@ class Recordings:
         cases = []
         for run in self.runs:
             cases += [(run, here), *((run, point) for point in points)]
-            cases += [(run, here | {name: _OWN * size}) for name, size in run.trial.own.items()]
+            cases += [(run, here | {name: _OWN * size}) for name, size in run.trial.own.items() if own]
         answers, predictions = iter(self._outputs(cases)), []
         for run in self.runs:
             centre, ahead = next(answers), [next(answers) for _ in sides]
             slopes = _slopes(centre, ahead, sides, len(values))
             for name, known in self._known_slopes(here, run, hypothesis.free).items():
                 slopes[..., hypothesis.free.index(name)] = known
-            own = [(next(answers) - centre) / _OWN for _ in run.trial.own]
-            nuisance = np.stack(own, axis=-1) if own else np.zeros((*centre.shape, 0))
-            predictions.append(Prediction(centre, np.nan_to_num(slopes), np.nan_to_num(nuisance)))
+            nuisance = np.zeros((*centre.shape, len(run.trial.own)))
+            for k in range(len(run.trial.own) if own else 0):
+                nuisance[..., k] = (next(answers) - centre) / _OWN
+            predictions.append(Prediction(centre, np.nan_to_num(slopes), np.nan_to_num(nuisance) if own else None))
         return predictions
 
     def probe(self, hypothesis: Variant, points: Array) -> list[Array]:

@@ -175,11 +175,13 @@ def predict_with_slopes(
     *,
     central: bool = False,
     shown: Sequence[bool] | None = None,
+    own: bool = True,
 ) -> list[Prediction]:
     """Simulate every run at ``values`` (P,), with the derivatives to the open parameters.
 
     One-sided differences, or ``central`` ones at twice the price. ``shown``: for each run whether a hand's hold is among the
-    numbers that belong to it; default: of every release, where the experiment has hands.
+    numbers that belong to it; default: of every release, where the experiment has hands. ``own``: whether what belongs to the
+    trials is asked for.
     """
     lower, upper = hypothesis.bounds
     width = FRACTION * hypothesis.scale
@@ -198,6 +200,8 @@ def predict_with_slopes(
 
     def case(run: Run, hand: bool) -> Case:
         points = [values, *(values + side[p] * np.eye(len(values))[p] for side in sides for p in acting(run))]
+        if not own:
+            return Case(run, np.array(points))
         released = run.start_pose is not None
         ways = _WIDTH * np.array(experiment.directions if released or experiment.lasting else ())
         grips = np.kron(np.eye(len(LETS_GO)), ways[:, None]) if hand else np.zeros((0, len(LETS_GO)))
@@ -218,7 +222,8 @@ def predict_with_slopes(
                 other = (seen[:, 1 + len(moved) + place] - seen[:, 0]) / behind[p]
                 chord = (ahead[p] * other - behind[p] * chord) / (ahead[p] - behind[p])
             slopes[..., p] = chord
-        predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), _nuisance(experiment, run, answer, hand)))
+        nuisance = _nuisance(experiment, run, answer, hand) if own else None
+        predictions.append(Prediction(seen[:, 0], np.nan_to_num(slopes), nuisance))
     return predictions
 
 

@@ -56,10 +56,16 @@ class Experiment(Prepared):
         return predict(self, hypothesis, cases)
 
     def predict_with_slopes(
-        self, hypothesis: Hypothesis, values: Array, *, central: bool = False, shown: Sequence[bool] | None = None
+        self,
+        hypothesis: Hypothesis,
+        values: Array,
+        *,
+        central: bool = False,
+        shown: Sequence[bool] | None = None,
+        own: bool = True,
     ) -> list[Prediction]:
         """Simulate every run at values (P,), as :func:`~hsr_pin.identification.evaluation.predict_with_slopes` does."""
-        return predict_with_slopes(self, hypothesis, values, central=central, shown=shown)
+        return predict_with_slopes(self, hypothesis, values, central=central, shown=shown, own=own)
 
     def probe(self, hypothesis: Hypothesis, points: Array) -> list[Array]:
         """For each run (T, C, M, A) [m] where the markers would be at each of the points (C, P)."""

@@ -123,7 +123,7 @@ def fit(
         x, converged = _searched(misfit, x, spread, quick)
     predictions, plain, missed, nuisance = misfit.predictions(x), misfit.missed(x), misfit.left(x), misfit.nuisance(x)
     if not quick:  # a search is steered well enough by one-sided differences; intervals and null directions want better ones
-        predictions = problem.predict_with_slopes(hypothesis, x * misfit.scale, central=True, shown=misfit.shown)
+        predictions = problem.predict_with_slopes(hypothesis, x * misfit.scale, central=True, own=False)
     weights = [
         w / (1 + (np.nan_to_num(r) * w / spread) ** 2) ** 0.25 for r, w in zip(missed, misfit.weights, strict=True)
     ]  # of the soft-L1 loss at the optimum

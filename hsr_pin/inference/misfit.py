@@ -38,6 +38,7 @@ class Misfit:
         self.evaluations = 0
         self._seen = [weight > 0 for weight in self.weights]
         self._at: tuple[bytes, tuple[bool, ...]] | None = None
+        self._own = False
         self._eliminated: list[Eliminated] = []
         self._shown = (False,) * len(problem.runs)
 
@@ -46,11 +47,11 @@ class Misfit:
         """For each run whether it shows the numbers that it may have, as :meth:`hold` found it last."""
         return self._shown
 
-    def predictions(self, x: Array) -> list[Prediction]:
-        """With one-sided differences."""
-        if self._at != (x.tobytes(), self._shown):
-            self._predictions = self.problem.predict_with_slopes(self.hypothesis, x * self.scale, shown=self._shown)
-            self._at = x.tobytes(), self._shown
+    def predictions(self, x: Array, *, own: bool = False) -> list[Prediction]:
+        """With one-sided differences, and with what the numbers of the trials make of them where that is asked for."""
+        if self._at != (x.tobytes(), self._shown) or (own and not self._own):
+            self._predictions = self.problem.predict_with_slopes(self.hypothesis, x * self.scale, shown=self._shown, own=own)
+            self._at, self._own = (x.tobytes(), self._shown), own
             self.evaluations += 1
         return self._predictions
 
@@ -111,4 +112,4 @@ class Misfit:
 
     def nuisance(self, x: Array) -> list[Array]:
         """For each run (T, M, A, K) what one standard deviation of each number of the trial's own makes."""
-        return [p.nuisance for p in self.predictions(x) if p.nuisance is not None]
+        return [p.nuisance for p in self.predictions(x, own=True) if p.nuisance is not None]

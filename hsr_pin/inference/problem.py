@@ -123,7 +123,8 @@ class Prediction:
     Attributes:
         positions: (T, M, A) predicted; NaN where the simulation failed.
         slopes: (T, M, A, P) derivatives to the open parameters; None if not asked for.
-        nuisance: (T, M, A, K) what one standard deviation of each number that belongs to the trial makes of them.
+        nuisance: (T, M, A, K) what one standard deviation of each number that belongs to the trial makes of them; None if not
+            asked for.
     """
 
     positions: Array
@@ -186,12 +187,23 @@ class Problem(Hashable, Protocol):
         """For each run with its own values (P,)."""
 
     def predict_with_slopes(
-        self, hypothesis: Any, values: Array, *, central: bool = False, shown: Sequence[bool] | None = None
+        self,
+        hypothesis: Any,
+        values: Array,
+        *,
+        central: bool = False,
+        shown: Sequence[bool] | None = None,
+        own: bool = True,
     ) -> list[Prediction]:
         """For every run at values (P,), with derivatives and what belongs to the trials.
 
-        Derivatives are one-sided differences, or central ones. ``shown``: for each run whether the numbers that count only
-        where it shows them are among those that belong to it; default: where they may be.
+        Args:
+            hypothesis: the model.
+            values: (P,) of its open parameters.
+            central: derivatives by central differences in place of one-sided ones.
+            shown: for each run whether the numbers that count only where it shows them are among those that belong to it;
+                default: where they may be.
+            own: whether what belongs to the trials is asked for.
         """
 
     def probe(self, hypothesis: Any, points: Array) -> list[Array]:

@@ -125,7 +125,15 @@ class RobotModel:
         for number, begin in enumerate(range(_SIDE, len(trial.time) - max(count, _SIDE), count)):
             rows, earlier = slice(begin, begin + count), slice(max(0, begin - round(_BEFORE / step)), begin)
             position, speed, unsure = self._start(trial, begin)
-            stretch = Stretch(trial.time[rows], trial.torque[rows], trial.time[earlier], trial.torque[earlier], position, speed)
+            stretch = Stretch(
+                trial.time[rows],
+                trial.torque[rows],
+                trial.time[earlier],
+                trial.torque[earlier],
+                position,
+                speed,
+                self.recordings.held,
+            )
             found.append(
                 Trial(
                     f"{trial.name} {number + 1}",

@@ -23,7 +23,7 @@ else:
 #: What the folder is known by.
 DOCUMENT = "robot.toml"
 #: Its keys, and those of its table of channels.
-_KEYS = ("name", "urdf", "joints", "channels", "rotor_inertia", "gravity")
+_KEYS = ("name", "urdf", "joints", "channels", "rotor_inertia", "gravity", "torque_held")
 _CHANNELS = ("time", "position", "torque")
 #: Fewest samples of a trial.
 _FEWEST = 50
@@ -54,12 +54,14 @@ class RobotRecordings:
         name: of the recordings.
         robot: as declared.
         trials: in the order of their names.
+        held: whether a torque stays as it is until the next sample, as drives hold a command; else it goes straight there.
         notes: what a reader should know.
     """
 
     name: str
     robot: Robot
     trials: tuple[RobotTrial, ...]
+    held: bool = True
     notes: tuple[str, ...] = ()
 
 
@@ -97,7 +99,10 @@ def read_robot(folder: str | Path) -> RobotRecordings:
     if not files:
         raise InputError(str(place.parent), expected="a .csv file for each trial", received="none")
     trials = tuple(_trial(file, columns, len(joints)) for file in files)
-    return RobotRecordings(str(document.get("name", place.parent.name)), robot, trials, robot.notes)
+    held = document.get("torque_held", True)
+    if not isinstance(held, bool):
+        raise InputError(f"torque_held of {place}", expected="true or false", received=quoted(held))
+    return RobotRecordings(str(document.get("name", place.parent.name)), robot, trials, held, robot.notes)
 
 
 def _names(table: Mapping[str, Any], key: str, place: Path) -> list[str]:

@@ -34,6 +34,7 @@ class Stretch:
         before: (K, n) [N m] likewise.
         q: (n,) [rad] at the start, as the encoders show it.
         v: (n,) [rad/s] likewise.
+        held: whether a torque stays as it is until the next sample; else it goes straight there.
     """
 
     time: Array
@@ -42,6 +43,7 @@ class Stretch:
     before: Array
     q: Array
     v: Array
+    held: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,7 @@ class _Side:
     def run(self) -> Array:
         """(B, N, n) [rad] what the encoders show."""
         torque, step = self._driven(), self._steps()
+        straight = np.array([[not case.stretch.held] for case in self.cases])
         q = np.array([case.stretch.q for case in self.cases])
         v = np.array([case.stretch.v + case.aside for case in self.cases])
         moved = q + v
@@ -130,7 +133,7 @@ class _Side:
                 parts = max(1, int(np.ceil(step[:, n].max() / _LONGEST - 1e-9)))
                 h = step[:, n, None] / parts
                 for part in range(parts):
-                    at = (part + 0.5) / parts
+                    at = straight * (part + 0.5) / parts
                     driven = (1 - at) * torque[:, n] + at * torque[:, n + 1]
                     last = self._acceleration(q + h / 2 * v, v + h / 2 * last, v, driven, h)
                     q, v = q + h * v + h**2 / 2 * last, v + h * last

@@ -1,0 +1,170 @@
+"""Simulations of a robot side by side are those of Pinocchio and SciPy alone; every cause does what it says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.integrate import solve_ivp
+
+from hsr_pin.robots import Robot, RobotRecordings, RobotTrial
+from hsr_pin.robots.causes import CAUSES
+from hsr_pin.robots.model import RobotModel
+from hsr_pin.robots.simulation import Case, Stretch, simulate
+
+URDF = """
+<robot name="two_links">
+  <link name="base"/>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+    <limit lower="-6" upper="6" effort="50" velocity="20"/><dynamics damping="0.05" friction="0"/>
+  </joint>
+  <link name="upper"><inertial><origin xyz="0 0 -0.2"/><mass value="1.2"/>
+    <inertia ixx="0.02" iyy="0.02" izz="0.002" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="elbow" type="revolute">
+    <origin xyz="0 0 -0.4"/><parent link="upper"/><child link="lower"/><axis xyz="0 1 0"/>
+    <limit lower="-6" upper="6" effort="50" velocity="20"/>
+  </joint>
+  <link name="lower"><inertial><origin xyz="0 0 -0.15"/><mass value="0.7"/>
+    <inertia ixx="0.01" iyy="0.01" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="wrist" type="revolute">
+    <origin xyz="0 0 -0.3"/><parent link="lower"/><child link="hand"/><axis xyz="1 0 0"/>
+    <limit lower="-6" upper="6" effort="50" velocity="20"/>
+  </joint>
+  <link name="hand"><inertial><origin xyz="0 0 -0.05"/><mass value="0.2"/>
+    <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+</robot>
+"""
+JOINTS = ["elbow", "shoulder"]  # not in the order of the URDF
+TIME = np.arange(0, 1.0, 0.002)
+TORQUE = np.column_stack([0.6 * np.sin(7 * TIME), 2.0 * np.cos(4 * TIME)])
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory):
+    file = tmp_path_factory.mktemp("robot") / "robot.urdf"
+    file.write_text(URDF, encoding="utf-8")
+    return Robot.load(file, JOINTS, [0.01, 0.02])
+
+
+@pytest.fixture(scope="module")
+def model(robot):
+    position = np.column_stack([0.3 * np.sin(5 * TIME), 0.5 * np.sin(3 * TIME)])
+    return RobotModel.of(RobotRecordings("robot", robot, (RobotTrial("one", TIME, position, TORQUE),)))
+
+
+def stretch(q=(0.3, -0.2), v=(0.5, 0.0)):
+    before = np.arange(-0.5, 0, 0.002)
+    return Stretch(TIME, TORQUE, before, np.zeros((len(before), 2)), np.array(q), np.array(v))
+
+
+def run(model, **values):
+    named = model.neutral | {name.replace("__", "."): value for name, value in values.items()}
+    return simulate(model.recordings.robot, CAUSES, model.neutral, [Case(stretch(), named, np.zeros(2))])[0]
+
+
+def exact(robot, extra=lambda q, v: 0.0):
+    """By SciPy, of the same URDF built anew."""
+    whole = pin.buildModelFromXML(robot.urdf)
+    model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
+    model.armature = np.array([0.02, 0.01])
+    data = model.createData()
+
+    def rates(t, y):
+        q, v = y[:2], y[2:]
+        torque = np.array([np.interp(t, TIME, TORQUE[:, 1]), np.interp(t, TIME, TORQUE[:, 0])])
+        return np.append(v, pin.aba(model, data, q, v, torque - np.array([0.05, 0.0]) * v + extra(q, v)))
+
+    found = solve_ivp(rates, (0, TIME[-1]), [-0.2, 0.3, 0.0, 0.5], t_eval=TIME, rtol=1e-9, atol=1e-10, max_step=0.002)
+    return found.y[:2][::-1].T
+
+
+def test_the_declared_robot_moves_as_pinocchio_and_scipy_say(robot, model):
+    assert run(model) == pytest.approx(exact(robot), abs=2e-4)
+
+
+def test_friction_in_proportion_to_speed_moves_it_as_scipy_says(robot, model):
+    found = run(model, viscous_friction__shoulder=0.4)
+    assert found == pytest.approx(exact(robot, lambda q, v: np.array([-0.4, 0.0]) * v), abs=5e-4)
+
+
+def test_halving_the_samples_step_changes_little(model):
+    half = replace(stretch(), time=TIME[::2], torque=TORQUE[::2])
+    coarse = simulate(model.recordings.robot, CAUSES, model.neutral, [Case(half, model.neutral, np.zeros(2))])[0]
+    assert coarse == pytest.approx(run(model)[::2], abs=1e-3)
+
+
+def test_a_robot_that_sticks_stays(robot, model):
+    still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2))
+    stuck = model.neutral | {"coulomb_friction.elbow": 5.0, "coulomb_friction.shoulder": 5.0}
+    found = simulate(robot, CAUSES, model.neutral, [Case(still, stuck, np.zeros(2))])[0]
+    assert np.abs(found - found[0]).max() < 0.02
+
+
+SIZES = {
+    "coulomb_friction.elbow": 0.3,
+    "stribeck_friction.level:shoulder": 0.3,
+    "load_friction.shoulder": 0.3,
+    "viscous_friction.elbow": 0.2,
+    "quadratic_damping.shoulder": 0.2,
+    "joint_spring.stiffness:elbow": 1.0,
+    "rotor_inertia.elbow": 0.02,
+    "payload.mass": 0.2,
+    "link_mass.elbow": 0.2,
+    "link_inertia.shoulder": 0.5,
+    "centre_of_mass.elbow": 0.2,
+    "tilted_base.about_y": 0.1,
+    "torque_gain.shoulder": 0.1,
+    "torque_bias.elbow": 0.2,
+    "torque_ripple.cosine:elbow": 0.2,
+    "saturation.shoulder": 0.4,
+    "dead_time.delay": 0.05,
+    "drive_lag.time_constant": 0.05,
+    "encoder_offset.elbow": 0.05,
+    "encoder_gain.shoulder": 0.05,
+}
+
+
+def test_every_cause_is_tried_here():
+    assert {name.partition(".")[0] for name in SIZES} == {cause.name for cause in CAUSES}
+
+
+@pytest.mark.parametrize(("name", "size"), SIZES.items(), ids=SIZES)
+def test_a_cause_moves_the_robot_and_its_neutral_value_does_not(model, name, size):
+    plain = run(model)
+    changed = run(model, **{name.replace(".", "__", 1): size})
+    assert np.isfinite(changed).all() and np.abs(changed - plain).max() > 1e-3
+    shapes = {key: value for key, value in model.neutral.items() if key.startswith(name.partition(".")[0])}
+    others = {key: value + 0.1 for key, value in shapes.items() if value != 0}  # shapes alone do nothing
+    assert np.array_equal(run(model, **{key.replace(".", "__", 1): value for key, value in others.items()}), plain)
+
+
+def test_side_by_side_is_each_alone(model):
+    named = [model.neutral | {name: size} for name, size in SIZES.items()]
+    cases = [Case(stretch(), values, np.zeros(2)) for values in named]
+    together = simulate(model.recordings.robot, CAUSES, model.neutral, cases)
+    for case, seen in zip(cases, together, strict=True):
+        (alone,) = simulate(model.recordings.robot, CAUSES, model.neutral, [case])
+        assert seen == pytest.approx(alone, abs=1e-10)
+
+
+def test_a_dead_time_shows_the_motion_later(model):
+    """Of a robot that rests hanging until its torque comes."""
+    at = np.where(TIME[:, None] > 0.3, [0.5, 0.0], 0.0)
+    before = np.arange(-0.5, 0, 0.002)
+    hanging = Stretch(TIME, at, before, np.zeros((len(before), 2)), np.zeros(2), np.zeros(2))
+    late = model.neutral | {"dead_time.delay": 0.1}
+    now, then = (
+        simulate(model.recordings.robot, CAUSES, model.neutral, [Case(hanging, values, np.zeros(2))])[0]
+        for values in (model.neutral, late)
+    )
+    assert then[50:] == pytest.approx(now[:-50], abs=1e-4)
+
+
+def test_a_payload_weighs_what_it_weighs(robot, model):
+    """Held still by what inverse dynamics says with the payload in the URDF's last link."""
+    changed = robot.model.copy()
+    (payload,) = (cause for cause in CAUSES if cause.name == "payload")
+    payload.change_bodies(np.array([0.5, 1.0]), changed)
+    assert changed.inertias[-1].mass - robot.model.inertias[-1].mass == pytest.approx(0.5)
+    assert changed.inertias[-1].lever == pytest.approx(robot.model.inertias[-1].lever, rel=0.1)
