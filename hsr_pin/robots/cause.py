@@ -34,6 +34,7 @@ class Sizes:
 
     Attributes:
         torque: (n,) [N m] RMS of each joint.
+        largest: (n,) [N m] recorded of each.
         speed: (n,) [rad/s] RMS of each.
         angle: (n,) [rad] half the range of each.
         mass: [kg] of all that moves.
@@ -41,6 +42,7 @@ class Sizes:
     """
 
     torque: Array
+    largest: Array
     speed: Array
     angle: Array
     mass: float
@@ -50,17 +52,24 @@ class Sizes:
 class Values:
     """Values of one cause for B simulations side by side, as arrays (B, n) or (B, 1)."""
 
-    def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]]) -> None:
-        self._cause, self._joints, self._values = cause, joints, values
+    def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]], sizes: Sizes) -> None:
+        self._cause, self._joints, self._values, self.sizes = cause, joints, values, sizes
+        self._made: dict[str, Array] = {}
 
     def of_joints(self, name: str = "") -> Array:
         """(B, n) of each joint."""
-        keys = [f"{self._cause.name}.{of(name, joint)}" for joint in self._joints]
-        return np.array([[each[key] for key in keys] for each in self._values])
+        return self._array(name, [of(name, joint) for joint in self._joints])
 
     def shared(self, name: str) -> Array:
         """(B, 1) of all joints."""
-        return np.array([[each[f"{self._cause.name}.{name}"]] for each in self._values])
+        return self._array(name, [name])
+
+    def _array(self, made: str, names: Sequence[str]) -> Array:
+        """(B, K) of these names; made once."""
+        if made not in self._made:
+            keys = [f"{self._cause.name}.{name}" for name in names]
+            self._made[made] = np.array([[each[key] for key in keys] for each in self._values])
+        return self._made[made]
 
 
 def of(name: str, joint: str) -> str:

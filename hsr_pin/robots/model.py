@@ -85,7 +85,7 @@ class RobotModel:
             Case(trial.inputs, values, np.array([values.get(_speed(joint), 0.0) for joint in robot.joints]))
             for values, trial in cases
         ]
-        answers = simulate(robot, self.causes, self.neutral, asked)
+        answers = simulate(robot, self.causes, self.neutral, self.sizes, asked)
         return [dict(zip(robot.joints, answer.T, strict=True)) for answer in answers]
 
     def trials(self, seconds: float | None = None) -> list[Trial]:
@@ -175,6 +175,7 @@ def _sizes(recordings: RobotRecordings) -> Sizes:
     speed = np.concatenate([np.diff(trial.position, axis=0) / np.diff(trial.time)[:, None] for trial in trials])
     angles = np.concatenate([trial.position for trial in trials])
     return Sizes(
+        largest=np.abs(torque).max(axis=0),
         torque=np.maximum(np.sqrt(np.mean(torque**2, axis=0)), 0.01 * float(np.abs(torque).max()) or 1.0),
         speed=np.maximum(np.sqrt(np.mean(speed**2, axis=0)), 1e-3),
         angle=np.maximum(np.ptp(angles, axis=0) / 2, 1e-3),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.robots.cause import JointCause, Values
+from hsr_pin.robots.cause import JointCause, Sizes, Values
 from hsr_pin.robots.friction import sliding
 from hsr_pin.robots.robot import Robot
 from hsr_pin.trajectory import Array
@@ -61,13 +61,16 @@ class Case:
     aside: Array
 
 
-def simulate(robot: Robot, causes: Sequence[JointCause], neutral: Mapping[str, float], cases: Sequence[Case]) -> list[Array]:
+def simulate(
+    robot: Robot, causes: Sequence[JointCause], neutral: Mapping[str, float], sizes: Sizes, cases: Sequence[Case]
+) -> list[Array]:
     """(N, n) [rad] what the encoders show in each case; NaN from where a simulation fails.
 
     Args:
         robot: as declared.
         causes: what may be missing.
         neutral: values of all their parameters with which nothing is.
+        sizes: what is usual.
         cases: what is simulated.
     """
     answers: list[Array] = [np.empty(0)] * len(cases)
@@ -75,7 +78,8 @@ def simulate(robot: Robot, causes: Sequence[JointCause], neutral: Mapping[str, f
     for k, case in enumerate(cases):
         by_length.setdefault(len(case.stretch.time), []).append(k)
     for own in by_length.values():
-        shown = _Side(robot, [cause for cause in causes if _acts(cause, neutral, cases)], [cases[k] for k in own]).run()
+        active = _active(causes, neutral, [cases[k] for k in own])
+        shown = _Side(robot, active, sizes, [cases[k] for k in own]).run()
         for k, seen in zip(own, shown, strict=True):
             answers[k] = seen
     return answers
@@ -84,10 +88,10 @@ def simulate(robot: Robot, causes: Sequence[JointCause], neutral: Mapping[str, f
 class _Side:
     """Simulations of stretches with equally many samples."""
 
-    def __init__(self, robot: Robot, causes: Sequence[JointCause], cases: Sequence[Case]) -> None:
-        self.robot, self.cases = robot, cases
+    def __init__(self, robot: Robot, causes: Sequence[JointCause], sizes: Sizes, cases: Sequence[Case]) -> None:
+        self.robot, self.sizes, self.cases = robot, sizes, cases
         named = [case.values for case in cases]
-        self.causes = [(cause, Values(cause, robot.joints, named)) for cause in causes]
+        self.causes = [(cause, Values(cause, robot.joints, named, sizes)) for cause in causes]
         self.groups = self._models()
 
     def _models(self) -> list[tuple[list[int], pin.ModelPool, Array]]:
@@ -153,19 +157,22 @@ class _Side:
             added, slope = sliding(robot.friction, v)
             torque, implicit = torque + added, implicit + slope
         for cause, values in self.causes:
-            if (found := cause.torque(values, q, v, driven)) is not None:
-                torque, implicit = torque + found[0], implicit + found[1]
+            if (more := cause.torque(values, q, v, driven)) is not None:
+                torque, implicit = torque + more[0], implicit + more[1]
         q = np.nan_to_num(q)
-        answer = np.empty_like(v)
+        columns = [np.asfortranarray(each[:, order].T) for each in (q, ahead, torque)]
+        found = np.empty_like(v)
         for own, pool, inverse in self.groups:
-            columns = (np.asfortranarray(each[own][:, order].T) for each in (q, ahead, torque))
-            a = np.reshape(pin.abaInParallel(1, pool, *columns), (v.shape[1], -1)).T
-            slope = implicit[own][:, order]
+            whole = len(own) == len(v)
+            a = pin.abaInParallel(1, pool, *(columns if whole else [np.asfortranarray(each[:, own]) for each in columns]))
+            a = np.reshape(a, (v.shape[1], -1)).T
+            slope = implicit[:, order] if whole else implicit[own][:, order]
             if slope.any():
-                a = np.linalg.solve(np.eye(a.shape[1]) + h[own][:, :, None] * inverse * slope[:, None, :], a[..., None])[..., 0]
-            found_at = np.empty_like(a)
-            found_at[:, order] = a
-            answer[own] = found_at
+                step = h if whole else h[own]
+                a = np.linalg.solve(np.eye(a.shape[1]) + step[:, :, None] * inverse * slope[:, None, :], a[..., None])[..., 0]
+            found[own] = a
+        answer = np.empty_like(v)
+        answer[:, order] = found
         return answer
 
     def _steps(self) -> Array:
@@ -183,14 +190,18 @@ class _Side:
             time = np.concatenate([stretch.before_time, stretch.time])
             torque = np.repeat(np.concatenate([stretch.before, stretch.torque])[None], len(own), axis=0)
             for cause, _ in self.causes:
-                values = Values(cause, self.robot.joints, [self.cases[k].values for k in own])
+                values = Values(cause, self.robot.joints, [self.cases[k].values for k in own], self.sizes)
                 torque = cause.command(values, time, torque)
             placed |= dict(zip(own, torque[:, len(stretch.before) :], strict=True))
         driven = [placed[k] for k in range(len(self.cases))]
         return np.array(driven)
 
 
-def _acts(cause: JointCause, neutral: Mapping[str, float], cases: Sequence[Case]) -> bool:
-    """Whether it is there in any case."""
-    own = [name for name in neutral if name.startswith(f"{cause.name}.")]
-    return any(case.values[name] != neutral[name] for case in cases for name in own)
+def _active(causes: Sequence[JointCause], neutral: Mapping[str, float], cases: Sequence[Case]) -> list[JointCause]:
+    """Causes that are there in any case."""
+    names = list(neutral)
+    values = np.array([list(map(case.values.__getitem__, names)) for case in cases])
+    there = {
+        name.partition(".")[0] for name, own in zip(names, (values != list(neutral.values())).any(axis=0), strict=True) if own
+    }
+    return [cause for cause in causes if cause.name in there]

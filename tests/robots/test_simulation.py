@@ -60,7 +60,7 @@ def stretch(q=(0.3, -0.2), v=(0.5, 0.0)):
 
 def run(model, **values):
     named = model.neutral | {name.replace("__", "."): value for name, value in values.items()}
-    return simulate(model.recordings.robot, CAUSES, model.neutral, [Case(stretch(), named, np.zeros(2))])[0]
+    return simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(stretch(), named, np.zeros(2))])[0]
 
 
 def exact(robot, extra=lambda q, v: 0.0):
@@ -90,14 +90,14 @@ def test_friction_in_proportion_to_speed_moves_it_as_scipy_says(robot, model):
 
 def test_halving_the_samples_step_changes_little(model):
     half = replace(stretch(), time=TIME[::2], torque=TORQUE[::2])
-    coarse = simulate(model.recordings.robot, CAUSES, model.neutral, [Case(half, model.neutral, np.zeros(2))])[0]
+    coarse = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(half, model.neutral, np.zeros(2))])[0]
     assert coarse == pytest.approx(run(model)[::2], abs=1e-3)
 
 
 def test_a_robot_that_sticks_stays(robot, model):
     still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2))
     stuck = model.neutral | {"coulomb_friction.elbow": 5.0, "coulomb_friction.shoulder": 5.0}
-    found = simulate(robot, CAUSES, model.neutral, [Case(still, stuck, np.zeros(2))])[0]
+    found = simulate(robot, CAUSES, model.neutral, model.sizes, [Case(still, stuck, np.zeros(2))])[0]
     assert np.abs(found - found[0]).max() < 0.02
 
 
@@ -142,9 +142,9 @@ def test_a_cause_moves_the_robot_and_its_neutral_value_does_not(model, name, siz
 def test_side_by_side_is_each_alone(model):
     named = [model.neutral | {name: size} for name, size in SIZES.items()]
     cases = [Case(stretch(), values, np.zeros(2)) for values in named]
-    together = simulate(model.recordings.robot, CAUSES, model.neutral, cases)
+    together = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, cases)
     for case, seen in zip(cases, together, strict=True):
-        (alone,) = simulate(model.recordings.robot, CAUSES, model.neutral, [case])
+        (alone,) = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [case])
         assert seen == pytest.approx(alone, abs=1e-10)
 
 
@@ -155,7 +155,7 @@ def test_a_dead_time_shows_the_motion_later(model):
     hanging = Stretch(TIME, at, before, np.zeros((len(before), 2)), np.zeros(2), np.zeros(2))
     late = model.neutral | {"dead_time.delay": 0.1}
     now, then = (
-        simulate(model.recordings.robot, CAUSES, model.neutral, [Case(hanging, values, np.zeros(2))])[0]
+        simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(hanging, values, np.zeros(2))])[0]
         for values in (model.neutral, late)
     )
     assert then[50:] == pytest.approx(now[:-50], abs=1e-4)

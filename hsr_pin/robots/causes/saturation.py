@@ -20,11 +20,11 @@ class Saturation(JointCause):
     description = "torques that do not exceed a limit"
 
     def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """By how much of the largest usual torque the limit is lower, of each joint."""
-        return tuple(amplitude(joint, 0.1, lower=0.0, upper=0.95) for k, joint in enumerate(joints))
+        """By what share of the largest recorded torque the limit of each joint is lower than it."""
+        return tuple(amplitude(joint, 0.1, lower=0.0, upper=0.95) for joint in joints)
 
     def command(self, values: Values, time: Array, torque: Array) -> Array:
-        """Cut off: at 0 there is no limit."""
-        largest = np.abs(torque).max(axis=1, keepdims=True)
-        limit = (1 - values.of_joints()[:, None]) * largest
+        """Cut off."""
+        share = values.of_joints()
+        limit = np.where(share > 0, (1 - share) * values.sizes.largest, np.inf)[:, None]
         return np.clip(torque, -limit, limit)
