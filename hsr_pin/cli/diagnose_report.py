@@ -10,8 +10,8 @@ from rich.text import Text
 from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import advice, where_sentence
-from hsr_pin.inference.verdict import headline
 from hsr_pin.inference.estimates import estimates, number, ranked
+from hsr_pin.inference.verdict import headline
 
 #: Lines of a screen, without the one for the next prompt.
 LINES = 23

@@ -25,10 +25,11 @@ def dataset_argument(command: Command) -> Command:
 
 def _list_samples(context: click.Context, option: click.Parameter, asked: bool) -> None:
     if asked and not context.resilient_parsing:
-        from hsr_pin.recordings.samples import SAMPLES
+        from hsr_pin.recordings.samples import ROBOTS, SAMPLES
 
-        width = max(map(len, SAMPLES))
-        click.echo("\n".join(f"{name:<{width}}  {what}" for name, what in SAMPLES.items()))
+        every = SAMPLES | (ROBOTS if context.command.name == "hsr-diagnose" else {})
+        width = max(map(len, every))
+        click.echo("\n".join(f"{name:<{width}}  {what}" for name, what in every.items()))
         context.exit()
 
 

@@ -23,8 +23,9 @@ from hsr_pin.inference.decision import Loss
 from hsr_pin.inference.fit import fit
 from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.inference.ladder import ladder
+from hsr_pin.inference.misfit import Misfit
 from hsr_pin.inference.resampling import squares
-from hsr_pin.inference.residuals import lasting_square, residuals
+from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.inference.search import Search, judged, search
 from hsr_pin.inference.verdict import Limits, Vocabulary, predicted_no_better, verdict_of
 from hsr_pin.parallel import workers
@@ -195,9 +196,9 @@ def _split(whole: Recordings, test: Sequence[str]) -> tuple[Recordings | None, R
 
 
 def _missed(recordings: Recordings, variant: Variant, values: Array | None = None) -> list[Array]:
-    """For each run (T, M, 1) predicted minus measured."""
-    at = variant.start if values is None else values
-    return residuals(recordings, recordings.predict(variant, [(run, at) for run in recordings.runs]))
+    """For each run (T, M, 1) predicted minus measured, without what the numbers of the trial explain."""
+    misfit = Misfit(recordings, variant)
+    return misfit.left((variant.start if values is None else values) / misfit.scale)
 
 
 def _rungs(found: Search, aside: Recordings | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:

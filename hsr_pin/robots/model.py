@@ -122,9 +122,12 @@ class RobotModel:
         """Of one recording, all with equally many samples."""
         step = float(np.median(np.diff(trial.time)))
         count, joints, found = round(seconds / step) + 1, self.recordings.robot.joints, []
-        for number, begin in enumerate(range(_SIDE, len(trial.time) - max(count, _SIDE), count)):
+        begins = range(_SIDE, len(trial.time) - max(count, _SIDE), count)
+        starts = [self._start(trial, begin) for begin in begins]
+        doubt = np.median([np.abs(each) for _, _, each in starts], axis=0) if starts else np.zeros(len(joints))
+        unsure = np.sqrt(doubt**2 + (_UNSURE * self.sizes.speed) ** 2)
+        for number, (begin, (position, speed, _)) in enumerate(zip(begins, starts, strict=True), 1):
             rows, earlier = slice(begin, begin + count), slice(max(0, begin - round(_BEFORE / step)), begin)
-            position, speed, unsure = self._start(trial, begin)
             stretch = Stretch(
                 trial.time[rows],
                 trial.torque[rows],
@@ -136,7 +139,7 @@ class RobotModel:
             )
             found.append(
                 Trial(
-                    f"{trial.name} {number + 1}",
+                    f"{trial.name} {number}",
                     trial.time[rows],
                     dict(zip(joints, trial.position[rows].T, strict=True)),
                     stretch,
@@ -147,13 +150,11 @@ class RobotModel:
         return found
 
     def _start(self, trial: RobotTrial, at: int) -> tuple[Array, Array, Array]:
-        """(n,) each: angle, speed, and how well the speed is known, from a parabola and a cubic through the samples about it."""
+        """(n,) each: angle and speed from a cubic through the samples about it, and how far a parabola differs in the speed."""
         rows = slice(at - _SIDE, at + _SIDE + 1)
         t, q = trial.time[rows] - trial.time[at], trial.position[rows]
         parabola, cubic = (np.polynomial.polynomial.polyfit(t, q, degree) for degree in (2, 3))
-        noise = np.array([self._noise(k) for k in range(q.shape[1])]) / np.sqrt(np.sum(t**2))
-        unsure = np.sqrt(noise**2 + (parabola[1] - cubic[1]) ** 2 + (_UNSURE * self.sizes.speed) ** 2)
-        return cubic[0], cubic[1], unsure
+        return cubic[0], cubic[1], parabola[1] - cubic[1]
 
     def _noise(self, joint: int) -> float:
         """[rad] of an encoder: white noise, and the smallest step that it shows."""

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.errors import InputError, quoted
+from hsr_pin.recordings.samples import robot_folder
 from hsr_pin.robots.robot import Robot
 from hsr_pin.trajectory import Array
 
@@ -65,18 +66,19 @@ class RobotRecordings:
     notes: tuple[str, ...] = ()
 
 
-def is_robot(folder: str | Path) -> bool:
-    """Whether a folder holds recordings of a robot."""
-    return (Path(folder) / DOCUMENT).is_file()
+def robot_place(folder: str | Path) -> Path | None:
+    """The folder that holds recordings of a robot: this one, or the sample of this name; None where there are none."""
+    place = Path(folder)
+    return place if (place / DOCUMENT).is_file() else robot_folder(str(folder))
 
 
 def read_robot(folder: str | Path) -> RobotRecordings:
-    """Read recordings of a robot.
+    """Read recordings of a robot: a folder, or the name of a sample.
 
     Raises:
         InputError: a file that is missing or not as ``robot.toml`` says, with the place of the fault.
     """
-    place = Path(folder) / DOCUMENT
+    place = (robot_place(folder) or Path(folder)) / DOCUMENT
     try:
         document = tomllib.loads(place.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -1,6 +1,7 @@
 """Plants by other authors, who saw neither the model nor the other plants; each is one module with its own physics and laws.
 
 - ``contact_rod``: a slender discrete elastic rod that touches walls, posts and hoses
+- ``mujoco_robot``: robots of rigid links in MuJoCo, with faults at their joints
 - ``tendon_arm``: discs on a compliant backbone, driven by two tendons and their motors
 - ``valve_arm``: a beam with two pneumatic muscles, filled and vented through orifices
 
