@@ -4,6 +4,7 @@
 - ``document``: an explanation as JSON
 - ``explain``: explain and explain_change: model, trials -> Explanation
 - ``model``: Model, Cause, Trial, and the parameters that they have
+- ``mujoco``: a MuJoCo model whose numbers are opened by name
 - ``recordings``: trials beside a model, as the search asks for them
 - ``report``: an explanation as one HTML page
 - ``result``: what was found, and how it is shown in Python
