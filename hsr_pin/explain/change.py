@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from hsr_pin.explain.model import Cause, Model, Trial
+from hsr_pin.explain.recordings import Recordings
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -20,10 +23,12 @@ class Change:
     Attributes:
         model: of both sessions.
         known: values of all its parameters in the earlier one.
+        early: that one, which tells what noise and the truest of models leave of a difference.
     """
 
     model: Model
     known: Mapping[str, float]
+    early: Recordings
 
     @property
     def as_model(self) -> Model:
@@ -35,9 +40,15 @@ class Change:
             slopes=None,
             parameters=(),
             causes=(*map(self._of_number, self.model.parameters), *self.model.causes),
-            noise={},
+            noise=self._of_two(self.early.noise),
+            least=self._of_two(np.sqrt(np.maximum(1 - self.early.noise**2, 0.0))),
             name=f"{self.model.name}, the later session beside the earlier",
         )
+
+    def _of_two(self, floors: Array) -> dict[str, float]:
+        """In the unit of each channel, for the difference of two recordings."""
+        both = 2**0.5 * floors * self.early.units
+        return {channel: float(each) for channel, each in zip(self.early.channels, both, strict=True)}
 
     def predict(self, values: Mapping[str, float], trial: Trial) -> Mapping[str, Array]:
         """The difference that some changes make in one pair of trials."""
@@ -63,7 +74,8 @@ class Change:
             there = any(self.known[name] != fact.neutral for name, fact in names if fact.amplitude)
             for name, fact in names:
                 if fact.amplitude:
-                    new[name] = new[name] + values.get(name, fact.neutral) - fact.neutral
+                    changed = new[name] + values.get(name, fact.neutral) - fact.neutral
+                    new[name] = min(max(changed, fact.lower), fact.upper)
                 elif not there:
                     new[name] = values.get(name, fact.neutral)
         return new

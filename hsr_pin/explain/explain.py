@@ -159,7 +159,7 @@ def explain_change(
     pairs = [(late, early) for late, early in pairs if np.shape(late.time) == np.shape(early.time)]
     if len(pairs) < 2:
         raise InputError("trials", expected="two or more with the same name and as many samples in both", received=len(pairs))
-    change = Change(model, dict(known or explain(model, old, **options).values))
+    change = Change(model, dict(known or explain(model, old, **options).values), Recordings(model, [early for _, early in pairs]))
     return explain(change.as_model, [_difference(late, early) for late, early in pairs], words=words or CHANGE, **options)
 
 

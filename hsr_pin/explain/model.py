@@ -143,7 +143,8 @@ class Model:
         name: of what is modelled.
         units: of the channels; default: none is shown.
         noise: standard deviation of each channel's noise; default: as the recordings show it.
-        truest: no model is truer than this share of a channel's range: what is seen with less noise counts no more.
+        truest: no model is truer than this share of what a channel moves: what is seen with less noise counts no more.
+        least: the same for single channels, in their units.
         predict_many: the same for many at once, where that is quicker: from a list of pairs (values, trial) to a list of
             predictions.
         slopes: derivatives, where they are known: ``slopes(values, trial)`` gives for each channel and name of a parameter an
@@ -157,6 +158,7 @@ class Model:
     units: Mapping[str, str] = field(default_factory=dict)
     noise: Mapping[str, float] = field(default_factory=dict)
     truest: float = 1e-3
+    least: Mapping[str, float] = field(default_factory=dict)
     predict_many: Callable[[Sequence[tuple[Mapping[str, float], Trial]]], Sequence[Outputs]] | None = None
     slopes: Callable[[Mapping[str, float], Trial], Mapping[str, Mapping[str, ArrayLike]]] | None = None
 

@@ -25,7 +25,7 @@ from hsr_pin.trajectory import Array
 
 #: Difference for derivatives, over a parameter's scale, and over a number's standard deviation.
 _FRACTION, _OWN = 0.02, 0.5
-#: What a simulation that failed counts as, over the spread of what was measured.
+#: What a simulation that failed counts as, over what was measured moves, or should.
 _FAILED = 3.0
 #: A prediction larger than this many times that is a failure too.
 _LOST = 100.0
@@ -241,7 +241,7 @@ class Recordings:
         rms = np.array([self._noise(channel, trials) for channel in self.channels])
         self.noise, self.floor = rms / self.units, np.ones(len(self.units))
         self.runs = tuple(Recording(trial, _stacked(trial.measured, self.channels) / self.units[:, None]) for trial in trials)
-        self.worst = _FAILED * max(run.moved for run in self.runs)
+        self.worst = _FAILED * max(1 / self.model.truest, *(run.moved for run in self.runs))
         self._known = _Known()
 
     def _noise(self, channel: str, trials: Sequence[Trial]) -> float:
@@ -253,7 +253,8 @@ class Recordings:
     def _floor(self, channel: str, trials: Sequence[Trial]) -> float:
         """What noise and the truest of models leave of a channel, in its unit."""
         spread = float(np.nanstd(np.concatenate([np.asarray(trial.measured[channel]) for trial in trials])))
-        return math.hypot(self._noise(channel, trials), self.model.truest * spread) or 1.0
+        least = self.model.least.get(channel, self.model.truest * spread)
+        return math.hypot(self._noise(channel, trials), least) or 1.0
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_known": _Known()}

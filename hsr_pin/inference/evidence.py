@@ -24,10 +24,13 @@ import numpy as np
 from hsr_pin.inference.calibration import Calibration
 from hsr_pin.inference.model import Data, Model
 
+#: Recordings that are equal to what is predicted leave no less than this.
+_NOTHING = 1e-300
+
 
 def variance(misfit: float, data: Data, calibration: Calibration) -> float:
     """v: what a model leaves in one coordinate, at least what is asked of no model."""
-    return max(misfit, 0.0) + calibration.floor**2 * data.noise
+    return max(max(misfit, 0.0) + calibration.floor**2 * data.noise, _NOTHING)
 
 
 def log_evidence(model: Model, data: Data, calibration: Calibration) -> float:

@@ -55,6 +55,11 @@ class Vocabulary:
     declared: str = "declared model"
     headlines: Mapping[str, str] = field(default_factory=lambda: HEADLINES)
 
+    @property
+    def at_best(self) -> str:
+        """The numbers as they are at best without any cause."""
+        return self.fitted if self.fitted.startswith("the ") else f"fitted {self.fitted}"
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -251,7 +256,7 @@ class _Words:
             names, probability = named[0]
             hint = f"the most probable cause ({listed(names)}, probability {probability:.2f}) is not certain enough to be named"
         size = self.words.size(sqrt(self.gap))
-        return "unexplained", (), f"A gap of {size} beyond noise is left with fitted {self.words.fitted}, and {hint}."
+        return "unexplained", (), f"A gap of {size} beyond noise is left with {self.words.at_best}, and {hint}."
 
 
 def _confidence(found: Search) -> dict[str, float]:

@@ -21,6 +21,7 @@ KINDS = {
     "friction": "a torque that opposes the motion of a joint, and hardly depends on its speed",
     "damping": "a torque that grows with the speed of a joint",
     "elastic": "a torque that grows with the angle of a joint",
+    "contact": "an end of the way of a joint",
     "mass_gravity": "masses, inertias and gravity",
     "actuation_map": "the map from the recorded torque to the torque that acts",
     "actuation_time": "the torque comes late",
@@ -36,7 +37,8 @@ class Sizes:
         torque: (n,) [N m] RMS of each joint.
         largest: (n,) [N m] recorded of each.
         speed: (n,) [rad/s] RMS of each.
-        angle: (n,) [rad] half the range of each.
+        lowest: (n,) [rad] angle of each.
+        highest: (n,) [rad] likewise.
         mass: [kg] of all that moves.
         inertia: (n,) [kg m^2] seen at each joint.
     """
@@ -44,9 +46,15 @@ class Sizes:
     torque: Array
     largest: Array
     speed: Array
-    angle: Array
+    lowest: Array
+    highest: Array
     mass: float
     inertia: Array
+
+    @property
+    def angle(self) -> Array:
+        """(n,) [rad] half the range of each joint."""
+        return np.maximum(self.highest - self.lowest, 2e-3) / 2
 
 
 class Values:

@@ -179,7 +179,8 @@ def _sizes(recordings: RobotRecordings) -> Sizes:
         largest=np.abs(torque).max(axis=0),
         torque=np.maximum(np.sqrt(np.mean(torque**2, axis=0)), 0.01 * float(np.abs(torque).max()) or 1.0),
         speed=np.maximum(np.sqrt(np.mean(speed**2, axis=0)), 1e-3),
-        angle=np.maximum(np.ptp(angles, axis=0) / 2, 1e-3),
+        lowest=angles.min(axis=0),
+        highest=angles.max(axis=0),
         mass=float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:])) or 1.0,
         inertia=_inertia(recordings),
     )

@@ -211,3 +211,11 @@ def test_shapes_start_within_their_bounds():
     assert shape("time", 0.1, 0.02, 1.0).scale == pytest.approx(0.098)
     with pytest.raises(ValueError):
         shape("time", 2.0, 0.0, 1.0)
+
+
+def test_a_change_of_the_inputs_alone_shows_though_the_same_was_measured():
+    """As where the log of a command is another: what should differ, and does not."""
+    old = trials(0, **{"friction.level": 0.2})
+    new = [replace(each, inputs=1.1 * each.inputs) for each in old]
+    found = explain_change(MODEL, new, old, known=KNOWN)
+    assert found.verdict.status != "unchanged" and found.ladder[0].rms > 5

@@ -78,5 +78,5 @@ def test_a_stretch_starts_where_the_encoders_show_the_robot_to_be():
             chord = (each.measured[joint][4] - each.measured[joint][0]) / (each.time[4] - each.time[0])
             off.append(abs(each.inputs.v[k] - chord))
             assert 0 < each.own[f"start speed of {joint}"] < 2
-    assert np.median(off) < 0.2
+    assert np.median(off) < 0.3
     assert np.ptp([len(each.time) for each in stretches]) == 0

@@ -108,6 +108,7 @@ SIZES = {
     "viscous_friction.elbow": 0.2,
     "quadratic_damping.shoulder": 0.2,
     "joint_spring.stiffness:elbow": 1.0,
+    "joint_stop.upper:elbow": 20.0,
     "rotor_inertia.elbow": 0.02,
     "payload.mass": 0.2,
     "link_mass.elbow": 0.2,

@@ -8,6 +8,7 @@ from hsr_pin.robots.causes.drive_lag import DriveLag
 from hsr_pin.robots.causes.encoder_gain import EncoderGain
 from hsr_pin.robots.causes.encoder_offset import EncoderOffset
 from hsr_pin.robots.causes.joint_spring import JointSpring
+from hsr_pin.robots.causes.joint_stop import JointStop
 from hsr_pin.robots.causes.link_inertia import LinkInertia
 from hsr_pin.robots.causes.link_mass import LinkMass
 from hsr_pin.robots.causes.load_friction import LoadFriction
@@ -30,6 +31,7 @@ CAUSES: tuple[JointCause, ...] = (
     ViscousFriction(),
     QuadraticDamping(),
     JointSpring(),
+    JointStop(),
     RotorInertia(),
     Payload(),
     LinkMass(),

@@ -21,7 +21,7 @@ class LinkInertia(JointCause):
 
     def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
         """A share of each link."""
-        return tuple(amplitude(joint, 0.1, lower=-1.0, upper=10.0) for k, joint in enumerate(joints))
+        return tuple(amplitude(joint, 0.1, lower=-0.999, upper=10.0) for k, joint in enumerate(joints))
 
     def bodies(self, values: Values) -> Array:
         """The shares."""
