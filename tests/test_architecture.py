@@ -14,25 +14,22 @@ WAY = [*FOUNDATION, "robot", "effects", "simulation", "inference", "identificati
 MAY_SHOW = ["report", "explain", "robots"]
 #: What knows no arm: anybody's model is judged by it.
 ANY_MODEL = [*FOUNDATION, "inference", "report"]
-MAY_IMPORT = (
-    {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)}
-    | {
-        "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
-        "inference": {*ANY_MODEL} - {"report"},
-        "report": {*ANY_MODEL},
-        "explain": {*ANY_MODEL, "recordings", "explain"},
-        "robots": {*ANY_MODEL, "recordings", "explain", "robots"},
-        "diagnosis": {*WAY, "recordings", "report"},
-        "recordings": {*FOUNDATION, "recordings"},
-        "replay": {*FOUNDATION, "robot", "replay"},
-        "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
-        "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
-        "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
-        "blind": {*WAY, "recordings", "report", "replay", "control", "blind", "blind.plants"},
-        "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
-        "cli": {*WAY, *MAY_SHOW, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
-    }
-)
+MAY_IMPORT = {room: {*WAY[: i + 1]} for i, room in enumerate(WAY)} | {
+    "identification": {*WAY[: WAY.index("identification") + 1], "recordings"},
+    "inference": {*ANY_MODEL} - {"report"},
+    "report": {*ANY_MODEL},
+    "explain": {*ANY_MODEL, "recordings", "explain"},
+    "robots": {*ANY_MODEL, "recordings", "explain", "robots"},
+    "diagnosis": {*WAY, "recordings", "report"},
+    "recordings": {*FOUNDATION, "recordings"},
+    "replay": {*FOUNDATION, "robot", "replay"},
+    "control": {*FOUNDATION, "robot", "effects", "simulation", "control"},
+    "export": {*WAY[: WAY.index("identification") + 1], "recordings", "export"},
+    "view": {*WAY[: WAY.index("identification") + 1], "recordings", "export", "view"},
+    "blind": {*WAY, "recordings", "report", "replay", "control", "blind", "blind.plants"},
+    "blind.plants": {"errors", "blind.plants"},  # an independent plant shares nothing with the model
+    "cli": {*WAY, *MAY_SHOW, "recordings", "replay", "control", "export", "view", "blind", "blind.plants", "cli"},
+}
 
 #: What costs time, or may be absent, is imported where it is used.
 ON_USE_ONLY = {"matplotlib", "meshcat", "mujoco", "elastica", "pybullet", "rosbags", "rich", "viser"}

@@ -58,13 +58,13 @@ def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> No
 
 def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
-    from hsr_pin.inference.candidate import candidate, full_fit
-    from hsr_pin.inference.proposals import proposals, quick_fit
     from hsr_pin.effects import effect_named
     from hsr_pin.identification.experiment import prepare
-    from hsr_pin.inference.fit import fit
     from hsr_pin.identification.hypothesis import Hypothesis
     from hsr_pin.identification.part import readings
+    from hsr_pin.inference.candidate import candidate, full_fit
+    from hsr_pin.inference.fit import fit
+    from hsr_pin.inference.proposals import proposals, quick_fit
     from hsr_pin.recordings.read import read_dataset
 
     experiment = prepare(read_dataset(recording))

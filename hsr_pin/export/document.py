@@ -16,8 +16,8 @@ from hsr_pin.errors import EffectError, InputError, RecordingError, quoted
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.schema import ARM_SECTION, DIAGNOSIS, FIT
 from hsr_pin.identification.arm_document import levels
-from hsr_pin.identification.part import ARM, SESSION
 from hsr_pin.identification.hypothesis import LINKS
+from hsr_pin.identification.part import ARM, SESSION
 from hsr_pin.recordings.files import LARGEST_RESULT
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.text import read_text

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.report import _notes, report, telling, write_report
-from hsr_pin.inference.verdict import HEADLINES
 from hsr_pin.inference.ladder import Rung
-from hsr_pin.inference.verdict import STATUSES
+from hsr_pin.inference.verdict import HEADLINES, STATUSES
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 VOID = {"meta", "link", "br", "hr", "img", "input"}

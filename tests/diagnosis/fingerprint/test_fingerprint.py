@@ -7,9 +7,9 @@ import pytest
 
 from hsr_pin.diagnosis.fingerprint.fingerprint import fingerprint
 from hsr_pin.diagnosis.fingerprint.prints import KINDS
-from hsr_pin.report.inline_svg import drawing
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
+from hsr_pin.report.inline_svg import drawing
 
 from .recorded import arcs, commanded, released, swing
 
