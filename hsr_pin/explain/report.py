@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Rows of the table of probabilities, and the least probability that is listed.
 _ROWS, _LISTED = 8, 0.01
+#: A map of more parts than this is left to the JSON.
+_PARTS = 16
 #: Width of a figure [inch], and channels that are drawn.
 _WIDTH, _DRAWN = 7.4, 4
 
@@ -55,6 +57,7 @@ def report(found: Explanation) -> str:
             estimates=estimates(best.fit),
             doubts=uncertainty(best.fit).weak if len(best.fit.values) else (),
             where=sentence(found.where),
+            maps=[each for each in found.where if len(each.parts) <= _PARTS],
             channels=_channels(found),
             caption=caption,
             motion=Markup(inline(_motion(found, index), "motion", caption)),
@@ -72,7 +75,8 @@ def _spoken_of(found: Explanation) -> list[str]:
 def _channels(found: Explanation) -> list[dict[str, Any]]:
     """Of each channel its error with the declared, the fitted and the most probable model, in its unit."""
     recordings = found.recordings
-    shown = (found.nominal, found.search.base.heldout, found.search.best.heldout)
+    fitted = [found.search.base.heldout] if recordings.model.parameters else []
+    shown = (found.nominal, *fitted, found.search.best.heldout)
     rows = []
     for m, (name, unit) in enumerate(zip(recordings.channels, recordings.units, strict=True)):
         errors = [unit * _square([each[:, m] for each in missed]) ** 0.5 for missed in shown]
