@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from hsr_pin.diagnosis.diagnose import diagnose
     from hsr_pin.identification.comparison import compare
     from hsr_pin.identification.identify import identify as fit
-    from hsr_pin.recordings.read import read_dataset
-    from hsr_pin.recordings.samples import sample
+    from hsr_pin.recordings.read import read_dataset, sample
     from hsr_pin.recordings.write import write_dataset
     from hsr_pin.robot.pressure import PressureMap
     from hsr_pin.robot.specification import ArmSpecification
@@ -38,7 +37,7 @@ _MODULES = {
     "diagnose_change": "diagnosis.change.diagnose",
     "fit": "identification.identify:identify",
     "read_dataset": "recordings.read",
-    "sample": "recordings.samples",
+    "sample": "recordings.read",
     "simulate": "simulation.simulate",
     "simulate_batch": "simulation.batch",
     "step_scenario": "simulation.scenario",

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.judging import loss_from, progress
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
@@ -18,12 +18,9 @@ from hsr_pin.recordings.samples import ROBOTS
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
-    from hsr_pin.inference import Loss
 
 #: Stages beside the effects: reading, stiffness and damping, where.
 _OTHER_STAGES = 3
-#: What a fit leaves of a stage.
-_SHARE = 0.9
 
 _EPILOG = "Example: hsr-diagnose sample --html report.html"
 
@@ -116,43 +113,6 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
 
         with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
             return diagnose(recordings, effects=effects, loss=loss, **given, executor=executor, tell=tell, advance=advance)
-
-
-def loss_from(options: dict[str, Any]) -> Loss | None:
-    """The loss that was given; None for the usual one."""
-    from hsr_pin.inference import Loss
-
-    return None if options["loss"] is None else Loss.of(options["loss"])
-
-
-@contextmanager
-def progress(stages: int) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
-    """What to call at each stage and after each fit: a bar on a terminal, nothing anywhere else.
-
-    How many fits a stage takes is not known before: each fills a fixed share of what its stage still lacks.
-    """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-    from hsr_pin.cli.console import console
-
-    screen = console(stderr=True)
-    stage = TextColumn("{task.description}", markup=False)
-    columns = (stage, BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-        task = bar.add_task("starting", total=stages)
-        begun, fits = 0, 0
-
-        def tell(line: str) -> None:
-            nonlocal begun, fits
-            begun, fits = begun + 1, 0
-            bar.update(task, description=line, completed=begun - 1)
-
-        def advance() -> None:
-            nonlocal fits
-            fits += 1
-            bar.update(task, completed=begun - _SHARE**fits)
-
-        yield tell, advance
 
 
 def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:

@@ -69,7 +69,7 @@ def screen(found: Explanation, width: int) -> list[str]:
 
 
 def _explained(dataset: str, options: dict[str, Any]) -> Explanation:
-    from hsr_pin.cli.diagnose import loss_from, progress
+    from hsr_pin.cli.judging import loss_from, progress
     from hsr_pin.cli.trials import listed
     from hsr_pin.robots.explain import explain_robot, explain_robot_change
     from hsr_pin.robots.read import read_robot

@@ -54,7 +54,7 @@ def tell_since(dataset: str, options: dict[str, Any]) -> None:
 
 
 def _history(folders: list[str], options: dict[str, Any]) -> History:
-    from hsr_pin.cli.diagnose import loss_from, progress
+    from hsr_pin.cli.judging import loss_from, progress
     from hsr_pin.diagnosis.change.history import history
     from hsr_pin.effects import effect_named
     from hsr_pin.recordings.read import read_dataset

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.inference.candidate import Candidate
@@ -23,6 +22,9 @@ from hsr_pin.inference.document import (
 )
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import Left
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.result import Diagnosis
 
 SCHEMA = 2
 

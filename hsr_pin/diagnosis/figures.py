@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hsr_pin.diagnosis.fingerprint.prints import Print
-from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.diagnosis.words import model_name, readable
 from hsr_pin.identification.prepared import Run
@@ -20,6 +19,8 @@ from hsr_pin.trajectory import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from hsr_pin.diagnosis.result import Diagnosis
 
 #: Width of a page [inch].
 _WIDTH = 7.4

@@ -6,13 +6,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
-from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import EXPERIMENTS, advice, effect_options, model_name, readable, scales, sentence, where_sentence
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
@@ -25,6 +24,9 @@ from hsr_pin.output import write_text
 from hsr_pin.report.inline_svg import inline
 from hsr_pin.report.page import environment
 from hsr_pin.trajectory import Array
+
+if TYPE_CHECKING:
+    from hsr_pin.diagnosis.result import Diagnosis
 
 #: Rows of the table of probabilities, and the least probability that is listed.
 _ROWS, _LISTED = 8, 0.01
@@ -42,7 +44,7 @@ def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
 
 def report(diagnosis: Diagnosis) -> str:
     """The text of that file."""
-    surroundings = environment()
+    surroundings = environment(Path(__file__).parent)
     surroundings.filters |= {"readable": readable, "percent": _percent, "in_words": where_sentence}
     return surroundings.get_template("report.html.jinja").render(
         diagnosis=diagnosis,

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hsr_pin.explain.result import Explanation
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.document import (
     candidates_to_json,
@@ -14,6 +13,9 @@ from hsr_pin.inference.document import (
     posterior_to_json,
     verdict_to_json,
 )
+
+if TYPE_CHECKING:
+    from hsr_pin.explain.result import Explanation
 
 SCHEMA = 1
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from hsr_pin.explain.result import Explanation
 from hsr_pin.explain.where import sentence
 from hsr_pin.inference.estimates import estimates
 from hsr_pin.inference.uncertainty import uncertainty
@@ -19,6 +18,8 @@ from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from hsr_pin.explain.result import Explanation
 
 #: Rows of the table of probabilities, and the least probability that is listed.
 _ROWS, _LISTED = 8, 0.01

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from hsr_pin.identification.identify import Identification
 
 #: At most this many trials; those set aside first.
 MOST = 6

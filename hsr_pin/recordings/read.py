@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from hsr_pin.errors import RecordingError
+from hsr_pin.errors import RecordingError, quoted
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
 from hsr_pin.recordings.files import is_inside
 from hsr_pin.recordings.grid import instants_between, on_even_grid, with_commands_between
 from hsr_pin.recordings.plausible import exchanged, mount_doubt
 from hsr_pin.recordings.poses import points_of, seen_points
-from hsr_pin.recordings.samples import SAMPLES, sample_folder
+from hsr_pin.recordings.samples import FIRST, SAMPLES, sample_folder
 from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
@@ -82,6 +82,21 @@ def read_dataset(path: str | Path) -> Dataset:
         smoothed=declaration.smoothed,
         weighed=declaration.weighed,
     )
+
+
+def sample(name: str = FIRST) -> Dataset:
+    """Read a sample dataset.
+
+    Args:
+        name: one of :data:`SAMPLES`; default: the first.
+
+    Raises:
+        RecordingError: there is no sample of this name.
+    """
+    folder = sample_folder(name)
+    if folder is None:
+        raise RecordingError("sample", expected=f"one of {', '.join(SAMPLES)}", received=quoted(name))
+    return read_dataset(folder)
 
 
 def _holds(question: Callable[[], bool]) -> bool:

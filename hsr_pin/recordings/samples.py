@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from hsr_pin.errors import RecordingError, quoted
 from hsr_pin.resources import resource
-
-if TYPE_CHECKING:
-    from hsr_pin.trajectory import Dataset
 
 #: Name -> what it holds. Licence and source stand beside each in ``data/samples``.
 SAMPLES = {
@@ -22,23 +17,6 @@ SAMPLES = {
 ROBOTS = {"double-pendulum": "real: a robot of two rigid links, with encoders and measured torques"}
 #: The name that stands for the first of them.
 FIRST = "sample"
-
-
-def sample(name: str = FIRST) -> Dataset:
-    """Read a sample dataset.
-
-    Args:
-        name: one of :data:`SAMPLES`; default: the first.
-
-    Raises:
-        RecordingError: there is no sample of this name.
-    """
-    from hsr_pin.recordings.read import read_dataset
-
-    folder = sample_folder(name)
-    if folder is None:
-        raise RecordingError("sample", expected=f"one of {', '.join(SAMPLES)}", received=quoted(name))
-    return read_dataset(folder)
 
 
 def sample_folder(name: str) -> Path | None:

@@ -12,7 +12,7 @@ _HERE = Path(__file__).parent
 
 
 def environment(*folders: Path) -> Environment:
-    """For templates in ``folders``, and in this one: what is unknown is an error, what comes from outside is text."""
+    """For templates in ``folders``, and the style in this one: what is unknown is an error, what comes from outside is text."""
     found = Environment(
         loader=FileSystemLoader([*folders, _HERE]),
         autoescape=True,

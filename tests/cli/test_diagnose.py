@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.cli.command import run
-from hsr_pin.cli.diagnose import _OTHER_STAGES, command, progress
+from hsr_pin.cli.diagnose import _OTHER_STAGES, command
 from hsr_pin.cli.diagnose_report import LINES, screen
+from hsr_pin.cli.judging import progress
 from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.document import to_json
 from hsr_pin.errors import IdentificationError

@@ -237,7 +237,7 @@ def test_the_shared_datasets_load(shared, name, trials, markers, with_input):
 
 @pytest.mark.parametrize(("line", "weighed"), [("", False), ("weighed = true\n", True), ("weighed = false\n", False)])
 def test_a_mass_that_was_weighed_is_read_and_written(tmp_path, line, weighed):
-    from hsr_pin.recordings.samples import sample
+    from hsr_pin.recordings.read import sample
     from hsr_pin.recordings.write import write_dataset
 
     write_dataset(sample("beam-empty"), tmp_path / "made")
@@ -249,7 +249,7 @@ def test_a_mass_that_was_weighed_is_read_and_written(tmp_path, line, weighed):
 
 
 def test_a_mass_is_weighed_or_is_not(tmp_path):
-    from hsr_pin.recordings.samples import sample
+    from hsr_pin.recordings.read import sample
     from hsr_pin.recordings.write import write_dataset
 
     write_dataset(sample("beam-empty"), tmp_path / "made")

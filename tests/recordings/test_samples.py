@@ -6,7 +6,8 @@ import hsr_pin
 from hsr_pin.cli.command import run
 from hsr_pin.cli.fit import command
 from hsr_pin.errors import RecordingError
-from hsr_pin.recordings.samples import FIRST, SAMPLES, sample, sample_folder
+from hsr_pin.recordings.read import sample
+from hsr_pin.recordings.samples import FIRST, ROBOTS, SAMPLES, sample_folder
 from hsr_pin.recordings.write import write_dataset
 
 
@@ -23,7 +24,7 @@ def test_every_sample_is_found_by_its_name_with_its_source(name, tmp_path, monke
 def test_all_samples_together_are_small():
     folder = sample_folder("beam").parent
     assert sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) < 1e6
-    assert {path.name for path in folder.iterdir()} == {*SAMPLES}
+    assert {path.name for path in folder.iterdir()} == {*SAMPLES, *ROBOTS}
 
 
 def test_the_first_sample_has_a_short_name_and_a_folder_of_ones_own_comes_first(tmp_path, monkeypatch):
