@@ -1,7 +1,7 @@
 """Install hsr_pin from this checkout into .venv: uv and every dependency as pinned in constraints.txt, their hashes verified.
 
 The inner loops of the simulation are compiled too, once for this machine. Needs a Python with pip, or uv. Names of dependency
-groups may follow: python3 scripts/install.py test
+groups may follow: python3 scripts/install.py test. With --no-compile the first simulation compiles.
 """
 
 import os
@@ -52,15 +52,17 @@ def compile_loops() -> None:
 
 def main() -> None:
     """Create .venv where it is missing, and bring what is in it up to date."""
-    uv, groups = find_uv(), ",".join(sys.argv[1:])
+    asked = sys.argv[1:]
+    uv, groups = find_uv(), ",".join(word for word in asked if word != "--no-compile")
     pins = ["--constraints", "constraints.txt", "--build-constraints", "constraints.txt"]
     for command in (
         ["venv", "--allow-existing", ".venv"],
         ["pip", "install", "--python", ".venv", "--compile-bytecode", *pins, "--editable", f".[{groups}]" if groups else "."],
     ):
         subprocess.run([uv, *command[:1], "--quiet", *command[1:]], check=True, cwd=ROOT)
-    print("compiling the inner loops, once for this machine (half a minute)", flush=True)
-    compile_loops()
+    if "--no-compile" not in asked:
+        print("compiling the inner loops, once for this machine (half a minute)", flush=True)
+        compile_loops()
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ from hsr_pin.cli.judging import loss_from, progress
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import workers
-from hsr_pin.recordings.samples import ROBOTS
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
@@ -56,6 +55,8 @@ def command(dataset: str, **options: Any) -> None:
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
     check_outputs(files, read=[dataset_folder(each) for each in (dataset, *options["since"])], force=options["force"])
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: processes, not threads, share the cores
+    from hsr_pin.recordings.samples import ROBOTS
+
     if os.path.isfile(os.path.join(dataset, "robot.toml")) or dataset in ROBOTS:
         from hsr_pin.cli.robot import tell_robot
 

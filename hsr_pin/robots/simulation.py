@@ -18,7 +18,7 @@ from hsr_pin.robots.robot import Robot
 from hsr_pin.trajectory import Array
 
 #: Longest step [s].
-_LONGEST = 2.5e-3
+_LONGEST = 5e-3
 #: A joint that is this fast [rad/s] has left its model.
 _LOST = 1e3
 

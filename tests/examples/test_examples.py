@@ -55,9 +55,27 @@ def test_a_pneumatic_arm_is_read_and_fitted_in_sections(shared, monkeypatch, tmp
     assert "two sections" in capsys.readouterr().out
 
 
+@pytest.mark.long
+def test_a_double_pendulum_is_told_better_than_by_least_squares(shared, monkeypatch, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    errors = importlib.import_module("double_pendulum").main([str(shared / "recordings" / "double-pendulum")])
+    assert errors["most probable model"] < 0.5 * errors["least squares on inverse dynamics"] < errors["as declared"]
+    assert "link_inertia" in capsys.readouterr().out
+
+
+def test_a_model_in_mujoco_is_explained(monkeypatch, capsys):
+    pytest.importorskip("mujoco")
+    monkeypatch.syspath_prepend(EXAMPLES)
+    found = importlib.import_module("explain_mujoco").main(["--jobs", "1"])
+    assert found.verdict.effects == ("friction",)
+    assert "friction.elbow 0.15" in capsys.readouterr().out
+
+
 def test_every_example_is_tested():
     assert {path.stem for path in EXAMPLES.glob("*.py")} == {
         *FACTORS,
+        "double_pendulum",
+        "explain_mujoco",
         "train_in_mujoco",
         "trunk_in_space",
         "what_changed",

@@ -94,6 +94,19 @@ def test_halving_the_samples_step_changes_little(model):
     assert coarse == pytest.approx(run(model)[::2], abs=1e-3)
 
 
+def test_steps_of_five_milliseconds_are_short_enough(robot, model):
+    fifth = Stretch(TIME[::5] / 2, TORQUE[::5], TIME[:2] - 1, np.zeros((2, 2)), np.array([0.3, -0.2]), np.array([0.5, 0.0]))
+    many = np.linspace(0, fifth.time[-1], 10 * (len(fifth.time) - 1) + 1)
+    torque = np.column_stack([np.interp(many, fifth.time, column) for column in fifth.torque.T])
+    finer = replace(fifth, time=many, torque=torque)
+    coarse, fine = (
+        simulate(robot, CAUSES, model.neutral, model.sizes, [Case(each, model.neutral, np.zeros(2))])[0]
+        for each in (fifth, finer)
+    )
+    assert np.diff(fifth.time)[0] == pytest.approx(0.005)
+    assert coarse == pytest.approx(fine[::10], abs=1e-3)
+
+
 def test_a_robot_that_sticks_stays(robot, model):
     still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2))
     stuck = model.neutral | {"coulomb_friction.elbow": 5.0, "coulomb_friction.shoulder": 5.0}
