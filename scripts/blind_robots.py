@@ -2,7 +2,7 @@
 
     python scripts/blind_robots.py make SEED COUNT FOLDER     record cases; their answers stand in FOLDER/answers.json
     python scripts/blind_robots.py run FOLDER [--jobs N]      diagnose what has no verdict yet
-    python scripts/blind_robots.py show FOLDER|FILE [-o FILE] score, and write answers and verdicts into one file
+    python scripts/blind_robots.py show FOLDER ... [-o FILE]  score, and write answers and verdicts into one file, which it reads too
 
 The plant is ``hsr_pin/blind/plants/others/mujoco_robot.py``: five robots of the package example-robot-data, with faults in
 MuJoCo's own form. Slight nuisances are no faults, and naming them is no mistake: viscous friction, and masses and centres of mass
@@ -114,7 +114,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         todo = [case for case in sorted(folder.glob("case_*")) if case.is_dir() and not case.with_suffix(".json").exists()]
         for_each(diagnose, todo, jobs=chosen.jobs)
     else:
-        answers, verdicts = load(Path(chosen.places[0]))
+        answers, verdicts = {}, {}
+        for number, place in enumerate(chosen.places, 1):
+            prefix = f"{number}/" if len(chosen.places) > 1 else ""
+            for whole, part in zip((answers, verdicts), load(Path(place)), strict=True):
+                whole |= {f"{prefix}{name}": each for name, each in part.items()}
         show(answers, verdicts)
         if chosen.out:
             write_text(chosen.out, json.dumps({"answers": answers, "verdicts": verdicts}, indent=1))
