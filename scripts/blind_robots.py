@@ -2,7 +2,7 @@
 
     python scripts/blind_robots.py make SEED COUNT FOLDER     record cases; their answers stand in FOLDER/answers.json
     python scripts/blind_robots.py run FOLDER [--jobs N]      diagnose what has no verdict yet
-    python scripts/blind_robots.py show FOLDER ... [-o FILE]  score, and write answers and verdicts into one file, which it reads too
+    python scripts/blind_robots.py show FOLDER ... [-o FILE]  score; write it all into one file, which it reads too
 
 The plant is ``hsr_pin/blind/plants/others/mujoco_robot.py``: five robots of the package example-robot-data, with faults in
 MuJoCo's own form. Slight nuisances are no faults, and naming them is no mistake: viscous friction, and masses and centres of mass

@@ -52,3 +52,8 @@ def heavy_tip():
         recording = Trajectory(motion.time, motion.markers, seen, torque=motion.torque)
         trials.append(Trial(f"trial_{number:02d}", recording, keq=1.11, damping=scenario.arm.damping))
     return Dataset("heavy-tip", 0.24, 0.15, 0.04, "hanging", tuple(trials), description="four <short> steps & a weight")
+
+
+def pytest_collection_modifyitems(items):
+    """The commands of README.md take longest: they begin first, beside all others."""
+    items.sort(key=lambda item: item.path.name != "test_readme.py")
