@@ -49,7 +49,7 @@ def least_squares(recordings: RobotRecordings, trials: Sequence[RobotTrial]) -> 
     for trial in trials:
         step = float(np.median(np.diff(trial.time)))
         even = np.arange(trial.time[0], trial.time[-1], step)
-        q, tau = (np.column_stack([np.interp(even, trial.time, x) for x in part.T]) for part in (trial.position, trial.torque))
+        q, tau = (np.column_stack([np.interp(even, trial.time, x) for x in part.T]) for part in (trial.position, trial.command))
         q, v, a = (savgol_filter(q, WINDOW, 3, deriv=n, delta=step, axis=0) for n in range(3))
         for n in range(WINDOW, len(even) - WINDOW, 5):
             bodies = pin.computeJointTorqueRegressor(model, data, q[n], v[n], a[n])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ KINDS = {
     "elastic": "a torque that grows with the angle of a joint",
     "contact": "an end of the way of a joint",
     "mass_gravity": "masses, inertias and gravity",
+    "transmission": "what lies between the motors and the joints",
     "actuation_map": "the map from the recorded torque to the torque that acts",
     "actuation_time": "the torque comes late",
     "measurement": "what the encoders show",
@@ -41,6 +42,8 @@ class Sizes:
         highest: (n,) [rad] likewise.
         mass: [kg] of all that moves.
         inertia: (n,) [kg m^2] seen at each joint.
+        alone: (n,) [kg m^2] likewise, while the other joints yield.
+        rotor: (n,) [kg m^2] declared of each motor.
     """
 
     torque: Array
@@ -50,6 +53,8 @@ class Sizes:
     highest: Array
     mass: float
     inertia: Array
+    alone: Array
+    rotor: Array
 
     @property
     def angle(self) -> Array:
@@ -63,6 +68,10 @@ class Values:
     def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]], sizes: Sizes) -> None:
         self._cause, self._joints, self._values, self.sizes = cause, joints, values, sizes
         self._made: dict[str, Array] = {}
+
+    def __len__(self) -> int:
+        """How many simulations."""
+        return len(self._values)
 
     def of_joints(self, name: str = "") -> Array:
         """(B, n) of each joint."""
@@ -78,6 +87,27 @@ class Values:
             keys = [f"{self._cause.name}.{name}" for name in names]
             self._made[made] = np.array([[each[key] for key in keys] for each in self._values])
         return self._made[made]
+
+
+@dataclass(frozen=True, eq=False)
+class Now:
+    """B simulations at the start of a step.
+
+    Attributes:
+        q: (B, n) [rad].
+        v: (B, n) [rad/s].
+        driven: (B, n) [N m] torque of the motors.
+        slope: (B, n) [N m s/rad] by how much that falls with the speed at the end of the step.
+        h: (B, 1) [s] length of the step.
+        state: of the cause that is asked, as :meth:`JointCause.after` left it.
+    """
+
+    q: Array
+    v: Array
+    driven: Array
+    slope: Array
+    h: Array
+    state: Any = None
 
 
 def of(name: str, joint: str) -> str:
@@ -124,13 +154,25 @@ class JointCause(ABC):
         """Change the bodies of a model by its numbers (K,)."""
         raise NotImplementedError
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
-        """(B, N, n) [N m] the torque that acts, of (B, N, n) that was recorded at times (N,) [s]."""
-        return torque
+    def command(self, values: Values, time: Array, command: Array) -> Array:
+        """(B, N, n) the command that acts (a torque, or the target of a servo), of what was recorded at times (N,) [s]."""
+        return command
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array] | None:
+    def drive(self, values: Values, torque: Array) -> tuple[Array, Array] | None:
+        """(B, n) [N m] the torque of the motors where (B, n) is commanded, and its derivative."""
+        return None
+
+    def start(self, values: Values, now: Now) -> Any:
+        """Its state at the start of a simulation; None: it has none."""
+        return None
+
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array] | None:
         """(B, n) [N m] added at the joints, and (B, n) [N m s/rad] by how much it falls with the speed."""
         return None
+
+    def after(self, values: Values, now: Now, a: Array) -> Any:
+        """Its state at the end of a step in which the joints accelerate by a (B, n) [rad/s^2]."""
+        return now.state
 
     def shown(self, values: Values, q: Array) -> Array:
         """(B, ..., n) what the encoders show of angles (B, ..., n)."""

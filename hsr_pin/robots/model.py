@@ -59,6 +59,7 @@ class RobotModel:
         noise = {joint: self._noise(k) for k, joint in enumerate(joints)}
         return Model(
             self.predict,
+            parameters=servo.parameters(joints) if (servo := self.recordings.robot.servo) else (),
             causes=named,
             name=self.recordings.name,
             units=dict.fromkeys(joints, "rad"),
@@ -130,9 +131,9 @@ class RobotModel:
             rows, earlier = slice(begin, begin + count), slice(max(0, begin - round(_BEFORE / step)), begin)
             stretch = Stretch(
                 trial.time[rows],
-                trial.torque[rows],
+                trial.command[rows],
                 trial.time[earlier],
-                trial.torque[earlier],
+                trial.command[earlier],
                 position,
                 speed,
                 self.recordings.held,
@@ -172,9 +173,11 @@ def _speed(joint: str) -> str:
 def _sizes(recordings: RobotRecordings) -> Sizes:
     """What is usual in recordings."""
     robot, trials = recordings.robot, recordings.trials
-    torque = np.concatenate([trial.torque for trial in trials])
+    servo = robot.servo
+    torque = np.concatenate([servo.torque(each.command, each.position) if servo else each.command for each in trials])
     speed = np.concatenate([np.diff(trial.position, axis=0) / np.diff(trial.time)[:, None] for trial in trials])
     angles = np.concatenate([trial.position for trial in trials])
+    inertia, alone = _inertia(recordings)
     return Sizes(
         largest=np.abs(torque).max(axis=0),
         torque=np.maximum(np.sqrt(np.mean(torque**2, axis=0)), 0.01 * float(np.abs(torque).max()) or 1.0),
@@ -182,17 +185,20 @@ def _sizes(recordings: RobotRecordings) -> Sizes:
         lowest=angles.min(axis=0),
         highest=angles.max(axis=0),
         mass=float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:])) or 1.0,
-        inertia=_inertia(recordings),
+        inertia=inertia,
+        alone=alone,
+        rotor=np.array(robot.rotor_inertia),
     )
 
 
-def _inertia(recordings: RobotRecordings) -> Array:
-    """(n,) [kg m^2] seen at each joint, in the middle of what was recorded."""
+def _inertia(recordings: RobotRecordings) -> tuple[Array, Array]:
+    """(n,) [kg m^2] seen at each joint in the middle of what was recorded: with the others at rest, and while they yield."""
     import pinocchio as pin
 
     robot = recordings.robot
     middle = np.median(np.concatenate([trial.position for trial in recordings.trials]), axis=0)
     mass = pin.crba(robot.model, robot.model.createData(), middle[robot.order])
-    seen = np.empty(len(robot.joints))
-    seen[robot.order] = np.diag(mass)
-    return seen
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    seen, alone = np.empty((2, len(robot.joints)))
+    seen[robot.order], alone[robot.order] = np.diag(mass), 1 / np.diag(np.linalg.inv(mass))
+    return seen, alone

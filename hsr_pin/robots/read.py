@@ -1,19 +1,23 @@
-"""Recordings of a robot: a folder with ``robot.toml``, the URDF that it names, and one table of samples for each trial."""
+"""Recordings of a robot: a folder with ``robot.toml``, the URDF that it names, and one table or bag for each trial."""
 
 from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hsr_pin.errors import InputError, quoted
+from hsr_pin.recordings.grid import hold
+from hsr_pin.recordings.importers.mapping import TIME_UNITS, TORQUE_UNITS
+from hsr_pin.recordings.importers.rosbag_fields import read_bag_numbers
 from hsr_pin.recordings.samples import robot_folder
 from hsr_pin.robots.robot import Robot
+from hsr_pin.robots.servo import Servo, guess_servo
 from hsr_pin.trajectory import Array
 
 if sys.version_info >= (3, 11):
@@ -24,8 +28,14 @@ else:
 #: What the folder is known by.
 DOCUMENT = "robot.toml"
 #: Its keys, and those of its table of channels.
-_KEYS = ("name", "urdf", "joints", "channels", "rotor_inertia", "gravity", "torque_held")
-_CHANNELS = ("time", "position", "torque")
+_KEYS = ("name", "urdf", "joints", "channels", "units", "servo", "rotor_inertia", "gravity", "torque_held", "torque_constant")
+_SERVO = ("stiffness", "damping", "limit", "guessed")
+#: What may be commanded.
+_COMMANDS = ("torque", "target")
+#: What its numbers may be in.
+_UNITS = {"time": TIME_UNITS, "position": {"rad": 1.0, "deg": float(np.pi / 180)}, "torque": TORQUE_UNITS}
+#: Trials, by the ending of their files.
+_TABLE, _BAGS = "*.csv", ("*.mcap", "*.bag")
 #: Fewest samples of a trial.
 _FEWEST = 50
 
@@ -38,13 +48,13 @@ class RobotTrial:
         name: of the trial.
         time: (N,) [s], rising.
         position: (N, n) [rad] what the encoders show.
-        torque: (N, n) [N m] recorded.
+        command: (N, n) recorded: torque [N m], or target of a servo [rad], NaN while the servo is off.
     """
 
     name: str
     time: Array
     position: Array
-    torque: Array
+    command: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +65,7 @@ class RobotRecordings:
         name: of the recordings.
         robot: as declared.
         trials: in the order of their names.
-        held: whether a torque stays as it is until the next sample, as drives hold a command; else it goes straight there.
+        held: whether a command stays as it is until the next sample, as drives hold a command; else it goes straight there.
         notes: what a reader should know.
     """
 
@@ -77,34 +87,83 @@ def read_robot(folder: str | Path) -> RobotRecordings:
 
     Raises:
         InputError: a file that is missing or not as ``robot.toml`` says, with the place of the fault.
+        RecordingError: a bag that cannot be read, or that lacks a channel.
     """
     place = (robot_place(folder) or Path(folder)) / DOCUMENT
     try:
         document = tomllib.loads(place.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(str(place), expected="a TOML document", received=str(error)) from error
-    if unknown := [key for key in document if key not in _KEYS]:
-        raise InputError(str(place), expected=f"keys among {', '.join(_KEYS)}", received=quoted(unknown[0]))
-    joints, channels = _names(document, "joints", place), document.get("channels")
-    if not isinstance(channels, Mapping) or set(channels) != set(_CHANNELS):
-        raise InputError(f"[channels] of {place}", expected=", ".join(_CHANNELS), received=", ".join(channels or ()) or "nothing")
-    columns = [str(channels["time"]), *_names(channels, "position", place), *_names(channels, "torque", place)]
-    if len(columns) != 1 + 2 * len(joints):
-        expected = f"a position and a torque for each of the {len(joints)} joints"
-        raise InputError(f"[channels] of {place}", expected=expected, received=f"{len(columns) - 1} columns")
-    more: dict[str, Any] = {}
-    if "gravity" in document:
-        more["gravity"] = tuple(float(each) for each in document["gravity"])
-    urdf = place.parent / str(document.get("urdf", "robot.urdf"))
-    robot = Robot.load(urdf, joints, [float(each) for each in document.get("rotor_inertia", ())], **more)
-    files = sorted(place.parent.glob("*.csv"))
+    _known(document, _KEYS, str(place))
+    joints = _names(document, "joints", place)
+    more: dict[str, Any] = {"gravity": tuple(_numbers(document, "gravity", place, 3))} if "gravity" in document else {}
+    rotors = _numbers(document, "rotor_inertia", place, len(joints)) if "rotor_inertia" in document else []
+    robot = Robot.load(place.parent / str(document.get("urdf", "robot.urdf")), joints, rotors, **more)
+    columns = _Columns.of(document, len(joints), place)
+    files = sorted(file for ending in (_TABLE, *_BAGS) for file in place.parent.glob(ending))
     if not files:
-        raise InputError(str(place.parent), expected="a .csv file for each trial", received="none")
-    trials = tuple(_trial(file, columns, len(joints)) for file in files)
+        raise InputError(str(place.parent), expected="a .csv, .mcap or .bag file for each trial", received="none")
     held = document.get("torque_held", True)
     if not isinstance(held, bool):
         raise InputError(f"torque_held of {place}", expected="true or false", received=quoted(held))
+    trials = tuple((_table if file.suffix == ".csv" else _bag)(file, columns, held) for file in files)
+    if columns.target:
+        robot = replace(robot, servo=_servo(document, robot, trials, place))
+    elif "servo" in document:
+        raise InputError(f"[channels] of {place}", expected="target, since there is a [servo]", received="torque")
     return RobotRecordings(str(document.get("name", place.parent.name)), robot, trials, held, robot.notes)
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """Where the channels are.
+
+    Attributes:
+        time: column; None: messages of a bag have times of their own.
+        names: positions of all joints, then commands.
+        factors: (1 + 2 n,) of time, positions and commands, to s, rad and N m.
+        target: whether angles are commanded.
+    """
+
+    time: str | None
+    names: tuple[str, ...]
+    factors: tuple[float, ...]
+    target: bool
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any], joints: int, place: Path) -> _Columns:
+        channels, units = document.get("channels"), document.get("units", {})
+        where = f"[channels] of {place}"
+        given = [each for each in _COMMANDS if isinstance(channels, Mapping) and each in channels]
+        if not isinstance(channels, Mapping) or len(given) != 1 or "position" not in channels:
+            expected = "time, position, and either torque or target"
+            raise InputError(where, expected=expected, received=", ".join(channels or ()) or "nothing")
+        (command,) = given
+        _known(channels, ("time", "position", command), where)
+        names = [*_names(channels, "position", place), *_names(channels, command, place)]
+        if len(names) != 2 * joints:
+            expected = f"a position and a {command} for each of the {joints} joints"
+            raise InputError(where, expected=expected, received=f"{len(names)} columns")
+        _known(units, _UNITS, f"[units] of {place}")
+        factor = {}
+        for name, known in _UNITS.items():
+            unit = units.get(name, next(iter(known)))
+            if unit not in known:
+                raise InputError(f"[units] {name} of {place}", expected=f"one of {', '.join(known)}", received=quoted(unit))
+            factor[name] = known[unit]
+        constant = [1.0] * joints
+        if "torque_constant" in document:
+            constant = _numbers(document, "torque_constant", place, joints)
+        target = command == "target"
+        commands = [factor["position"]] * joints if target else [factor["torque"] * each for each in constant]
+        factors = (factor["time"], *[factor["position"]] * joints, *commands)
+        return cls(str(channels["time"]) if "time" in channels else None, tuple(names), factors, target)
+
+
+def _known(table: Any, keys: Iterable[str], where: str) -> None:
+    unknown = [key for key in table if key not in keys] if isinstance(table, Mapping) else [table]
+    if unknown:
+        raise InputError(where, expected=f"keys among {', '.join(keys)}", received=quoted(unknown[0]))
 
 
 def _names(table: Mapping[str, Any], key: str, place: Path) -> list[str]:
@@ -114,23 +173,68 @@ def _names(table: Mapping[str, Any], key: str, place: Path) -> list[str]:
     return list(names)
 
 
-def _trial(file: Path, columns: Sequence[str], joints: int) -> RobotTrial:
+def _numbers(table: Mapping[str, Any], key: str, place: Path, count: int) -> list[float]:
+    numbers = table[key]
+    if not isinstance(numbers, list) or len(numbers) != count or not all(type(each) in (int, float) for each in numbers):
+        raise InputError(f"{key} of {place}", expected=f"{count} numbers, as in [1.0, 2.0]", received=quoted(numbers))
+    return [float(each) for each in numbers]
+
+
+def _servo(document: Mapping[str, Any], robot: Robot, trials: Sequence[RobotTrial], place: Path) -> Servo:
+    """What drives the joints to their targets; what the document does not say is guessed from the trials."""
+    said, where = document.get("servo", {}), f"[servo] of {place}"
+    _known(said, _SERVO, where)
+    numbers = {key: _numbers(said, key, place, len(robot.joints)) for key in ("stiffness", "damping", "limit") if key in said}
+    guessed = said.get("guessed", "stiffness" not in said)
+    if not isinstance(guessed, bool):
+        raise InputError(f"guessed in {where}", expected="true or false", received=quoted(guessed))
+    if "stiffness" not in said:
+        numbers = guess_servo(robot.model, robot.order, [(each.time, each.position, each.command) for each in trials]) | numbers
+    return Servo.of(len(robot.joints), **numbers, guessed=guessed)
+
+
+def _table(file: Path, columns: _Columns, _held: bool) -> RobotTrial:
     """The trial in one table."""
+    if columns.time is None:
+        raise InputError(str(file), expected="time among the [channels], as tables need it", received="none")
+    wanted = [columns.time, *columns.names]
+    empty = [columns.target and k > len(columns.names) // 2 for k in range(len(wanted))]
     with file.open(encoding="utf-8", newline="") as stream:
         rows = csv.reader(stream)
         header = [name.strip() for name in next(rows, [])]
-        if missing := [name for name in columns if name not in header]:
+        if missing := [name for name in wanted if name not in header]:
             raise InputError(f"{file}:1", expected=f"a column {missing[0]}", received=", ".join(header) or "nothing")
-        places, values = [header.index(name) for name in columns], []
+        places, values = [header.index(name) for name in wanted], []
         for line, row in enumerate(rows, 2):
             try:
-                values.append([float(row[place]) for place in places])
+                cells = [row[place].strip() for place in places]
+                values.append([np.nan if may and not cell else float(cell) for cell, may in zip(cells, empty, strict=True)])
             except (ValueError, IndexError) as error:
                 raise InputError(f"{file}:{line}", expected=f"{len(header)} numbers", received=",".join(row)) from error
-    if len(values) < _FEWEST:
-        raise InputError(str(file), expected=f"{_FEWEST} samples or more", received=len(values))
-    table = np.array(values)
-    if not np.isfinite(table).all() or not (np.diff(table[:, 0]) > 0).all():
-        line = int(np.argmax([*(np.diff(table[:, 0]) <= 0), True])) + 3
-        raise InputError(f"{file}:{line}", expected="finite numbers, and times that rise", received="others")
+    table = np.reshape(values, (-1, len(wanted))) * columns.factors
+    return _whole(file, table, len(columns.names) // 2, columns.target, [f"{file}:{line}" for line in range(2, len(values) + 2)])
+
+
+def _bag(file: Path, columns: _Columns, held: bool) -> RobotTrial:
+    """The trial in one bag, at the times of the first joint's messages."""
+    tracks = read_bag_numbers(file, columns.names)
+    joints = len(columns.names) // 2
+    time = tracks[0][0]
+    time = time[(time >= max(track[0][0] for track in tracks)) & (time <= min(track[0][-1] for track in tracks))]
+    found = [time - time[0]] if len(time) else [time]
+    for k, (at, values) in enumerate(tracks):
+        found.append(hold(at, values[:, None], time)[:, 0] if held and k >= joints else np.interp(time, at, values))
+    table = np.column_stack(found) * (1.0, *columns.factors[1:])
+    return _whole(file, table, joints, columns.target, [f"{file}, message {n}" for n in range(1, len(table) + 1)])
+
+
+def _whole(file: Path, table: Array, joints: int, target: bool, places: Sequence[str]) -> RobotTrial:
+    """A trial of a table (N, 1 + 2 n) of times, positions and commands."""
+    if len(table) < _FEWEST:
+        raise InputError(str(file), expected=f"{_FEWEST} samples or more", received=len(table))
+    sound = np.isfinite(table[:, : 1 + joints] if target else table).all(axis=1) & ~np.isinf(table).any(axis=1)
+    if not sound.all():
+        raise InputError(places[int(np.argmin(sound))], expected="finite numbers", received="others")
+    if not (rises := np.diff(table[:, 0]) > 0).all():
+        raise InputError(places[int(np.argmin(rises)) + 1], expected="times that rise", received="others")
     return RobotTrial(file.stem, table[:, 0], table[:, 1 : 1 + joints], table[:, 1 + joints :])

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from hsr_pin.errors import InputError, quoted
+from hsr_pin.robots.servo import Servo
 from hsr_pin.trajectory import Array
 
 #: Parts of a URDF that say nothing of how it moves, and name files that may be absent.
@@ -28,6 +29,7 @@ class Robot:
         joints: (n,) names of those that move, in the order of the recordings.
         rotor_inertia: (n,) [kg m^2] of the motors, as seen at the joints.
         gravity: (3,) [m/s^2].
+        servo: how the joints are driven, where angles are commanded; None: torques are.
         notes: what was added to the URDF.
     """
 
@@ -35,6 +37,7 @@ class Robot:
     joints: tuple[str, ...]
     rotor_inertia: tuple[float, ...]
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    servo: Servo | None = None
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -45,7 +48,7 @@ class Robot:
             path: of the URDF.
             joints: names of those that were recorded.
             rotor_inertia: [kg m^2] of each, as seen at the joint; default: none.
-            more: ``gravity``.
+            more: ``gravity``, ``servo``.
 
         Raises:
             InputError: a file that is no URDF, or that has not these joints.

@@ -7,12 +7,12 @@ from the step before. Friction counts implicitly, so that a joint that sticks co
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
 from hsr_pin.robots.friction import sliding
 from hsr_pin.robots.robot import Robot
 from hsr_pin.trajectory import Array
@@ -29,16 +29,16 @@ class Stretch:
 
     Attributes:
         time: (N,) [s] of its samples.
-        torque: (N, n) [N m] recorded.
-        before_time: (K,) [s] of what was recorded earlier, of which late torques know.
-        before: (K, n) [N m] likewise.
+        command: (N, n) recorded: torque [N m], or target of a servo [rad], NaN while it is off.
+        before_time: (K,) [s] of what was recorded earlier, of which late commands know.
+        before: (K, n) likewise.
         q: (n,) [rad] at the start, as the encoders show it.
         v: (n,) [rad/s] likewise.
-        held: whether a torque stays as it is until the next sample; else it goes straight there.
+        held: whether a command stays as it is until the next sample; else it goes straight there.
     """
 
     time: Array
-    torque: Array
+    command: Array
     before_time: Array
     before: Array
     q: Array
@@ -91,6 +91,8 @@ class _Side:
     def __init__(self, robot: Robot, causes: Sequence[JointCause], sizes: Sizes, cases: Sequence[Case]) -> None:
         self.robot, self.sizes, self.cases = robot, sizes, cases
         named = [case.values for case in cases]
+        self.servo = robot.servo.numbers(robot.joints, named) if robot.servo else None
+        self.limit = np.array(robot.servo.limit if robot.servo else ())
         self.causes = [(cause, Values(cause, robot.joints, named, sizes)) for cause in causes]
         self.groups = self._models()
 
@@ -122,7 +124,7 @@ class _Side:
 
     def run(self) -> Array:
         """(B, N, n) [rad] what the encoders show."""
-        torque, step = self._driven(), self._steps()
+        command, step = self._command(), self._steps()
         straight = np.array([[not case.stretch.held] for case in self.cases])
         q = np.array([case.stretch.q for case in self.cases])
         v = np.array([case.stretch.v + case.aside for case in self.cases])
@@ -130,16 +132,19 @@ class _Side:
         for cause, values in reversed(self.causes):
             q, moved = cause.read(values, q), cause.read(values, moved)
         v = moved - q
-        angles = np.empty((len(q), torque.shape[1], q.shape[1]))
+        angles = np.empty((len(q), command.shape[1], q.shape[1]))
         angles[:, 0], last = q, np.zeros_like(q)
+        begin = Now(q, v, *self._drive(q, v, last, command[:, 0], 0 * step[:, :1]), 0 * step[:, :1])
+        self.states = [cause.start(values, begin) for cause, values in self.causes]
         with np.errstate(over="ignore", invalid="ignore"):
-            for n in range(torque.shape[1] - 1):
+            for n in range(command.shape[1] - 1):
                 parts = max(1, int(np.ceil(step[:, n].max() / _LONGEST - 1e-9)))
                 h = step[:, n, None] / parts
                 for part in range(parts):
                     at = straight * (part + 0.5) / parts
-                    driven = (1 - at) * torque[:, n] + at * torque[:, n + 1]
-                    last = self._acceleration(q + h / 2 * v, v + h / 2 * last, v, driven, h)
+                    commanded = (1 - at) * command[:, n] + at * command[:, n + 1] if at.any() else command[:, n]
+                    now = Now(q + h / 2 * v, v, *self._drive(q, v, last, commanded, h), h)
+                    last = self._acceleration(now, v + h / 2 * last)
                     q, v = q + h * v + h**2 / 2 * last, v + h * last
                 lost = ~(np.abs(v) < _LOST).all(axis=1)
                 q[lost], v[lost], last[lost] = np.nan, 0.0, 0.0
@@ -148,39 +153,60 @@ class _Side:
             angles = cause.shown(values, angles)
         return angles
 
-    def _acceleration(self, q: Array, ahead: Array, v: Array, driven: Array, h: Array) -> Array:
-        """(B, n) [rad/s^2] over a step h (B, 1) [s], from half a step ahead; friction as it is at its end."""
-        robot, order = self.robot, self.robot.order
-        torque = driven - robot.damping * ahead
-        implicit = np.zeros_like(v)
+    def _drive(self, q: Array, v: Array, last: Array, command: Array, h: Array) -> tuple[Array, Array]:
+        """(B, n) [N m] torque of the motors over a step h (B, 1) [s], and by how much it falls with the speed at its end."""
+        torque, slope = command, np.zeros_like(q)
+        if self.servo is not None:
+            stiffness, damping = self.servo
+            seen, on = q + h / 2 * v, np.isfinite(command)
+            for cause, values in self.causes:
+                seen = cause.shown(values, seen)
+            torque = np.where(on, stiffness * (command - seen) - damping * v, 0.0)
+            slope = np.where(on, stiffness * h / 4 + damping / 2, 0.0)  # of the mean of both ends of the step
+            full = torque - slope * h * last
+            beyond = np.abs(full) > self.limit
+            torque, slope = np.where(beyond, np.clip(full, -self.limit, self.limit), torque), np.where(beyond, 0.0, slope)
+        for cause, values in self.causes:
+            if (changed := cause.drive(values, torque)) is not None:
+                torque, slope = changed[0], slope * changed[1]
+        return torque, slope
+
+    def _acceleration(self, now: Now, ahead: Array) -> Array:
+        """(B, n) [rad/s^2] over a step, from half a step ahead; friction as it is at its end."""
+        robot, order, q, v, h = self.robot, self.robot.order, now.q, now.v, now.h
+        torque, implicit = now.driven - robot.damping * ahead, now.slope
         if robot.friction.any():
             added, slope = sliding(robot.friction, v)
             torque, implicit = torque + added, implicit + slope
-        for cause, values in self.causes:
-            if (more := cause.torque(values, q, v, driven)) is not None:
+        own = [now if state is None else replace(now, state=state) for state in self.states]
+        for (cause, values), at in zip(self.causes, own, strict=True):
+            if (more := cause.torque(values, at)) is not None:
                 torque, implicit = torque + more[0], implicit + more[1]
         q = np.nan_to_num(q)
         columns = [np.asfortranarray(each[:, order].T) for each in (q, ahead, torque)]
         found = np.empty_like(v)
-        for own, pool, inverse in self.groups:
-            whole = len(own) == len(v)
-            a = pin.abaInParallel(1, pool, *(columns if whole else [np.asfortranarray(each[:, own]) for each in columns]))
+        for these, pool, inverse in self.groups:
+            whole = len(these) == len(v)
+            a = pin.abaInParallel(1, pool, *(columns if whole else [np.asfortranarray(each[:, these]) for each in columns]))
             a = np.reshape(a, (v.shape[1], -1)).T
-            slope = implicit[:, order] if whole else implicit[own][:, order]
+            slope = implicit[:, order] if whole else implicit[these][:, order]
             if slope.any():
-                step = h if whole else h[own]
+                step = h if whole else h[these]
                 a = np.linalg.solve(np.eye(a.shape[1]) + step[:, :, None] * inverse * slope[:, None, :], a[..., None])[..., 0]
-            found[own] = a
+            found[these] = a
         answer = np.empty_like(v)
         answer[:, order] = found
+        self.states = [
+            None if at.state is None else cause.after(values, at, answer)
+            for (cause, values), at in zip(self.causes, own, strict=True)
+        ]
         return answer
 
     def _steps(self) -> Array:
         return np.array([np.diff(case.stretch.time) for case in self.cases])
 
-    def _driven(self) -> Array:
-        """(B, N, n) [N m] the torque that acts."""
-        driven: list[Array] = []
+    def _command(self) -> Array:
+        """(B, N, n) the command that acts."""
         same: dict[int, list[int]] = {}
         for k, case in enumerate(self.cases):
             same.setdefault(id(case.stretch), []).append(k)
@@ -188,13 +214,21 @@ class _Side:
         for own in same.values():
             stretch = self.cases[own[0]].stretch
             time = np.concatenate([stretch.before_time, stretch.time])
-            torque = np.repeat(np.concatenate([stretch.before, stretch.torque])[None], len(own), axis=0)
+            given = np.concatenate([stretch.before, stretch.command])
+            on = np.isfinite(given)
+            command = np.repeat(_filled(time, given)[None] if not on.all() else given[None], len(own), axis=0)
             for cause, _ in self.causes:
                 values = Values(cause, self.robot.joints, [self.cases[k].values for k in own], self.sizes)
-                torque = cause.command(values, time, torque)
-            placed |= dict(zip(own, torque[:, len(stretch.before) :], strict=True))
-        driven = [placed[k] for k in range(len(self.cases))]
-        return np.array(driven)
+                command = cause.command(values, time, command)
+            command = np.where(on, command, np.nan) if not on.all() else command
+            placed |= dict(zip(own, command[:, len(stretch.before) :], strict=True))
+        return np.array([placed[k] for k in range(len(self.cases))])
+
+
+def _filled(time: Array, values: Array) -> Array:
+    """(N, n) values (N, n) with a straight line across what is missing."""
+    whole = [(column, np.isfinite(column)) for column in values.T]
+    return np.column_stack([np.interp(time, time[on], column[on]) if on.any() else 0 * time for column, on in whole])
 
 
 def _active(causes: Sequence[JointCause], neutral: Mapping[str, float], cases: Sequence[Case]) -> list[JointCause]:

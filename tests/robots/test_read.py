@@ -1,14 +1,18 @@
 """Recordings of a robot are read, or refused in one line that says where the fault is."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.samples import ROBOTS, robot_folder
-from hsr_pin.robots import read_robot
+from hsr_pin.robots import RobotRecordings, RobotTrial, read_robot
+from hsr_pin.robots.causes import CAUSES
 from hsr_pin.robots.model import RobotModel
+from hsr_pin.robots.servo import Servo
+from hsr_pin.robots.simulation import Case, Stretch, simulate
 
 
 @pytest.fixture
@@ -20,7 +24,7 @@ def folder(tmp_path):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_samples_are_read_with_licence_and_source_beside_them(name):
     found = read_robot(name)
-    assert len(found.trials) > 2 and all(trial.position.shape == trial.torque.shape for trial in found.trials)
+    assert len(found.trials) > 2 and all(trial.position.shape == trial.command.shape for trial in found.trials)
     assert {"LICENSE", "SOURCE.txt"} <= {file.name for file in robot_folder(name).iterdir()}
 
 
@@ -55,6 +59,12 @@ def test_joints_are_told_by_name_in_any_order(folder):
         ("trial_02.csv", "0.0069,", "O.0069,", ("trial_02.csv:3", "5 numbers")),
         ("trial_02.csv", "0.0069,", "9.0069,", ("trial_02.csv:4", "times that rise")),
         ("model.urdf", "</robot>", "", ("a URDF",)),
+        ("robot.toml", "torque = [", "torques = [", ("either torque or target",)),
+        ("robot.toml", "rotor_inertia = [0.00276, 0.00276]", 'rotor_inertia = ["a", "b"]', ("rotor_inertia of", "2 numbers")),
+        ("robot.toml", "[channels]", '[units]\nposition = "grad"\n[channels]', ("one of rad, deg", "'grad'")),
+        ("robot.toml", "[channels]", "[servo]\nstiffness = [1, 2]\n[channels]", ("target, since there is a [servo]",)),
+        ("robot.toml", 'time = "t"', "", ("time among the [channels]",)),
+        ("trial_02.csv", "0.0069,", "0.0069,nan,", ("trial_02.csv:3", "finite numbers")),
     ],
 )
 def test_a_fault_is_one_line_that_says_where_it_is(folder, file, before, after, words):
@@ -80,3 +90,76 @@ def test_a_stretch_starts_where_the_encoders_show_the_robot_to_be():
             assert 0 < each.own[f"start speed of {joint}"] < 2
     assert np.median(off) < 0.3
     assert np.ptp([len(each.time) for each in stretches]) == 0
+
+
+@pytest.fixture
+def arm(folder):
+    """One motor that follows targets, written by SciPy: position in degrees, time in milliseconds."""
+    for file in folder.glob("trial_*.csv"):
+        file.unlink()
+    text = (folder / "robot.toml").read_text(encoding="utf-8")
+    text = text.replace("torque = [", "target = [").replace('"tau1", "tau2"', '"a", "b"').replace("torque_held = false", "")
+    (folder / "robot.toml").write_text(text + '\n[units]\ntime = "ms"\nposition = "deg"\n', encoding="utf-8")
+    robot = read_robot("double-pendulum").robot
+    time = np.arange(0, 4, 0.005)
+    target = np.column_stack([0.5 * np.sign(np.sin(3 * time)), 0.6 * np.sin(5 * time)])
+    driven = replace(robot, servo=Servo.of(2, (20.0, 12.0), (1.0, 0.5), guessed=False))
+    made = RobotRecordings("arm", driven, (RobotTrial("one", time, 0 * target, target),))
+    model = RobotModel.of(made)
+    start = Stretch(time, target, time[:1] - 1, target[:1], np.zeros(2), np.zeros(2), held=True)
+    seen = simulate(driven, CAUSES, model.neutral, model.sizes, [Case(start, model.neutral, np.zeros(2))])[0]
+    table = np.column_stack([1e3 * time, np.degrees(seen), np.degrees(target)])
+    np.savetxt(folder / "one.csv", table, delimiter=",", header="t,q1,q2,a,b", comments="", fmt="%.9g")
+    return folder, seen, target
+
+
+def test_targets_and_units_are_read(arm):
+    folder, seen, target = arm
+    with (folder / "robot.toml").open("a", encoding="utf-8") as file:
+        file.write("[servo]\nstiffness = [20, 12]\ndamping = [1, 0.5]\n")
+    found = read_robot(folder)
+    assert found.trials[0].position == pytest.approx(seen) and found.trials[0].command == pytest.approx(target)
+    assert found.trials[0].time[-1] == pytest.approx(3.995) and found.robot.servo.stiffness == (20.0, 12.0)
+    assert not found.robot.servo.guessed and found.robot.servo.limit == (np.inf, np.inf)
+
+
+def test_a_servo_that_nobody_described_is_guessed_from_its_recordings(arm):
+    servo = read_robot(arm[0]).robot.servo
+    assert servo.guessed
+    assert servo.stiffness == pytest.approx((20.0, 12.0), rel=0.15) and servo.damping == pytest.approx((1.0, 0.5), rel=0.3)
+
+
+def test_an_empty_target_is_a_servo_that_is_off(arm):
+    file = arm[0] / "one.csv"
+    lines = file.read_text(encoding="utf-8").splitlines()
+    lines[-100:] = [line.rsplit(",", 2)[0] + ",," for line in lines[-100:]]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    assert np.isnan(read_robot(arm[0]).trials[0].command[-100:]).all()
+
+
+def test_bags_of_joint_states_are_read(folder):
+    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    typesys = pytest.importorskip("rosbags.typesys")
+    store = typesys.get_typestore(typesys.Stores.LATEST)
+    given = read_robot(folder).trials[0]
+    for file in folder.glob("trial_*.csv"):
+        file.unlink()
+    header, stamp, state = (
+        store.types[name] for name in ("std_msgs/msg/Header", "builtin_interfaces/msg/Time", "sensor_msgs/msg/JointState")
+    )
+    with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
+        topic = writer.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)
+        for t, q, tau in zip(given.time, given.position, given.command, strict=True):
+            at = round(1e9 * (t + 1e9))
+            message = state(header(stamp(at // 10**9, at % 10**9), ""), ["a", "b"], q, np.zeros(2), tau)
+            writer.write(topic, at, store.serialize_cdr(message, "sensor_msgs/msg/JointState"))
+    (folder / "bag" / "bag.mcap").rename(folder / "one.mcap")
+    document = folder / "robot.toml"
+    text = document.read_text(encoding="utf-8").replace('time = "t"\n', "")
+    for name, field in (("q", "position"), ("tau", "effort")):
+        pair = ", ".join(f'"/joint_states:{field}[{n}]"' for n in (0, 1))
+        text = text.replace(f'"{name}1", "{name}2"', pair)
+    document.write_text(text, encoding="utf-8")
+    (found,) = read_robot(folder).trials
+    assert found.time == pytest.approx(given.time - given.time[0], abs=1e-6)
+    assert found.position == pytest.approx(given.position) and found.command == pytest.approx(given.command)

@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from hsr_pin.robots import Robot, RobotRecordings, RobotTrial
 from hsr_pin.robots.causes import CAUSES
 from hsr_pin.robots.model import RobotModel
+from hsr_pin.robots.servo import Servo
 from hsr_pin.robots.simulation import Case, Stretch, simulate
 
 URDF = """
@@ -88,8 +89,78 @@ def test_friction_in_proportion_to_speed_moves_it_as_scipy_says(robot, model):
     assert found == pytest.approx(exact(robot, lambda q, v: np.array([-0.4, 0.0]) * v), abs=5e-4)
 
 
+def elastic(robot, passed, y0, command):
+    """(N, 2) elbow and shoulder by SciPy: a rotor that turns beside the elbow, and passes a torque on to it."""
+    whole = pin.buildModelFromXML(robot.urdf)
+    model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
+    model.armature = np.array([0.02, 0.0])
+    data = model.createData()
+
+    def rates(t, y):
+        q, v, ahead, faster = y[:2], y[2:4], y[4], y[5]
+        motors = command(t, q, v)
+        through = passed(ahead, faster)
+        a = pin.aba(model, data, q, v, np.array([motors[0], through]) - np.array([0.05, 0.0]) * v)
+        return np.concatenate([v, a, [faster, (motors[1] - through) / 0.01 - a[1]]])
+
+    return solve_ivp(rates, (0, TIME[-1]), y0, t_eval=TIME, rtol=1e-8, atol=1e-9, max_step=1e-3).y[:2][::-1].T
+
+
+def recorded(t, q, v):
+    return np.interp(t, TIME, TORQUE[:, 1]), np.interp(t, TIME, TORQUE[:, 0])
+
+
+def test_a_joint_with_a_spring_rings_as_scipy_says(robot, model):
+    stiffness, damping = 20.0, 2 * 0.1 * np.sqrt(20.0 * 0.01)
+    first = stretch().command[0, 0] / stiffness
+    truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded)
+    found = run(model, joint_elasticity__elbow=1 / stiffness, joint_elasticity__damping_ratio=0.1)
+    assert np.abs(truth - exact(robot)).max() > 0.02  # a rigid joint would not pass
+    assert found == pytest.approx(truth, abs=3e-3)
+
+
+def test_play_moves_a_joint_as_scipy_says(robot, model):
+    """With flanks as hard as the cause has them."""
+    half, inertia = 0.05, 0.01
+    stiffness, damping = inertia * 250.0**2, 2 * 0.3 * inertia * 250.0
+
+    def passed(ahead, faster):
+        beyond = ahead - np.clip(ahead, -half, half)
+        torque = stiffness * beyond + damping * faster
+        return torque if beyond and torque * ahead > 0 else 0.0
+
+    truth = elastic(robot, passed, [-0.2, 0.3, 0.0, 0.5, 0.0, 0.0], recorded)
+    found = run(model, backlash__elbow=2 * half)
+    assert np.abs(truth - exact(robot)).max() > 0.02  # a joint without play would not pass
+    assert np.sqrt(np.mean((found - truth) ** 2)) < 0.2 * np.sqrt(np.mean((truth - exact(robot)) ** 2))
+
+
+def test_a_servo_pulls_to_its_target_as_scipy_says(robot):
+    stiffness, damping, limit = np.array([30.0, 8.0]), np.array([0.6, 0.2]), np.array([6.0, 100.0])
+    servo = Servo.of(2, stiffness[::-1], damping[::-1], limit[::-1], guessed=False)
+    target = np.column_stack([0.5 * np.sin(6 * TIME), 0.8 * np.sign(np.sin(4 * TIME))])
+    target[TIME > 0.8] = np.nan  # and then it is off
+    driven = replace(robot, servo=servo)
+    still = RobotRecordings("servo", driven, (RobotTrial("one", TIME, np.nan_to_num(target), target),))
+    model = RobotModel.of(still)
+    given = replace(stretch(), command=target, before=np.zeros((250, 2)), held=True)
+    found = simulate(driven, CAUSES, model.neutral, model.sizes, [Case(given, model.neutral, np.zeros(2))])[0]
+    whole = pin.buildModelFromXML(robot.urdf)
+    plain = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
+    plain.armature = np.array([0.02, 0.01])
+    data, steps = plain.createData(), [np.array([-0.2, 0.3, 0.0, 0.5])]
+    for begin, end, wanted in zip(TIME[:-1], TIME[1:], target[:-1, ::-1], strict=True):
+
+        def rates(_, y, wanted=wanted):
+            pulled = np.nan_to_num(np.clip(stiffness * (wanted - y[:2]) - damping * y[2:], -limit, limit))
+            return np.append(y[2:], pin.aba(plain, data, y[:2], y[2:], pulled - np.array([0.05, 0.0]) * y[2:]))
+
+        steps.append(solve_ivp(rates, (begin, end), steps[-1], rtol=1e-8, atol=1e-10).y[:, -1])
+    assert found == pytest.approx(np.array(steps)[:, 1::-1], abs=5e-3)
+
+
 def test_halving_the_samples_step_changes_little(model):
-    half = replace(stretch(), time=TIME[::2], torque=TORQUE[::2])
+    half = replace(stretch(), time=TIME[::2], command=TORQUE[::2])
     coarse = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(half, model.neutral, np.zeros(2))])[0]
     assert coarse == pytest.approx(run(model)[::2], abs=1e-3)
 
@@ -97,8 +168,8 @@ def test_halving_the_samples_step_changes_little(model):
 def test_steps_of_five_milliseconds_are_short_enough(robot, model):
     fifth = Stretch(TIME[::5] / 2, TORQUE[::5], TIME[:2] - 1, np.zeros((2, 2)), np.array([0.3, -0.2]), np.array([0.5, 0.0]))
     many = np.linspace(0, fifth.time[-1], 10 * (len(fifth.time) - 1) + 1)
-    torque = np.column_stack([np.interp(many, fifth.time, column) for column in fifth.torque.T])
-    finer = replace(fifth, time=many, torque=torque)
+    command = np.column_stack([np.interp(many, fifth.time, column) for column in fifth.command.T])
+    finer = replace(fifth, time=many, command=command)
     coarse, fine = (
         simulate(robot, CAUSES, model.neutral, model.sizes, [Case(each, model.neutral, np.zeros(2))])[0]
         for each in (fifth, finer)
@@ -128,6 +199,9 @@ SIZES = {
     "link_inertia.shoulder": 0.5,
     "centre_of_mass.elbow": 0.2,
     "tilted_base.about_y": 0.1,
+    "backlash.elbow": 0.1,
+    "joint_elasticity.elbow": 0.05,
+    "transmission_hysteresis.elbow": 0.3,
     "torque_gain.shoulder": 0.1,
     "torque_bias.elbow": 0.2,
     "torque_ripple.cosine:elbow": 0.2,

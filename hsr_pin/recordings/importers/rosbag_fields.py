@@ -21,6 +21,7 @@ from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.mapping import Column, InputMapping, TableMapping
 from hsr_pin.recordings.importers.rosbag import on_one_clock, opened_bag, ordered, stamped_at
 from hsr_pin.recordings.text import nearest
+from hsr_pin.trajectory import Array
 
 _STEP = re.compile(r"(?P<name>[A-Za-z_]\w*)|\[(?P<index>\d+)\]|\[(?P<key>\w+)=(?P<value>[^\]]*)\]|\.")
 
@@ -80,6 +81,19 @@ def read_bag_commands(path: Path, wanted: InputMapping, recording: Capture) -> C
     time = np.unique(np.concatenate([stamps for stamps, _ in each]))
     held = np.concatenate([hold(stamps, values, time) for stamps, values in each], axis=1)
     return CommandRows(path, time, tuple(tracks), held * wanted.factor)
+
+
+def read_bag_numbers(path: Path, columns: Sequence[str]) -> list[tuple[Array, Array]]:
+    """(N,) times [s] and (N,) values of each of these fields of a bag.
+
+    Raises:
+        RecordingError: no such topic, field or message.
+        MissingDependencyError: rosbags is not installed.
+    """
+    tracks = _tracks(path, {column: [_way(column, path)] for column in columns})
+    found = [ordered(np.array(stamps), np.array(values)[:, 0]) for stamps, values in map(tracks.__getitem__, columns)]
+    start = min(int(stamps[0]) for stamps, _ in found)
+    return [((stamps - start) / 1e9, values) for stamps, values in found]
 
 
 def _way(column: Column, path: Path) -> _Way:

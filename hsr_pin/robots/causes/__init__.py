@@ -1,12 +1,14 @@
 """What may be missing at the joints of a robot, one file each; a new cause is a file here and a line in :data:`CAUSES`."""
 
 from hsr_pin.robots.cause import JointCause
+from hsr_pin.robots.causes.backlash import Backlash
 from hsr_pin.robots.causes.centre_of_mass import CentreOfMass
 from hsr_pin.robots.causes.coulomb_friction import CoulombFriction
 from hsr_pin.robots.causes.dead_time import DeadTime
 from hsr_pin.robots.causes.drive_lag import DriveLag
 from hsr_pin.robots.causes.encoder_gain import EncoderGain
 from hsr_pin.robots.causes.encoder_offset import EncoderOffset
+from hsr_pin.robots.causes.joint_elasticity import JointElasticity
 from hsr_pin.robots.causes.joint_spring import JointSpring
 from hsr_pin.robots.causes.joint_stop import JointStop
 from hsr_pin.robots.causes.link_inertia import LinkInertia
@@ -21,6 +23,7 @@ from hsr_pin.robots.causes.tilted_base import TiltedBase
 from hsr_pin.robots.causes.torque_bias import TorqueBias
 from hsr_pin.robots.causes.torque_gain import TorqueGain
 from hsr_pin.robots.causes.torque_ripple import TorqueRipple
+from hsr_pin.robots.causes.transmission_hysteresis import TransmissionHysteresis
 from hsr_pin.robots.causes.viscous_friction import ViscousFriction
 
 #: In the order in which they are told.
@@ -28,6 +31,7 @@ CAUSES: tuple[JointCause, ...] = (
     CoulombFriction(),
     StribeckFriction(),
     LoadFriction(),
+    TransmissionHysteresis(),
     ViscousFriction(),
     QuadraticDamping(),
     JointSpring(),
@@ -38,6 +42,8 @@ CAUSES: tuple[JointCause, ...] = (
     LinkInertia(),
     CentreOfMass(),
     TiltedBase(),
+    JointElasticity(),
+    Backlash(),
     TorqueGain(),
     TorqueBias(),
     TorqueRipple(),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
 from hsr_pin.robots.friction import sliding
 from hsr_pin.trajectory import Array
 
@@ -23,6 +23,6 @@ class CoulombFriction(JointCause):
         """A level of each joint."""
         return tuple(amplitude(joint, 0.1 * sizes.torque[k], "N m", lower=0.0) for k, joint in enumerate(joints))
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Against the motion."""
-        return sliding(values.of_joints(), v)
+        return sliding(values.of_joints(), now.v)

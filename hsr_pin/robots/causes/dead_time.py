@@ -23,11 +23,11 @@ class DeadTime(JointCause):
         """A delay of all joints."""
         return (amplitude("delay", 0.01, "s", lower=-0.1, upper=0.3),)
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
+    def command(self, values: Values, time: Array, command: Array) -> Array:
         """The same, later."""
-        delayed = torque.copy()
+        delayed = command.copy()
         for b, delay in enumerate(values.shared("delay")[:, 0]):
             if delay:
-                for k in range(torque.shape[2]):
-                    delayed[b, :, k] = np.interp(time - delay, time, torque[b, :, k])
+                for k in range(command.shape[2]):
+                    delayed[b, :, k] = np.interp(time - delay, time, command[b, :, k])
         return delayed

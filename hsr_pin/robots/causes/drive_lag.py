@@ -23,15 +23,15 @@ class DriveLag(JointCause):
         """A time constant of all joints."""
         return (amplitude("time_constant", 0.01, "s", lower=0.0, upper=0.5),)
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
+    def command(self, values: Values, time: Array, command: Array) -> Array:
         """First order, exact for torques that go straight from sample to sample."""
         lag = values.shared("time_constant")
         if not lag.any():
-            return torque
-        late, step = torque.copy(), np.diff(time)
+            return command
+        late, step = command.copy(), np.diff(time)
         for n, dt in enumerate(step, 1):
             x = dt / np.maximum(lag, 1e-9)
             stays = np.exp(-x)
             mean = (1 - stays) / x  # of the weight over the step
-            late[:, n] = stays * late[:, n - 1] + (mean - stays) * torque[:, n - 1] + (1 - mean) * torque[:, n]
+            late[:, n] = stays * late[:, n - 1] + (mean - stays) * command[:, n - 1] + (1 - mean) * command[:, n]
         return late

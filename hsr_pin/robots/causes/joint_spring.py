@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
 from hsr_pin.trajectory import Array
 
 
@@ -27,6 +27,6 @@ class JointSpring(JointCause):
             *(amplitude(of("pull", joint), 0.1 * sizes.torque[k], "N m") for k, joint in enumerate(joints)),
         )
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Towards where it is relaxed."""
-        return values.of_joints("pull") - values.of_joints("stiffness") * q, np.zeros_like(v)
+        return values.of_joints("pull") - values.of_joints("stiffness") * now.q, np.zeros_like(now.v)

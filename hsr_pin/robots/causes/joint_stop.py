@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude, shape
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
 from hsr_pin.trajectory import Array
 
 #: Angle [rad] over which a stop of practical size takes up the usual torque.
@@ -31,8 +31,8 @@ class JointStop(JointCause):
             shape("before", 0.05, 0.005, 0.5, "rad"),
         )
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Back from the ends."""
-        above = np.maximum(q - (values.sizes.highest - values.shared("before")), 0.0)
-        below = np.maximum(values.sizes.lowest + values.shared("before") - q, 0.0)
-        return values.of_joints("lower") * below - values.of_joints("upper") * above, np.zeros_like(v)
+        above = np.maximum(now.q - (values.sizes.highest - values.shared("before")), 0.0)
+        below = np.maximum(values.sizes.lowest + values.shared("before") - now.q, 0.0)
+        return values.of_joints("lower") * below - values.of_joints("upper") * above, np.zeros_like(now.v)

@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
 from hsr_pin.robots.friction import sliding
 from hsr_pin.trajectory import Array
 
@@ -25,6 +25,6 @@ class LoadFriction(JointCause):
         """A coefficient of each joint."""
         return tuple(amplitude(joint, 0.05, lower=0.0, upper=1.0) for k, joint in enumerate(joints))
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Against the motion."""
-        return sliding(values.of_joints() * np.abs(driven), v)
+        return sliding(values.of_joints() * np.abs(now.driven), now.v)

@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
 from hsr_pin.trajectory import Array
 
 
@@ -24,7 +24,7 @@ class QuadraticDamping(JointCause):
         scales = 0.1 * sizes.torque / sizes.speed**2
         return tuple(amplitude(joint, scales[k], "N m s^2/rad^2", lower=0.0) for k, joint in enumerate(joints))
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Against the motion; half of the slope, as for a trapezoidal rule."""
         size = values.of_joints()
-        return -size * v * np.abs(v), size * np.abs(v)
+        return -size * now.v * np.abs(now.v), size * np.abs(now.v)

@@ -23,8 +23,8 @@ class Saturation(JointCause):
         """By what share of the largest recorded torque the limit of each joint is lower than it."""
         return tuple(amplitude(joint, 0.1, lower=0.0, upper=0.95) for joint in joints)
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
+    def drive(self, values: Values, torque: Array) -> tuple[Array, Array]:
         """Cut off."""
         share = values.of_joints()
-        limit = np.where(share > 0, (1 - share) * values.sizes.largest, np.inf)[:, None]
-        return np.clip(torque, -limit, limit)
+        limit = np.where(share > 0, (1 - share) * values.sizes.largest, np.inf)
+        return np.clip(torque, -limit, limit), (np.abs(torque) <= limit).astype(float)

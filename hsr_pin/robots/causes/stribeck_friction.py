@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude, shape
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
 from hsr_pin.robots.friction import sliding
 from hsr_pin.trajectory import Array
 
@@ -30,7 +30,7 @@ class StribeckFriction(JointCause):
             shape("speed", 0.1, 0.02, 1.0, "rad/s"),
         )
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Against the motion."""
-        more = values.of_joints("at_rest") * np.exp(-((v / values.shared("speed")) ** 2))
-        return sliding(values.of_joints("level") + more, v)
+        more = values.of_joints("at_rest") * np.exp(-((now.v / values.shared("speed")) ** 2))
+        return sliding(values.of_joints("level") + more, now.v)

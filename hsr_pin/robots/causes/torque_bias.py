@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
 from hsr_pin.robots.cause import JointCause, Sizes, Values
@@ -21,6 +23,6 @@ class TorqueBias(JointCause):
         """A torque of each joint."""
         return tuple(amplitude(joint, 0.05 * sizes.torque[k], "N m") for k, joint in enumerate(joints))
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
+    def drive(self, values: Values, torque: Array) -> tuple[Array, Array]:
         """Added."""
-        return torque + values.of_joints()[:, None]
+        return torque + values.of_joints(), np.ones_like(torque)

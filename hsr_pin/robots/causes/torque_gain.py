@@ -21,6 +21,7 @@ class TorqueGain(JointCause):
         """A share of each joint."""
         return tuple(amplitude(joint, 0.05, lower=-0.9, upper=5.0) for k, joint in enumerate(joints))
 
-    def command(self, values: Values, time: Array, torque: Array) -> Array:
+    def drive(self, values: Values, torque: Array) -> tuple[Array, Array]:
         """In proportion."""
-        return torque * (1 + values.of_joints()[:, None])
+        factor = 1 + values.of_joints()
+        return torque * factor, factor

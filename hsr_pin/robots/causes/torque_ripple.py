@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude, shape
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
 from hsr_pin.trajectory import Array
 
 
@@ -27,7 +27,7 @@ class TorqueRipple(JointCause):
             shape("per_turn", 6.0, 1.0, 40.0),
         )
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """By the angle."""
-        angle = values.shared("per_turn") * q
-        return values.of_joints("cosine") * np.cos(angle) + values.of_joints("sine") * np.sin(angle), np.zeros_like(v)
+        angle = values.shared("per_turn") * now.q
+        return values.of_joints("cosine") * np.cos(angle) + values.of_joints("sine") * np.sin(angle), np.zeros_like(now.v)

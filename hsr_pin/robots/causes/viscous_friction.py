@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
 from hsr_pin.trajectory import Array
 
 
@@ -22,7 +22,7 @@ class ViscousFriction(JointCause):
         scales = 0.1 * sizes.torque / sizes.speed
         return tuple(amplitude(joint, scales[k], "N m s/rad", lower=0.0) for k, joint in enumerate(joints))
 
-    def torque(self, values: Values, q: Array, v: Array, driven: Array) -> tuple[Array, Array]:
+    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """Against the motion; half of the slope, as for a trapezoidal rule."""
         slope = values.of_joints()
-        return -slope * v, slope / 2
+        return -slope * now.v, slope / 2
