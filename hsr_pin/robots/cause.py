@@ -44,6 +44,7 @@ class Sizes:
         inertia: (n,) [kg m^2] seen at each joint.
         alone: (n,) [kg m^2] likewise, while the other joints yield.
         rotor: (n,) [kg m^2] declared of each motor.
+        encoders: what they sit on, "joint" or "motor"; empty: nobody said it.
     """
 
     torque: Array
@@ -55,6 +56,7 @@ class Sizes:
     inertia: Array
     alone: Array
     rotor: Array
+    encoders: str = ""
 
     @property
     def angle(self) -> Array:
@@ -162,8 +164,8 @@ class JointCause(ABC):
         """(B, n) [N m] the torque of the motors where (B, n) is commanded, and its derivative."""
         return None
 
-    def start(self, values: Values, now: Now) -> Any:
-        """Its state at the start of a simulation; None: it has none."""
+    def start(self, values: Values, now: Now, a: Array) -> Any:
+        """Its state at the start of a simulation in which the encoders show accelerations a (B, n); None: it has none."""
         return None
 
     def torque(self, values: Values, now: Now) -> tuple[Array, Array] | None:
@@ -173,6 +175,10 @@ class JointCause(ABC):
     def after(self, values: Values, now: Now, a: Array) -> Any:
         """Its state at the end of a step in which the joints accelerate by a (B, n) [rad/s^2]."""
         return now.state
+
+    def beside(self, values: Values, state: Any) -> tuple[Array, Array] | None:
+        """(B, n) [rad] by which what the encoders sit on is ahead of the joints, and (B, n) [rad/s] motors of their speeds."""
+        return None
 
     def shown(self, values: Values, q: Array) -> Array:
         """(B, ..., n) what the encoders show of angles (B, ..., n)."""

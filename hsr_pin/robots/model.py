@@ -125,9 +125,9 @@ class RobotModel:
         count, joints, found = round(seconds / step) + 1, self.recordings.robot.joints, []
         begins = range(_SIDE, len(trial.time) - max(count, _SIDE), count)
         starts = [self._start(trial, begin) for begin in begins]
-        doubt = np.median([np.abs(each) for _, _, each in starts], axis=0) if starts else np.zeros(len(joints))
+        doubt = np.median([np.abs(each) for *_, each in starts], axis=0) if starts else np.zeros(len(joints))
         unsure = np.sqrt(doubt**2 + (_UNSURE * self.sizes.speed) ** 2)
-        for number, (begin, (position, speed, _)) in enumerate(zip(begins, starts, strict=True), 1):
+        for number, (begin, (position, speed, speeding, _)) in enumerate(zip(begins, starts, strict=True), 1):
             rows, earlier = slice(begin, begin + count), slice(max(0, begin - round(_BEFORE / step)), begin)
             stretch = Stretch(
                 trial.time[rows],
@@ -136,6 +136,7 @@ class RobotModel:
                 trial.command[earlier],
                 position,
                 speed,
+                speeding,
                 self.recordings.held,
             )
             found.append(
@@ -150,12 +151,12 @@ class RobotModel:
             )
         return found
 
-    def _start(self, trial: RobotTrial, at: int) -> tuple[Array, Array, Array]:
-        """(n,) each: angle and speed from a cubic through the samples about it, and how far a parabola differs in the speed."""
+    def _start(self, trial: RobotTrial, at: int) -> tuple[Array, Array, Array, Array]:
+        """(n,) each: angle, speed and acceleration from a cubic through the samples about it; how a parabola differs in speed."""
         rows = slice(at - _SIDE, at + _SIDE + 1)
         t, q = trial.time[rows] - trial.time[at], trial.position[rows]
         parabola, cubic = (np.polynomial.polynomial.polyfit(t, q, degree) for degree in (2, 3))
-        return cubic[0], cubic[1], parabola[1] - cubic[1]
+        return cubic[0], cubic[1], 2 * cubic[2], parabola[1] - cubic[1]
 
     def _noise(self, joint: int) -> float:
         """[rad] of an encoder: white noise, and the smallest step that it shows."""
@@ -188,6 +189,7 @@ def _sizes(recordings: RobotRecordings) -> Sizes:
         inertia=inertia,
         alone=alone,
         rotor=np.array(robot.rotor_inertia),
+        encoders=robot.encoders,
     )
 
 

@@ -28,7 +28,19 @@ else:
 #: What the folder is known by.
 DOCUMENT = "robot.toml"
 #: Its keys, and those of its table of channels.
-_KEYS = ("name", "urdf", "joints", "channels", "units", "servo", "rotor_inertia", "gravity", "torque_held", "torque_constant")
+_KEYS = (
+    "name",
+    "urdf",
+    "joints",
+    "channels",
+    "units",
+    "servo",
+    "rotor_inertia",
+    "encoders",
+    "gravity",
+    "torque_held",
+    "torque_constant",
+)
 _SERVO = ("stiffness", "damping", "limit", "guessed")
 #: What may be commanded.
 _COMMANDS = ("torque", "target")
@@ -97,6 +109,7 @@ def read_robot(folder: str | Path) -> RobotRecordings:
     _known(document, _KEYS, str(place))
     joints = _names(document, "joints", place)
     more: dict[str, Any] = {"gravity": tuple(_numbers(document, "gravity", place, 3))} if "gravity" in document else {}
+    more["encoders"] = document.get("encoders", "")
     rotors = _numbers(document, "rotor_inertia", place, len(joints)) if "rotor_inertia" in document else []
     robot = Robot.load(place.parent / str(document.get("urdf", "robot.urdf")), joints, rotors, **more)
     columns = _Columns.of(document, len(joints), place)

@@ -18,6 +18,8 @@ from hsr_pin.trajectory import Array
 
 #: Parts of a URDF that say nothing of how it moves, and name files that may be absent.
 _SEEN = ("visual", "collision")
+#: Where encoders are.
+_SIDES = ("", "joint", "motor")
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +31,7 @@ class Robot:
         joints: (n,) names of those that move, in the order of the recordings.
         rotor_inertia: (n,) [kg m^2] of the motors, as seen at the joints.
         gravity: (3,) [m/s^2].
+        encoders: what they sit on, "joint" or "motor" where there is play or a spring between the two; empty: unknown.
         servo: how the joints are driven, where angles are commanded; None: torques are.
         notes: what was added to the URDF.
     """
@@ -37,6 +40,7 @@ class Robot:
     joints: tuple[str, ...]
     rotor_inertia: tuple[float, ...]
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    encoders: str = ""
     servo: Servo | None = None
     notes: tuple[str, ...] = ()
 
@@ -48,7 +52,7 @@ class Robot:
             path: of the URDF.
             joints: names of those that were recorded.
             rotor_inertia: [kg m^2] of each, as seen at the joint; default: none.
-            more: ``gravity``, ``servo``.
+            more: ``gravity``, ``encoders``, ``servo``.
 
         Raises:
             InputError: a file that is no URDF, or that has not these joints.
@@ -58,6 +62,8 @@ class Robot:
         if len(robot.rotor_inertia) != len(joints):
             expected, received = f"{len(joints)} numbers, one for each joint", len(robot.rotor_inertia)
             raise InputError("rotor_inertia", expected=expected, received=received)
+        if robot.encoders not in _SIDES:
+            raise InputError("encoders", expected=" or ".join(filter(None, _SIDES)), received=quoted(robot.encoders))
         if robot.model.nv != len(joints):
             raise InputError(f"joints of {path}", expected="joints with one angle or way each", received=", ".join(joints))
         return robot

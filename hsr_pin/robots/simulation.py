@@ -34,6 +34,7 @@ class Stretch:
         before: (K, n) likewise.
         q: (n,) [rad] at the start, as the encoders show it.
         v: (n,) [rad/s] likewise.
+        a: (n,) [rad/s^2] likewise.
         held: whether a command stays as it is until the next sample; else it goes straight there.
     """
 
@@ -43,6 +44,7 @@ class Stretch:
     before: Array
     q: Array
     v: Array
+    a: Array
     held: bool = False
 
 
@@ -133,9 +135,11 @@ class _Side:
             q, moved = cause.read(values, q), cause.read(values, moved)
         v = moved - q
         angles = np.empty((len(q), command.shape[1], q.shape[1]))
-        angles[:, 0], last = q, np.zeros_like(q)
+        angles[:, 0], last, self.states = q, np.zeros_like(q), [None for _ in self.causes]
         begin = Now(q, v, *self._drive(q, v, last, command[:, 0], 0 * step[:, :1]), 0 * step[:, :1])
-        self.states = [cause.start(values, begin) for cause, values in self.causes]
+        speeding = np.array([case.stretch.a for case in self.cases])
+        self.states = [cause.start(values, begin, speeding) for cause, values in self.causes]
+        q = q - self._beside()[0]
         with np.errstate(over="ignore", invalid="ignore"):
             for n in range(command.shape[1] - 1):
                 parts = max(1, int(np.ceil(step[:, n].max() / _LONGEST - 1e-9)))
@@ -148,7 +152,7 @@ class _Side:
                     q, v = q + h * v + h**2 / 2 * last, v + h * last
                 lost = ~(np.abs(v) < _LOST).all(axis=1)
                 q[lost], v[lost], last[lost] = np.nan, 0.0, 0.0
-                angles[:, n + 1] = q
+                angles[:, n + 1] = q + self._beside()[0]
         for cause, values in self.causes:
             angles = cause.shown(values, angles)
         return angles
@@ -158,10 +162,11 @@ class _Side:
         torque, slope = command, np.zeros_like(q)
         if self.servo is not None:
             stiffness, damping = self.servo
-            seen, on = q + h / 2 * v, np.isfinite(command)
+            ahead, faster = self._beside()
+            seen, turns, on = q + h / 2 * v + ahead, v + faster, np.isfinite(command)
             for cause, values in self.causes:
                 seen = cause.shown(values, seen)
-            torque = np.where(on, stiffness * (command - seen) - damping * v, 0.0)
+            torque = np.where(on, stiffness * (command - seen) - damping * turns, 0.0)
             slope = np.where(on, stiffness * h / 4 + damping / 2, 0.0)  # of the mean of both ends of the step
             full = torque - slope * h * last
             beyond = np.abs(full) > self.limit
@@ -170,6 +175,12 @@ class _Side:
             if (changed := cause.drive(values, torque)) is not None:
                 torque, slope = changed[0], slope * changed[1]
         return torque, slope
+
+    def _beside(self) -> tuple[Array | float, Array | float]:
+        """(B, n) [rad] by which what the encoders sit on is ahead of the joints, and (B, n) [rad/s] motors of their speeds."""
+        pairs = [(each, state) for each, state in zip(self.causes, self.states, strict=True) if state is not None]
+        there = [found for (cause, values), state in pairs if (found := cause.beside(values, state)) is not None]
+        return sum(ahead for ahead, _ in there), sum(faster for _, faster in there)
 
     def _acceleration(self, now: Now, ahead: Array) -> Array:
         """(B, n) [rad/s^2] over a step, from half a step ahead; friction as it is at its end."""

@@ -43,13 +43,14 @@ class Transmission(JointCause):
         """(B, n) torque [N m] on the joint over a step h (B, 1) [s] if nothing accelerates, and its slope [N m s/rad]."""
 
     @abstractmethod
-    def at_rest(self, values: Values, torque: Array) -> Array:
+    def apart(self, values: Values, torque: Array) -> Array:
         """(B, n) [rad] by which the motor is ahead while it passes on a torque (B, n) [N m]."""
 
     @staticmethod
     def shared(sizes: Sizes) -> tuple[Parameter, ...]:
-        """The share of the inertia that turns with the motor, where no rotor was declared."""
-        return () if (sizes.rotor > 0).all() else (shape("motor_share", 0.3, 0.05, 0.6),)
+        """Where the encoders sit, where nobody said it; the share of the inertia that turns with the motor, likewise."""
+        side = () if sizes.encoders else (shape("encoder_side", 0.5, 0.0, 1.0, description="0: at the joint, 1: at the motor"),)
+        return side if (sizes.rotor > 0).all() else (*side, shape("motor_share", 0.3, 0.05, 0.8))
 
     def inertia(self, values: Values) -> Array:
         """(B, n) [kg m^2] that turns with the motor."""
@@ -62,9 +63,15 @@ class Transmission(JointCause):
         """What turns with the motor does not turn with the link."""
         return np.where(self.there(values), -self.inertia(values), 0.0)
 
-    def start(self, values: Values, now: Now) -> Motor:
-        """As if the joint were at rest."""
-        return Motor(self.at_rest(values, now.driven), np.zeros_like(now.v))
+    def beside(self, values: Values, state: Motor) -> tuple[Array, Array]:
+        """The motors, as far as the encoders sit on them."""
+        encoders = values.sizes.encoders
+        side = float(encoders == "motor") if encoders else values.shared("encoder_side")
+        return np.where(self.there(values), side * state.ahead, 0.0), np.where(self.there(values), state.faster, 0.0)
+
+    def start(self, values: Values, now: Now, a: Array) -> Motor:
+        """It passes on what its own acceleration leaves."""
+        return Motor(self.apart(values, now.driven - self.inertia(values) * a), np.zeros_like(now.v))
 
     def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
         """What is passed on in place of the motor's own torque."""

@@ -64,6 +64,7 @@ def test_joints_are_told_by_name_in_any_order(folder):
         ("robot.toml", "[channels]", '[units]\nposition = "grad"\n[channels]', ("one of rad, deg", "'grad'")),
         ("robot.toml", "[channels]", "[servo]\nstiffness = [1, 2]\n[channels]", ("target, since there is a [servo]",)),
         ("robot.toml", 'time = "t"', "", ("time among the [channels]",)),
+        ("robot.toml", "[channels]", 'encoders = "tip"\n[channels]', ("joint or motor", "'tip'")),
         ("trial_02.csv", "0.0069,", "0.0069,nan,", ("trial_02.csv:3", "finite numbers")),
     ],
 )
@@ -106,7 +107,7 @@ def arm(folder):
     driven = replace(robot, servo=Servo.of(2, (20.0, 12.0), (1.0, 0.5), guessed=False))
     made = RobotRecordings("arm", driven, (RobotTrial("one", time, 0 * target, target),))
     model = RobotModel.of(made)
-    start = Stretch(time, target, time[:1] - 1, target[:1], np.zeros(2), np.zeros(2), held=True)
+    start = Stretch(time, target, time[:1] - 1, target[:1], np.zeros(2), np.zeros(2), np.zeros(2), held=True)
     seen = simulate(driven, CAUSES, model.neutral, model.sizes, [Case(start, model.neutral, np.zeros(2))])[0]
     table = np.column_stack([1e3 * time, np.degrees(seen), np.degrees(target)])
     np.savetxt(folder / "one.csv", table, delimiter=",", header="t,q1,q2,a,b", comments="", fmt="%.9g")

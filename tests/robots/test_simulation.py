@@ -56,7 +56,7 @@ def model(robot):
 
 def stretch(q=(0.3, -0.2), v=(0.5, 0.0)):
     before = np.arange(-0.5, 0, 0.002)
-    return Stretch(TIME, TORQUE, before, np.zeros((len(before), 2)), np.array(q), np.array(v))
+    return Stretch(TIME, TORQUE, before, np.zeros((len(before), 2)), np.array(q), np.array(v), np.zeros(2))
 
 
 def run(model, **values):
@@ -89,8 +89,8 @@ def test_friction_in_proportion_to_speed_moves_it_as_scipy_says(robot, model):
     assert found == pytest.approx(exact(robot, lambda q, v: np.array([-0.4, 0.0]) * v), abs=5e-4)
 
 
-def elastic(robot, passed, y0, command):
-    """(N, 2) elbow and shoulder by SciPy: a rotor that turns beside the elbow, and passes a torque on to it."""
+def elastic(robot, passed, y0, command, side=0):
+    """(N, 2) elbow, or on side 1 its rotor, and shoulder by SciPy: the rotor turns beside the elbow, and passes a torque on."""
     whole = pin.buildModelFromXML(robot.urdf)
     model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
     model.armature = np.array([0.02, 0.0])
@@ -103,23 +103,28 @@ def elastic(robot, passed, y0, command):
         a = pin.aba(model, data, q, v, np.array([motors[0], through]) - np.array([0.05, 0.0]) * v)
         return np.concatenate([v, a, [faster, (motors[1] - through) / 0.01 - a[1]]])
 
-    return solve_ivp(rates, (0, TIME[-1]), y0, t_eval=TIME, rtol=1e-8, atol=1e-9, max_step=1e-3).y[:2][::-1].T
+    y0 = np.array(y0) - side * np.array([0, y0[4], 0, 0, 0, 0])
+    found = solve_ivp(rates, (0, TIME[-1]), y0, t_eval=TIME, rtol=1e-8, atol=1e-9, max_step=1e-3).y
+    return np.column_stack([found[1] + side * found[4], found[0]])
 
 
 def recorded(t, q, v):
     return np.interp(t, TIME, TORQUE[:, 1]), np.interp(t, TIME, TORQUE[:, 0])
 
 
-def test_a_joint_with_a_spring_rings_as_scipy_says(robot, model):
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_joint_with_a_spring_rings_as_scipy_says(robot, model, side):
     stiffness, damping = 20.0, 2 * 0.1 * np.sqrt(20.0 * 0.01)
     first = stretch().command[0, 0] / stiffness
-    truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded)
-    found = run(model, joint_elasticity__elbow=1 / stiffness, joint_elasticity__damping_ratio=0.1)
+    truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded, side)
+    shapes = {"joint_elasticity__damping_ratio": 0.1, "joint_elasticity__encoder_side": side}
+    found = run(model, joint_elasticity__elbow=1 / stiffness, **shapes)
     assert np.abs(truth - exact(robot)).max() > 0.02  # a rigid joint would not pass
     assert found == pytest.approx(truth, abs=3e-3)
 
 
-def test_play_moves_a_joint_as_scipy_says(robot, model):
+@pytest.mark.parametrize("side", [0, 1])
+def test_play_moves_a_joint_as_scipy_says(robot, model, side):
     """With flanks as hard as the cause has them."""
     half, inertia = 0.05, 0.01
     stiffness, damping = inertia * 250.0**2, 2 * 0.3 * inertia * 250.0
@@ -129,8 +134,8 @@ def test_play_moves_a_joint_as_scipy_says(robot, model):
         torque = stiffness * beyond + damping * faster
         return torque if beyond and torque * ahead > 0 else 0.0
 
-    truth = elastic(robot, passed, [-0.2, 0.3, 0.0, 0.5, 0.0, 0.0], recorded)
-    found = run(model, backlash__elbow=2 * half)
+    truth = elastic(robot, passed, [-0.2, 0.3, 0.0, 0.5, 0.0, 0.0], recorded, side)
+    found = run(model, backlash__elbow=2 * half, backlash__encoder_side=side)
     assert np.abs(truth - exact(robot)).max() > 0.02  # a joint without play would not pass
     assert np.sqrt(np.mean((found - truth) ** 2)) < 0.2 * np.sqrt(np.mean((truth - exact(robot)) ** 2))
 
@@ -166,7 +171,9 @@ def test_halving_the_samples_step_changes_little(model):
 
 
 def test_steps_of_five_milliseconds_are_short_enough(robot, model):
-    fifth = Stretch(TIME[::5] / 2, TORQUE[::5], TIME[:2] - 1, np.zeros((2, 2)), np.array([0.3, -0.2]), np.array([0.5, 0.0]))
+    fifth = Stretch(
+        TIME[::5] / 2, TORQUE[::5], TIME[:2] - 1, np.zeros((2, 2)), np.array([0.3, -0.2]), np.array([0.5, 0.0]), np.zeros(2)
+    )
     many = np.linspace(0, fifth.time[-1], 10 * (len(fifth.time) - 1) + 1)
     command = np.column_stack([np.interp(many, fifth.time, column) for column in fifth.command.T])
     finer = replace(fifth, time=many, command=command)
@@ -179,7 +186,7 @@ def test_steps_of_five_milliseconds_are_short_enough(robot, model):
 
 
 def test_a_robot_that_sticks_stays(robot, model):
-    still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2))
+    still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2), np.zeros(2))
     stuck = model.neutral | {"coulomb_friction.elbow": 5.0, "coulomb_friction.shoulder": 5.0}
     found = simulate(robot, CAUSES, model.neutral, model.sizes, [Case(still, stuck, np.zeros(2))])[0]
     assert np.abs(found - found[0]).max() < 0.02
@@ -240,7 +247,7 @@ def test_a_dead_time_shows_the_motion_later(model):
     """Of a robot that rests hanging until its torque comes."""
     at = np.where(TIME[:, None] > 0.3, [0.5, 0.0], 0.0)
     before = np.arange(-0.5, 0, 0.002)
-    hanging = Stretch(TIME, at, before, np.zeros((len(before), 2)), np.zeros(2), np.zeros(2))
+    hanging = Stretch(TIME, at, before, np.zeros((len(before), 2)), np.zeros(2), np.zeros(2), np.zeros(2))
     late = model.neutral | {"dead_time.delay": 0.1}
     now, then = (
         simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(hanging, values, np.zeros(2))])[0]

@@ -15,6 +15,8 @@ from hsr_pin.trajectory import Array
 
 #: How a motor rings against the flank of a tooth [rad/s], and its damping ratio.
 _RINGS, _DAMPED = 250.0, 0.3
+#: How sure it is that a joint begins at the flank that is pushed, for the usual torque.
+_SURE = 5.0
 
 
 class Backlash(Transmission):
@@ -42,6 +44,7 @@ class Backlash(Transmission):
         touches = (np.abs(end) > half) & (torque * end > 0)
         return np.where(touches, torque, 0.0), np.where(touches, stiffness * h / 2 + damping, 0.0)
 
-    def at_rest(self, values: Values, torque: Array) -> Array:
-        """At the flank that the torque pushes."""
-        return np.sign(torque) * values.of_joints() / 2 + torque / (self.inertia(values) * _RINGS**2)
+    def apart(self, values: Values, torque: Array) -> Array:
+        """At the flank that the torque pushes, or near it."""
+        pushed = np.tanh(_SURE * torque / values.sizes.torque)
+        return pushed * values.of_joints() / 2 + torque / (self.inertia(values) * _RINGS**2)

@@ -41,6 +41,6 @@ class JointElasticity(Transmission):
         torque = stiffness * (motor.ahead + h / 2 * motor.faster) + damping * motor.faster
         return torque, stiffness * h / 4 + damping / 2
 
-    def at_rest(self, values: Values, torque: Array) -> Array:
+    def apart(self, values: Values, torque: Array) -> Array:
         """Drawn by the torque."""
         return values.of_joints() * torque

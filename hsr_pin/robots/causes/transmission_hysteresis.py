@@ -26,7 +26,7 @@ class TransmissionHysteresis(JointCause):
         own = (amplitude(joint, 0.1 * sizes.torque[k], "N m", lower=0.0) for k, joint in enumerate(joints))
         return (*own, shape("way", 0.05, 0.005, 0.5, "rad"))
 
-    def start(self, values: Values, now: Now) -> Array:
+    def start(self, values: Values, now: Now, a: Array) -> Array:
         """(B, n) share of the level: all of it in a joint that moves."""
         return np.asarray(np.tanh(now.v / SLIDES))
 
