@@ -152,8 +152,8 @@ class JointCause(ABC):
         """(B, K) numbers that change masses or gravity; simulations that have the same share a model."""
         return None
 
-    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
-        """Change the bodies of a model by its numbers (K,)."""
+    def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
+        """Change the bodies of a model by its numbers (K,); the joints are in the order of the recordings."""
         raise NotImplementedError
 
     def command(self, values: Values, time: Array, command: Array) -> Array:

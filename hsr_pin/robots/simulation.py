@@ -113,7 +113,7 @@ class _Side:
             for cause, values in self.causes:
                 bodies, armature = cause.bodies(values), cause.armature(values)
                 if bodies is not None:
-                    cause.change_bodies(bodies[own[0]], model)
+                    cause.change_bodies(bodies[own[0]], self.robot.joints, model)
                 if armature is not None:
                     model.armature = model.armature + self.robot.sorted(armature[own[0]])
             data, order = model.createData(), self.robot.order

@@ -260,6 +260,16 @@ def test_a_payload_weighs_what_it_weighs(robot, model):
     """Held still by what inverse dynamics says with the payload in the URDF's last link."""
     changed = robot.model.copy()
     (payload,) = (cause for cause in CAUSES if cause.name == "payload")
-    payload.change_bodies(np.array([0.5, 1.0]), changed)
+    payload.change_bodies(np.array([0.5, 1.0]), robot.joints, changed)
     assert changed.inertias[-1].mass - robot.model.inertias[-1].mass == pytest.approx(0.5)
     assert changed.inertias[-1].lever == pytest.approx(robot.model.inertias[-1].lever, rel=0.1)
+
+
+@pytest.mark.parametrize("name", ["link_mass", "link_inertia", "centre_of_mass"])
+def test_the_link_of_a_joint_is_changed_in_whatever_order_joints_were_recorded(robot, model, name):
+    (cause,) = (cause for cause in CAUSES if cause.name == name)
+    changed = robot.model.copy()
+    cause.change_bodies(np.array([0.5, 0.0]), robot.joints, changed)
+    elbow, shoulder = (changed.getJointId(joint) for joint in ("elbow", "shoulder"))
+    assert changed.inertias[shoulder] == robot.model.inertias[shoulder]
+    assert changed.inertias[elbow] != robot.model.inertias[elbow]

@@ -27,8 +27,9 @@ class CentreOfMass(JointCause):
         """The shares."""
         return values.of_joints()
 
-    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+    def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
         """Along the line from the joint that moves the link."""
-        for k, share in enumerate(numbers, 1):
+        for joint, share in zip(joints, numbers, strict=True):
+            k = model.getJointId(joint)
             own = model.inertias[k]
             model.inertias[k] = pin.Inertia(own.mass, (1 + share) * own.lever, own.inertia)

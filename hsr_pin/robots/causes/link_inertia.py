@@ -27,8 +27,9 @@ class LinkInertia(JointCause):
         """The shares."""
         return values.of_joints()
 
-    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+    def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
         """The inertia about the centre of mass of the links that the joints move."""
-        for k, share in enumerate(numbers, 1):
+        for joint, share in zip(joints, numbers, strict=True):
+            k = model.getJointId(joint)
             own = model.inertias[k]
             model.inertias[k] = pin.Inertia(own.mass, own.lever, (1 + share) * own.inertia)

@@ -31,7 +31,7 @@ class Payload(JointCause):
         """The mass, and its reach."""
         return np.hstack([values.shared("mass"), values.shared("reach")])
 
-    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+    def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
         """A point on the line from the last joint through the centre of mass of the last link."""
         mass, reach = numbers
         if mass:

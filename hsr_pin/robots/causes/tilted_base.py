@@ -31,6 +31,6 @@ class TiltedBase(JointCause):
         """The angles."""
         return np.hstack([values.shared("about_x"), values.shared("about_y")])
 
-    def change_bodies(self, numbers: Array, model: pin.Model) -> None:
+    def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
         """Gravity, as the base sees it."""
         model.gravity.linear = pin.exp3(np.array([*numbers, 0.0])).T @ model.gravity.linear
