@@ -8,7 +8,7 @@ import numpy as np
 from problem import SAMPLE, TORQUE, times
 
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.integrator import ORDERS, Integrator
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.simulation.scenario import Pose, Scenario
@@ -34,8 +34,8 @@ class Ours:
         self.method, self.setting = method, f"{method.name}, tolerance {1e3 * method.tolerance:.2g} mm"
         time, start = times(sample), Pose(np.zeros(arms[0].links))
         torque = np.full((len(time), len(arms)), TORQUE)
-        columns = Columns.of([Scenario(arm, time, torque[:, 0], start) for arm in arms])
-        self._engine = engine = Engine(columns, "compiled")
+        batch = ArmBatch.of([Scenario(arm, time, torque[:, 0], start) for arm in arms])
+        self._engine = engine = Engine(batch, "compiled")
         command = engine.deliver(torque, torque[0], sample, substeps=method.substeps(sample))
         q, v = np.zeros((2, len(arms), arms[0].links))
         self._given = engine.loaded(q, v), command, len(time), method, np.ones(len(arms), dtype=bool), threads

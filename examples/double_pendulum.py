@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.signal import savgol_filter
 
+from hsr_pin.explain import Explanation
 from hsr_pin.robots import Robot, RobotRecordings, RobotTrial, explain_robot
 from hsr_pin.robots.model import RobotModel
 
@@ -83,6 +84,27 @@ def error(recordings: RobotRecordings, values: dict[str, float], model: pin.Mode
     return float(np.degrees(np.sqrt(np.nanmean(np.concatenate(missed) ** 2))))
 
 
+def compare(folder: Path, jobs: int | None = None) -> tuple[Explanation, dict[str, float]]:
+    """What is missing, and the errors [degrees] that each way leaves on the trials that are set aside."""
+    recordings = read(folder)
+    aside = [trial.name for trial in recordings.trials[-ASIDE:]]
+    found = explain_robot(recordings, seconds=SECONDS, test=aside, jobs=jobs)
+    print(found)
+    model, friction = least_squares(recordings, recordings.trials[:-ASIDE])
+    return found, {
+        "as declared": error(recordings, {}),
+        "least squares on inverse dynamics": error(recordings, friction, model),
+        "most probable model": error(recordings, found.values),
+    }
+
+
+def show(errors: dict[str, float]) -> None:
+    """Print errors."""
+    print("\nRMS error on trials that were set aside, simulations of half a second [degrees]")
+    for name, value in errors.items():
+        print(f"  {name:<36}{value:8.2f}")
+
+
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
     """Print what is missing, and the errors on the trials that are set aside."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -90,21 +112,10 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
     parser.add_argument("--html", type=Path, help="write the report")
     parser.add_argument("--jobs", type=int, default=None, help="processes; default: one per core")
     chosen = parser.parse_args(arguments)
-    recordings = read(chosen.folder)
-    aside = [trial.name for trial in recordings.trials[-ASIDE:]]
-    found = explain_robot(recordings, seconds=SECONDS, test=aside, jobs=chosen.jobs)
-    print(found)
+    found, errors = compare(chosen.folder, chosen.jobs)
     if chosen.html:
         found.to_html(chosen.html)
-    model, friction = least_squares(recordings, recordings.trials[:-ASIDE])
-    errors = {
-        "as declared": error(recordings, {}),
-        "least squares on inverse dynamics": error(recordings, friction, model),
-        "most probable model": error(recordings, found.values),
-    }
-    print("\nRMS error on trials that were set aside, simulations of half a second [degrees]")
-    for name, value in errors.items():
-        print(f"  {name:<36}{value:8.2f}")
+    show(errors)
     return errors
 
 

@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
             answer = fit(fitted, model)
             name = " + ".join([place, *(effect.name for effect in effects)])
             found[name] = 1e3 * rms(simulated(judged, model, answer.values))
-            print(f"{name:34} fitted {1e3 * rms(answer.missed):5.2f}   held out {found[name]:5.2f}")
+            print(f"{name:34} fitted {1e3 * rms(answer.raw_residuals):5.2f}   held out {found[name]:5.2f}")
             print("   ", ", ".join(f"{key} {value:.3g}" for key, value in answer.named.items()))
     return found
 

@@ -1,13 +1,13 @@
 """Simulate hybrid soft robots on Pinocchio, and find out which physics the model lacks.
 
-The names below are the ones that most programs need; each is imported on first use, so that `import hsr_pin` costs nothing.
+`__all__` lists the names that most programs need. Each is imported on first use, so that `import hsr_pin` is fast.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 
-TYPE_CHECKING = False  # as type checkers know it: `typing` itself takes time to load, in which Ctrl-C would leave a traceback
+TYPE_CHECKING = False  # type checkers know this name; importing `typing` takes time, in which Ctrl-C would leave a traceback
 if TYPE_CHECKING:
     from hsr_pin.control.stepping import ArmSimulator
     from hsr_pin.diagnosis.change.diagnose import diagnose_change
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from hsr_pin.simulation.simulate import simulate
     from hsr_pin.trajectory import Dataset, Trajectory
 
-#: Public name -> the module that holds it, and its name there if that is another. A new name stands here, above (for type
-#: checkers) and in `__all__`.
+#: Public name -> its module, and its name there if that differs (``module:name``). A new name is added here, to the imports for
+#: type checkers above and to `__all__`.
 _MODULES = {
     "ArmSimulator": "control.stepping",
     "ArmSpecification": "robot.specification",

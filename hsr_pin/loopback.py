@@ -1,4 +1,4 @@
-"""Pages for a browser on this machine: which requests are answered, and a server of one page."""
+"""Local web pages for a browser on this machine: a check of requests, and a server of one page."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 from typing import Any
 
-#: Where other machines cannot reach.
+#: Address that other machines cannot reach.
 HOST = "127.0.0.1"
 
 
 def is_own(headers: Any, port: int, *, needs_origin: bool = False) -> bool:
-    """Whether a request comes from a page of this server, or from its address in the browser, and not from another site's page.
+    """Return whether a request comes from a page of this server, or from the browser's address bar, not from another site's page.
 
-    A browser names the site of the page as ``Origin``, and the machine that the page believes to speak to as ``Host``: that is
-    another one where a site's name was turned to this machine (DNS rebinding).
+    A browser sends the site of the page as ``Origin``, and the host that the page intends to contact as ``Host``, which differs
+    if a site's name was redirected to this machine (DNS rebinding).
 
     Args:
-        headers: of the request, with ``get_all``.
-        port: on which it came in.
-        needs_origin: whether a request without an ``Origin`` is refused too.
+        headers: headers of the request, with ``get_all``.
+        port: port on which it arrived.
+        needs_origin: whether a request without an ``Origin`` is rejected too.
     """
-    hosts = [f"{name}:{port}".removesuffix(":80") for name in (HOST, "localhost")]  # browsers leave out the usual port
+    hosts = [f"{name}:{port}".removesuffix(":80") for name in (HOST, "localhost")]  # browsers omit the default port
     origins = headers.get_all("Origin") or []
     return (
         headers.get_all("Host") in ([host] for host in hosts)
@@ -33,10 +33,10 @@ def is_own(headers: Any, port: int, *, needs_origin: bool = False) -> bool:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Gives one page to whoever knows its address, which cannot be guessed; a port is found.
+    """Server of one page, at an address that cannot be guessed, on a free port.
 
     Args:
-        content: of the page.
+        content: content of the page.
     """
 
     daemon_threads = True
@@ -47,15 +47,15 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """What the browser is to open."""
+        """URL of the page."""
         return f"http://{HOST}:{self.server_port}{self.path}"
 
     def start(self) -> None:
-        """Serve in a thread of its own, until ``shutdown``."""
+        """Serve the page in a separate thread, until ``shutdown``."""
         Thread(target=self.serve_forever, daemon=True).start()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A request that could not be answered is nobody's concern but its sender's."""
+        """Ignore errors of single requests, which concern their sender only."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -72,8 +72,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/html; charset=utf-8")
         self.send_header("Content-Length", str(len(self.server.content)))
         self.end_headers()
-        with contextlib.suppress(ConnectionError):  # the browser has gone away
+        with contextlib.suppress(ConnectionError):  # the browser has closed the connection
             self.wfile.write(self.server.content)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Nobody asked for a log."""
+        """Write no log."""

@@ -1,4 +1,4 @@
-"""Writing a file whole or not at all, and not over what is someone else's."""
+"""Atomic file writing, which never replaces a file of another program unless it is told to."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pathlib import Path
 
 from hsr_pin.errors import OutputError
 
-#: Who made a file, in the formats that have a place for it; in a page it stands as :data:`PAGE_SIGNATURE`.
+#: Name of the program in the metadata of the files that it writes; in an HTML page it is :data:`PAGE_SIGNATURE`.
 GENERATOR = "hsr_pin"
 PAGE_SIGNATURE = f'<meta name="generator" content="{GENERATOR}">'
-#: By what the files of hsr_pin are known, in their first or last bytes: pages, pictures (png, pdf, svg), URDF, JSON.
+#: Patterns in the first or last bytes by which files of hsr_pin are recognised: pages, pictures (png, pdf, svg), URDF, JSON.
 _SIGNATURES = tuple(
     re.compile(pattern, re.DOTALL)
     for pattern in (
@@ -30,14 +30,16 @@ _SIGNATURES = tuple(
         rb'\A\{\s*"cases": \d+,\s*"missing": \[',
     )
 )
-#: Ending of the names of drafts.
+#: Suffix of the temporary files that are written before they replace the target.
 DRAFT = "part"
-#: Bytes of a file that are looked at, at either end.
-_LOOK = 8192
+#: Number of bytes at either end of a file that are searched for a signature.
+_SEARCHED = 8192
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write ``text`` (UTF-8) to ``path``; a file that was there is replaced in one step and keeps its mode, or is left as it was.
+    """Write ``text`` (UTF-8) to ``path`` in one step.
+
+    An existing file is replaced and keeps its mode; if the writing fails, it stays unchanged.
 
     Raises:
         OutputError: the file cannot be written.
@@ -46,22 +48,22 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def write_bytes(path: str | Path, content: bytes) -> None:
-    """Write ``content`` to ``path``, as :func:`write_text` does.
+    """Write ``content`` to ``path`` in one step, in the same way as :func:`write_text`.
 
     Raises:
         OutputError: the file cannot be written.
     """
     try:
         target = Path(path)
-        if target.exists() and not target.is_file():  # a device or a pipe cannot be replaced; a folder is refused here
+        if target.exists() and not target.is_file():  # a device or a pipe cannot be replaced; a folder raises an error here
             target.write_bytes(content)
             return
-        target = target.resolve()  # a link stays, what it points to is replaced; not sooner: a pipe's link resolves to nothing
+        target = target.resolve()  # a link stays; not before the check above, because a pipe's link cannot be resolved
         draft = draft_of(target)
         try:
-            with draft.open("xb") as file:  # what stands there already is not followed, and not written to
+            with draft.open("xb") as file:  # an existing file or link of this name raises an error
                 if target.exists():
-                    draft.chmod(stat.S_IMODE(target.stat().st_mode))  # before anything is in it that others may not read
+                    draft.chmod(stat.S_IMODE(target.stat().st_mode))  # before private content is written
                 file.write(content)
             os.replace(draft, target)
         except BaseException:
@@ -75,10 +77,10 @@ def write_bytes(path: str | Path, content: bytes) -> None:
 
 
 def check_writable(path: str | Path) -> None:
-    """Find out now whether :func:`write_bytes` will be able to write to ``path`` later; leaves everything as it was.
+    """Check that :func:`write_bytes` will be able to write to ``path``, without changing anything.
 
     Raises:
-        OutputError: it will not.
+        OutputError: the file cannot be written.
     """
     try:
         target = Path(path)
@@ -94,15 +96,15 @@ def check_writable(path: str | Path) -> None:
 
 
 def check_replaceable(path: str | Path, *, read: Iterable[str | Path] = (), force: bool = False) -> None:
-    """Refuse to write over what is read, and over what another program wrote.
+    """Check that writing a file replaces neither an input file nor a file of another program.
 
     Args:
-        path: of the file that will be written.
-        read: files, and folders of them: nothing that is read is ever written over.
-        force: what another program wrote may be replaced.
+        path: path of the file that will be written.
+        read: input files, and folders that contain them; these are never replaced.
+        force: whether a file that another program wrote may be replaced.
 
     Raises:
-        OutputError: saying which of the two it is.
+        OutputError: the file must not be replaced; the message gives the reason.
     """
     try:
         target = Path(path).resolve()
@@ -127,22 +129,22 @@ def check_replaceable(path: str | Path, *, read: Iterable[str | Path] = (), forc
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file is empty, or one that hsr_pin wrote."""
+    """Return whether a file is empty or was written by hsr_pin."""
     with path.open("rb") as file:
         size = file.seek(0, os.SEEK_END)
         file.seek(0)
-        seen = file.read(_LOOK)
-        if size > _LOOK:
-            file.seek(-_LOOK, os.SEEK_END)
-            seen += file.read(_LOOK)
+        seen = file.read(_SEARCHED)
+        if size > _SEARCHED:
+            file.seek(-_SEARCHED, os.SEEK_END)
+            seen += file.read(_SEARCHED)
     return not size or any(signature.search(seen) for signature in _SIGNATURES)
 
 
 def check_folder_writable(path: str | Path) -> None:
-    """Find out now whether a folder can be made or filled at ``path`` later; leaves everything as it was.
+    """Check that a folder can be created or filled at ``path``, without changing anything.
 
     Raises:
-        OutputError: it cannot, or a file stands there.
+        OutputError: the folder cannot be created, or a file exists at the path.
     """
     try:
         ancestor = Path(path).resolve()
@@ -161,30 +163,32 @@ def check_folder_writable(path: str | Path) -> None:
 
 
 def draft_of(target: Path) -> Path:
-    """Where a file or a folder is written before it is moved to its place: beside it, under a name that nobody can foresee."""
+    """Return the path of the temporary file or folder that is moved to ``target`` later: a random name in the same folder."""
     return target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(4)}.{DRAFT}")
 
 
-def left_by_killed(target: Path, ending: str) -> list[Path]:
-    """Drafts of a file or a folder, or what took their name with another ending, of processes that were killed over it."""
-    form = re.compile(rf"\.{re.escape(target.name)}\.(\d+)(\.[0-9a-f]+)?\.{ending}")
-    there = ((path, form.fullmatch(path.name)) for path in target.parent.glob(f".{glob.escape(target.name)}.*.{ending}"))
+def left_by_killed(target: Path, suffix: str) -> list[Path]:
+    """Return the temporary files or folders of ``target`` with a suffix that killed processes left behind."""
+    form = re.compile(rf"\.{re.escape(target.name)}\.(\d+)(\.[0-9a-f]+)?\.{suffix}")
+    there = ((path, form.fullmatch(path.name)) for path in target.parent.glob(f".{glob.escape(target.name)}.*.{suffix}"))
     return [path for path, owner in there if owner and not _runs(int(owner[1]))]
 
 
 def _runs(process: int) -> bool:
-    if os.name == "nt":  # where a signal of zero would end it
+    """Return whether a process with this id is running (always true on Windows)."""
+    if os.name == "nt":  # there, os.kill with the signal 0 would end the process
         return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
-    except (OSError, OverflowError):  # another user's
+    except (OSError, OverflowError):  # the process belongs to another user
         return True
     return True
 
 
 def _refusal(path: str | Path, error: Exception) -> OutputError:
+    """Return the error of a file that cannot be written, with the reason from the operating system."""
     reason = getattr(error, "strerror", None) or str(error)
     return OutputError(
         "cannot write the file", expected="a path in a folder that exists and can be written", received=reason, file=path

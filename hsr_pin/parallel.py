@@ -1,7 +1,7 @@
-"""The same done to many things side by side: in this process, in several, or on a cluster, through any Executor.
+"""Parallel execution of many tasks: in this process, in several processes, on a cluster, or in any executor.
 
-Everything in hsr_pin that works side by side takes a ``concurrent.futures.Executor`` (PEP 3148). What all tasks need is sent to
-each worker with them as one :class:`Shared` object, and unpacked there once.
+All parallel code in hsr_pin takes a ``concurrent.futures.Executor`` (PEP 3148). Data that all tasks need is sent with each task
+as one :class:`Shared` object, which each worker process unpickles only once.
 """
 
 from __future__ import annotations
@@ -24,30 +24,30 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Generic, TypeVar
 
-from hsr_pin.collector import spare
+from hsr_pin.collector import reduce_collections
 from hsr_pin.errors import InputError, MissingDependencyError, WorkerError
 
 T = TypeVar("T")
 
-#: How often work is begun anew whose worker was lost.
-_TRIES = 3
-#: So many processes at most are begun before there is work for them.
-_EARLY = 16
-#: A scheduler answers within this time [s].
-_PATIENCE = 10
-#: What processes of our own are begun with: all that a fit will call.
+#: Number of times that tasks are submitted before lost worker processes raise an error.
+_ATTEMPTS = 3
+#: Largest number of processes that are started before there are tasks for them.
+_STARTED_EARLY = 16
+#: Time within which a scheduler must answer [s].
+_TIMEOUT = 10
+#: Modules that are loaded before the worker processes start: all that a fit calls.
 _PRELOADED = ("hsr_pin.inference.fit_pool", "hsr_pin.diagnosis.where", "hsr_pin.simulation.warm")
-_LOST = "hsr_pin: a worker process was lost; its work is done again"
-#: A script without this word does its work when a worker imports it.
+_LOST = "hsr_pin: a worker process ended unexpectedly; its tasks are repeated"
+#: A script without this word would run again in each worker process that imports it.
 _GUARD = "__main__"
-_HERE = f'hsr_pin: what this script defines is computed in one process; put its work under: if __name__ == "{_GUARD}":'
+_ONE_PROCESS_ONLY = f'hsr_pin: functions of this script run in one process only; put its work under: if __name__ == "{_GUARD}":'
 
 
 class Serial(Executor):
-    """Does each task at once, in this process."""
+    """Executor that runs each task immediately in this process."""
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """The finished task."""
+        """Run a task and return it as a finished future."""
         done: Future[Any] = Future()
         try:
             done.set_result(function(*arguments, **named))
@@ -57,14 +57,14 @@ class Serial(Executor):
 
 
 class Shared(Generic[T]):
-    """Something that many tasks need: pickled once, unpacked once by each process that it reaches."""
+    """Object that many tasks need: pickled once, and unpickled once in each worker process."""
 
     def __init__(self, thing: T) -> None:
         self._packed = pickle.dumps(thing, protocol=pickle.HIGHEST_PROTOCOL)
         self._mark = hashlib.sha256(self._packed).hexdigest()
 
     def get(self) -> T:
-        """The thing, the same object at every call in one process."""
+        """Return the object; all calls in one process return the same one."""
         thing: T = _unpacked(self)
         return thing
 
@@ -75,38 +75,39 @@ class Shared(Generic[T]):
         return isinstance(other, Shared) and self._mark == other._mark
 
 
-class Held(Shared[T]):
-    """The same for tasks that this process does itself: nothing is packed."""
+class _Local(Shared[T]):
+    """Variant of :class:`Shared` for tasks that run in this process: the object is not pickled."""
 
     def __init__(self, thing: T) -> None:
         self._thing, self._mark = thing, str(id(thing))
 
     def get(self) -> T:
-        """The thing."""
+        """Return the object."""
         return self._thing
 
 
 def shared(thing: T, executor: Executor) -> Shared[T]:
-    """Something that many tasks of an executor need."""
-    return Held(thing) if isinstance(executor, Serial) else Shared(thing)
+    """Wrap an object that many tasks of an executor need."""
+    return _Local(thing) if isinstance(executor, Serial) else Shared(thing)
 
 
 @lru_cache(maxsize=8)
 def _unpacked(shared: Shared[Any]) -> Any:
+    """Return the unpickled object of a :class:`Shared`."""
     return pickle.loads(shared._packed)
 
 
 @contextmanager
-def workers(jobs: int | None = None, cluster: str | None = None, executor: Executor | None = None) -> Iterator[Executor]:
-    """An executor for the time of a ``with`` block.
+def open_executor(jobs: int | None = None, cluster: str | None = None, executor: Executor | None = None) -> Iterator[Executor]:
+    """Open an executor for the duration of a ``with`` block.
 
     Args:
-        jobs: processes; default: one per core. 1: this process alone.
-        cluster: address of a Dask scheduler (``tcp://host:8786``), instead of processes here.
-        executor: in place of both; it is not ended.
+        jobs: number of worker processes; default: one per core; 1: tasks run in this process.
+        cluster: address of a Dask scheduler (``tcp://host:8786``) that runs the tasks instead of local processes.
+        executor: executor to use instead; it stays open at the end of the block.
 
     Raises:
-        InputError: a number of processes that is none, or no scheduler at the address.
+        InputError: the number of processes is less than one, or no scheduler answers at the address.
         MissingDependencyError: dask.distributed is not installed.
     """
     if executor is not None:
@@ -135,21 +136,21 @@ def workers(jobs: int | None = None, cluster: str | None = None, executor: Execu
 def run(
     executor: Executor, function: Callable[..., T], tasks: Sequence[tuple[Any, ...]], advance: Callable[[], None] = lambda: None
 ) -> list[T]:
-    """``function(*task)`` for each task, in their order; the first exception ends it.
+    """Return ``function(*task)`` for each task, in the order of the tasks; the first exception ends the run.
 
     Args:
-        executor: who does it.
-        function: importable by name.
-        tasks: its arguments.
-        advance: called after each answer.
+        executor: executor that runs the tasks.
+        function: a function that worker processes can import by name.
+        tasks: the arguments of each call.
+        advance: called after each finished task.
 
     Raises:
-        WorkerError: workers were lost again and again.
+        WorkerError: worker processes ended unexpectedly several times in a row.
     """
     if isinstance(executor, Serial):
         return [_then(advance, function(*task)) for task in tasks]
     answers: dict[int, T] = {}
-    for _ in range(_TRIES):
+    for _ in range(_ATTEMPTS):
         futures = {executor.submit(function, *task): n for n, task in enumerate(tasks) if n not in answers}
         for future in as_completed(futures):
             try:
@@ -160,11 +161,14 @@ def run(
         if len(answers) == len(tasks):
             return [answers[n] for n in range(len(tasks))]
         print(_LOST, file=sys.stderr, flush=True)
-    raise WorkerError(_TRIES)
+    raise WorkerError(_ATTEMPTS)
 
 
-def begun(executor: Executor, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
-    """Begin ``function(*arguments)`` beside other tasks, and what waits for its answer; done here if its worker is lost."""
+def start_task(executor: Executor, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+    """Submit ``function(*arguments)`` and return a function that waits for the result.
+
+    If the worker process is lost, the task runs in this process.
+    """
     future = executor.submit(function, *arguments)
 
     def answer() -> T:
@@ -179,14 +183,18 @@ def begun(executor: Executor, function: Callable[..., T], *arguments: Any) -> Ca
 
 
 def _then(advance: Callable[[], None], answer: T) -> T:
+    """Report progress and return the answer unchanged."""
     advance()
     return answer
 
 
-def beforehand(executor: Executor, function: Callable[..., None], *arguments: Any) -> None:
-    """Let each process of our own do something while this one gets their work ready; elsewhere the work itself asks for it."""
+def prepare_workers(executor: Executor, function: Callable[..., None], *arguments: Any) -> None:
+    """Run a preparatory function in each local worker process while this process prepares the tasks.
+
+    Other executors ignore it: there the first task does the same preparation.
+    """
     if isinstance(executor, _Pool):
-        executor.everywhere(function, *arguments)
+        executor.submit_to_each(function, *arguments)
 
 
 def for_each(
@@ -197,78 +205,80 @@ def for_each(
     cluster: str | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> None:
-    """Call ``work`` for each item, ``jobs`` at a time or on a cluster; what was done before an exception ends it stays done."""
+    """Call ``work`` for each item, with ``jobs`` calls at a time or on a cluster; the first exception ends the loop."""
     few = jobs if jobs is None or cluster else max(1, min(jobs, len(items)))
-    with workers(few, cluster) as executor:
+    with open_executor(few, cluster) as executor:
         run(executor, work, [(item,) for item in items], advance)
 
 
 class _Pool(Executor):
-    """Processes that end with this one, however it ends; after the loss of one all are replaced by new ones.
+    """Pool of worker processes that end when this process ends, in whatever way.
 
-    They do not import a script that would begin its work again. What it defines is then out of their reach, and done here.
+    If one worker is lost, all workers are replaced. Workers do not import a main script without a guard, because it would run
+    again; functions that such a script defines run in this process instead.
     """
 
     def __init__(self, count: int) -> None:
         self._count, self._importable, self._lock = count, _is_importable(sys.modules["__main__"]), threading.Lock()
         self._noticed = False
-        self._held, self._leash = multiprocessing.Pipe(duplex=False)
-        self._pool = self._begun()
+        self._worker_end, self._parent_end = multiprocessing.Pipe(duplex=False)
+        self._pool = self._new_pool()
 
-    def _begun(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._count, _context(), initializer=_follow, initargs=(self._held,))
+    def _new_pool(self) -> ProcessPoolExecutor:
+        """Return a new pool of worker processes."""
+        return ProcessPoolExecutor(self._count, _context(), initializer=_end_with_parent, initargs=(self._worker_end,))
 
-    def everywhere(self, function: Callable[..., None], *arguments: Any) -> None:
-        """A task for each of the processes, which are begun for it; nobody waits until they are."""
+    def submit_to_each(self, function: Callable[..., None], *arguments: Any) -> None:
+        """Submit one task for each process in a background thread, so that the processes start now."""
 
         def begin() -> None:
-            with suppress(RuntimeError, OSError):  # all was over before they began, or they cannot: then the work itself tells
-                for _ in range(min(self._count, _EARLY)):
+            with suppress(RuntimeError, OSError):  # the pool is closed, or cannot start: later tasks report it
+                for _ in range(min(self._count, _STARTED_EARLY)):
                     self.submit(function, *arguments)
 
         threading.Thread(target=begin, daemon=True).start()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """A task for one of the processes, packed here and now: another thread would pack what this one may be changing."""
+        """Submit a task, pickled immediately: the pool's own thread would pickle objects that this thread may be changing."""
         packed = pickle.dumps((function, arguments, named), protocol=pickle.HIGHEST_PROTOCOL)
         if not self._importable and _GUARD.encode() in packed:
             if not self._noticed:
-                print(_HERE, file=sys.stderr, flush=True)
+                print(_ONE_PROCESS_ONLY, file=sys.stderr, flush=True)
                 self._noticed = True
             return Serial().submit(function, *arguments, **named)
-        with self._lock, _uninterrupted(), nullcontext() if self._importable else _nameless(sys.modules["__main__"]):
+        with self._lock, _uninterrupted(), nullcontext() if self._importable else _not_imported(sys.modules["__main__"]):
             try:
                 return self._pool.submit(_call, packed)
             except BrokenExecutor:
                 _stop_sending(self._pool)
                 self._pool.shutdown(wait=False, cancel_futures=True)
-                self._pool = self._begun()
+                self._pool = self._new_pool()
                 return self._pool.submit(_call, packed)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes when they have done what they are at."""
+        """End the processes after their current tasks."""
         _stop_sending(self._pool)
         self._pool.shutdown(wait=wait, cancel_futures=cancel_futures)
         self.kill()
 
     def kill(self) -> None:
-        """End the processes at once."""
-        self._leash.close()
+        """End the processes immediately."""
+        self._parent_end.close()
 
 
 def _is_importable(script: ModuleType) -> bool:
-    """Whether a worker may import what this process runs: a module, or a script that does its work under a guard."""
+    """Return whether workers may import the main script: it is a module, or it has a ``__main__`` guard."""
     if getattr(script, "__spec__", None) is not None:
         return True
     try:
         return _GUARD in Path(script.__file__ or "").read_text(encoding="utf-8")
-    except (AttributeError, OSError, UnicodeDecodeError):  # typed in, or gone
+    except (AttributeError, OSError, UnicodeDecodeError):  # an interactive session, or a deleted file
         return False
 
 
 @contextmanager
-def _nameless(script: ModuleType) -> Iterator[None]:
-    """Processes that are begun within do not import the script: multiprocessing knows it by its file."""
+def _not_imported(script: ModuleType) -> Iterator[None]:
+    """Prevent processes that start within the block from importing the script, by hiding its ``__file__``."""
     file = script.__dict__.pop("__file__", None)
     try:
         yield
@@ -278,13 +288,13 @@ def _nameless(script: ModuleType) -> Iterator[None]:
 
 
 def _call(packed: bytes) -> Any:
-    """Do a task that was packed."""
+    """Run a pickled task."""
     function, arguments, named = pickle.loads(packed)
     return function(*arguments, **named)
 
 
 def _stop_sending(pool: ProcessPoolExecutor) -> None:
-    """Give up what is on its way to processes that were lost: Python before 3.11.5 would wait for it for ever (gh-94777)."""
+    """Drop tasks that are being sent to lost processes; Python before 3.11.5 would wait for them forever (gh-94777)."""
     private: Any = pool
     if sys.version_info < (3, 11, 5) and private._broken:
         with suppress(OSError):
@@ -292,21 +302,21 @@ def _stop_sending(pool: ProcessPoolExecutor) -> None:
 
 
 def _context() -> BaseContext:
-    """How processes begin: forked from one that has loaded what they will want, and runs no threads; else each from nothing."""
+    """Return how worker processes start: forked from a single-threaded server that has loaded the modules, or else spawned."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     from multiprocessing import forkserver
 
     forkserver.set_forkserver_preload(list(_PRELOADED))
     with _uninterrupted():
-        forkserver.ensure_running()  # it loads while this process does the same
+        forkserver.ensure_running()  # the server loads the modules while this process loads them too
     return multiprocessing.get_context("forkserver")
 
 
-def _follow(held: Connection) -> None:
-    """In a worker: end as soon as the other end of a pipe is closed, by the process that began it or by that one's end."""
+def _end_with_parent(held: Connection) -> None:
+    """Make a worker process end as soon as the parent closes its end of a pipe, or ends itself."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
-    spare()
+    reduce_collections()
 
     def follow() -> None:
         with suppress(EOFError, OSError):
@@ -318,7 +328,7 @@ def _follow(held: Connection) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Processes that are begun within leave Ctrl-C to this one, which hears of it, and of its end, when they are begun."""
+    """Block Ctrl-C and SIGTERM in processes that start within the block; this process receives them at the end of the block."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
@@ -327,19 +337,20 @@ def _uninterrupted() -> Iterator[None]:
 
 
 def _is_loss(error: Exception) -> bool:
-    """Whether a task ended because its worker did: of a pool, or of a Dask cluster (whose error has no common root)."""
+    """Return whether an error means a lost worker, of a pool or of a Dask cluster (whose error class is found by its name)."""
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
 
 
 @contextmanager
 def _dask(address: str) -> Iterator[Executor]:
+    """Open an executor on a Dask cluster for the duration of a ``with`` block."""
     try:
         from distributed import Client
     except ImportError as error:
         raise MissingDependencyError("distributed", "cluster") from error
     try:
-        _knock(address)  # a client that found nobody is closed when it is collected, and may wait for itself then
-        client: Any = Client(address, timeout=_PATIENCE)  # type: ignore[no-untyped-call]
+        _check_listening(address)  # first, because a client that finds no scheduler may deadlock when it is garbage-collected
+        client: Any = Client(address, timeout=_TIMEOUT)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError("cluster", expected="the address of a Dask scheduler that answers", received=address) from error
     with client:
@@ -347,13 +358,13 @@ def _dask(address: str) -> Iterator[Executor]:
         yield executor
 
 
-def _knock(address: str) -> None:
-    """See that somebody listens at ``[tcp://]host:port``.
+def _check_listening(address: str) -> None:
+    """Check that a server listens at ``[tcp://]host:port``.
 
     Raises:
-        OSError, ValueError: nobody does, or that is no address.
+        OSError, ValueError: no server listens there, or the address is malformed.
     """
     protocol, _, place = address.rpartition("://")
     host, _, port = place.rpartition(":")
     if protocol in ("", "tcp", "tls"):
-        socket.create_connection((host.strip("[]"), int(port)), timeout=_PATIENCE).close()
+        socket.create_connection((host.strip("[]"), int(port)), timeout=_TIMEOUT).close()

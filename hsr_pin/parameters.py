@@ -1,4 +1,4 @@
-"""A named physical quantity with unit, bounds and neutral value, and dataclass fields that are such quantities."""
+"""Physical parameters with unit, bounds and neutral value, and dataclass fields that declare them."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ from typing import Any
 
 from hsr_pin.errors import InputError, quoted
 
-#: An amplitude is expected within so many of its scales (changes of practical size) about neutral, as a standard deviation: laws
-#: that a user would notice are some scales large, and few are larger than ten.
-PLAUSIBLE = 5.0
+#: Prior standard deviation of an amplitude about its neutral value, in units of its scale (a change of practical size). Laws that
+#: a user would notice have amplitudes of several scales; few exceed ten.
+PRIOR_SCALES = 5.0
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What is known about one quantity before it is fitted.
+    """Prior knowledge about one physical quantity that is fitted.
 
     Attributes:
-        name: as in code, reports and on the command line.
-        unit: ``"rad"``, ``"Nm s/rad"``, ``"1"`` for a ratio.
-        neutral: the value that leaves the nominal model as it is; for a shape parameter (a place, a width, a time
-            constant of something whose amplitude is zero) the value to start from.
-        lower, upper: hard bounds, included.
-        scale: a change of this size is of practical size; sets finite differences and starting values.
+        name: the name used in code, in reports and on the command line.
+        unit: for instance ``"rad"`` or ``"Nm s/rad"``; ``"1"`` for a ratio.
+        neutral: the value that leaves the nominal model unchanged; for a shape parameter (a position, a width or a time constant,
+            which has no influence while the amplitude is zero) the initial value.
+        lower, upper: hard bounds, inclusive.
+        scale: a change of practical size, in the unit; sets the steps of finite differences and the initial values.
         amplitude: True if the neutral value switches the effect off; False for a shape parameter.
         description: one line.
-        resizes: power of the stiffness level by which an amplitude grows where it does not do as its law says: -1 for a law in
-            proportion to Keq (its moment then stays), 1 for one that is given in absolute units (it then goes with Keq), 0 where
-            neither makes sense.
-        looks: at so many values, across the bounds, a first look tries a shape parameter.
-        ratio_width: of a factor on a declared number, the standard deviation of its logarithm beforehand; None: it is no factor.
+        level_exponent: exponent with which the amplitude scales with the stiffness level in the alternative variant of a law: -1
+            for a law that is proportional to Keq (its moment is then the same at all levels), 1 for a law in absolute units (its
+            moment is then proportional to Keq), 0 if there is no alternative variant.
+        start_count: number of initial values, spread across the bounds, that quick fits try for a shape parameter.
+        ratio_width: prior standard deviation of the logarithm of a factor on a declared number; None for any other quantity.
     """
 
     name: str
@@ -43,8 +43,8 @@ class Parameter:
     scale: float
     amplitude: bool
     description: str
-    resizes: int = 0
-    looks: int = 3
+    level_exponent: int = 0
+    start_count: int = 3
     ratio_width: float | None = None
 
     def __post_init__(self) -> None:
@@ -54,36 +54,42 @@ class Parameter:
             raise ValueError(f"{self.name}: scale must be positive, got {self.scale}")
 
     def prior_width(self, value: float) -> float:
-        """Standard deviation of the value beforehand, in its unit: about the neutral value, or within the bounds.
+        """Return the prior standard deviation of the parameter, in its unit.
 
-        An amplitude is expected within :data:`PLAUSIBLE` scales of neutral, a shape parameter anywhere within its bounds (the
-        standard deviation of a uniform distribution). That of a factor grows with its value.
+        The width of an amplitude is :data:`PRIOR_SCALES` scales about neutral, but at most that of a uniform distribution over
+        its bounds. The width of a shape parameter is that of the uniform distribution. The width of a factor is proportional to
+        its value.
         """
         if self.ratio_width is not None:
             return self.ratio_width * abs(value)
         within = (self.upper - self.lower) / math.sqrt(12)
-        return min(PLAUSIBLE * self.scale, within) if self.amplitude else within
+        return min(PRIOR_SCALES * self.scale, within) if self.amplitude else within
 
     def departure(self, value: float) -> float:
-        """Distance of a value from what is expected beforehand, in standard deviations; 0 for a shape parameter."""
+        """Return the distance of a value from the prior mean, in prior standard deviations; 0 for a shape parameter."""
         if self.ratio_width is not None:
             return math.log(value / self.neutral) / self.ratio_width
         return (value - self.neutral) / self.prior_width(value) if self.amplitude else 0.0
 
     @property
-    def across(self) -> list[float]:
-        """Values across the bounds at which a first look tries it, evenly by ratio where they span more than a factor of five."""
-        at = [(k + 0.5) / self.looks for k in range(self.looks)]
+    def start_values(self) -> list[float]:
+        """Initial values across the bounds for quick fits, with equal ratios if the bounds span more than a factor of five."""
+        at = [(k + 0.5) / self.start_count for k in range(self.start_count)]
         if self.lower > 0 and self.upper / self.lower > 5:
             return [self.lower * math.pow(self.upper / self.lower, f) for f in at]
         return [self.lower + (self.upper - self.lower) * f for f in at]
 
 
 def finite(name: str, value: Any, expected: str = "a finite number") -> float:
-    """A number that someone gave, as a float.
+    """Return a value given by the user as a finite float.
+
+    Args:
+        name: name of the quantity, for the error message.
+        value: the value that was given.
+        expected: description of valid values, for the error message.
 
     Raises:
-        InputError: it is none, or too large for a float.
+        InputError: the value is not a number, not finite, or too large for a float.
     """
     try:
         number = math.nan if isinstance(value, str) else float(value)
@@ -103,17 +109,17 @@ def parameter(
     scale: float,
     description: str,
     amplitude: bool = False,
-    resizes: int = 0,
-    looks: int = 3,
+    level_exponent: int = 0,
+    start_count: int = 3,
 ) -> Any:
-    """A dataclass field that is a :class:`Parameter`; its default is the neutral value."""
-    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, resizes, looks)
+    """Return a dataclass field that declares a :class:`Parameter`; its default is the neutral value."""
+    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, level_exponent, start_count)
     return dataclasses.field(default=neutral, metadata={"parameter": fact})
 
 
 @cache
 def parameters_of(owner: type) -> tuple[Parameter, ...]:
-    """The parameters of a dataclass, in the order of its fields."""
+    """Return the parameters that a dataclass declares, in the order of its fields."""
     return tuple(
         dataclasses.replace(field.metadata["parameter"], name=field.name)
         for field in dataclasses.fields(owner)

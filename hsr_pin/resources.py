@@ -1,4 +1,4 @@
-"""Where the template and the data are: beside the package in a checkout, inside it in an installed wheel."""
+"""Location of templates and data: next to the package in a checkout, inside it in an installed wheel."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def resource(folder: str, name: str) -> Path:
-    """Path of ``name`` in ``urdf_templates`` or ``data``.
+    """Return the path of ``name`` in ``urdf_templates`` or ``data``.
 
     Raises:
-        FileNotFoundError: the installation is broken.
+        FileNotFoundError: the installation is incomplete.
     """
     for root in (_PACKAGE, _PACKAGE.parent):
         path = root / folder / name

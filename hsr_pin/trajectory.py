@@ -1,6 +1,6 @@
-"""Motion, simulated or measured, in one frozen type; trials and datasets made of it.
+"""Frozen types for simulated and measured motion: trajectories, trials and datasets.
 
-World frame everywhere: z up, origin at the base of the arm, the arm bends in the x-z plane.
+All positions are in the world frame: z points up, the origin is at the base of the arm, a planar arm bends in the x-z plane.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ BENDS = ("plane", "space")
 
 
 def read_only(values: ArrayLike | None) -> Array | None:
-    """A float copy that cannot be written to (None stays None).
+    """Return a read-only float copy of an array (None for None).
 
     Raises:
-        InputError: not numbers, or too large for a float.
+        InputError: the values are not numbers, or too large for a float.
     """
     if values is None:
         return None
@@ -44,10 +44,10 @@ class Marker:
     """A tracked point of the arm.
 
     Attributes:
-        name: any; column prefix in a recording.
+        name: any text; the prefix of its columns in a recording.
         arc_length: distance from the base along the backbone [m].
-        radius: distance from the backbone [m]; of an arm in space alone.
-        angle: of the direction in which it lies, from x towards y of its link [rad].
+        radius: distance from the backbone [m]; used for arms in space only.
+        angle: direction from the backbone to the marker, from x towards y of its link [rad].
     """
 
     name: str
@@ -61,20 +61,20 @@ class Marker:
         finite(f"angle of marker {self.name}", self.angle, "a finite number [rad]")
 
     @property
-    def beside(self) -> complex:
-        """Where it is seen from its place on the backbone [m]: towards x, and towards y of its link."""
+    def offset(self) -> complex:
+        """Offset of the marker from the backbone [m] as a complex number: towards x (real) and y (imaginary) of its link."""
         return cmath.rect(self.radius, self.angle)
 
 
 @dataclass(frozen=True)
 class Section:
-    """One stretch of an arm, by itself.
+    """One section of an arm that is made of several sections in series.
 
     Attributes:
-        length: arc length [m].
-        mass: [kg], spread evenly over it.
-        keq: its bending stiffness [Nm/rad].
-        damping: its damping [Nm s/rad].
+        length: arc length of the section [m].
+        mass: mass of the section [kg], distributed uniformly along it.
+        keq: bending stiffness of the section alone [Nm/rad].
+        damping: damping of the section alone [Nm s/rad].
     """
 
     length: float
@@ -93,13 +93,13 @@ class Section:
 
 @dataclass(frozen=True)
 class Channel:
-    """A pressure, or the tension of a tendon, that was recorded beside the motion of an arm in space.
+    """A pressure or tendon tension that was recorded with the motion of an arm in space.
 
     Attributes:
-        name: column in a recording.
-        unit: of its values.
-        torque: (2 S,) [N m per unit] what it gives each of S sections, towards x and towards y of the base; none: it was measured
-            and drives nothing.
+        name: name of its column in a recording.
+        unit: unit of its values.
+        torque: (2 S,) torque per unit on each of S sections, about the axes that bend it towards x and towards y of the base
+            [N m per unit]; empty if the channel was only measured and drives nothing.
     """
 
     name: str
@@ -109,19 +109,19 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Marker positions over time, with the input that caused them.
+    """Marker positions over time, together with the input that was applied.
 
     Attributes:
         time: (T,) [s], increasing, evenly spaced.
         markers: (M,) the tracked points, in the order of ``positions``.
-        positions: (T, M, 3) [m] in the world frame; NaN where a marker was not seen.
-        torque: (T,) [N m] the commanded torque, held from each sample to the next, in space (T, 2) towards x and towards y of the
-            base, or (T, 2 S) for S sections; None without this input.
-        pressures: (T, 2) [bar] the commanded pressures P1, P2; None without this input.
-        joint_angles: (T, N) [rad], simulated motion only; in space (T, N, 3), towards x, towards y and twist.
-        joint_rates: as these, [rad/s].
-        notes: what was done to the data on the way here, one sentence each.
-        channels: (T, C) values of the dataset's channels, from which its torque was made; None without them.
+        positions: (T, M, 3) marker positions in the world frame [m]; NaN where a marker was not seen.
+        torque: (T,) the commanded torque, held from each sample to the next [N m]; of an arm in space (T, 2), towards x and
+            towards y of the base, or (T, 2 S) for S sections; None without this input.
+        pressures: (T, 2) the commanded pressures P1 and P2 [bar]; None without this input.
+        joint_angles: (T, N) joint angles, for simulated motion only [rad]; in space (T, N, 3): towards x, towards y and twist.
+        joint_rates: joint velocities in the same shape as ``joint_angles`` [rad/s].
+        notes: one sentence for each processing step that the data went through.
+        channels: (T, C) values of the dataset's channels, from which the torque was computed; None without them.
     """
 
     time: Array
@@ -151,19 +151,19 @@ class Trajectory:
 
     @property
     def step(self) -> float:
-        """Time between samples [s]."""
+        """Sampling interval [s]."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
 
     @property
     def has_input(self) -> bool:
-        """Whether a command was recorded; without one the motion is a free release."""
+        """Whether a command was recorded; without one the motion is a release from an initial pose."""
         return self.torque is not None or self.pressures is not None
 
     def marker(self, name: str) -> Array:
-        """(T, 3) [m] positions of one marker.
+        """Return the positions of one marker, (T, 3) [m].
 
         Raises:
-            KeyError: listing the markers that there are.
+            KeyError: there is no such marker; the message lists the existing ones.
         """
         names = [marker.name for marker in self.markers]
         if name not in names:
@@ -173,16 +173,16 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One recorded run and what is declared about it.
+    """One recorded trial with its declared parameters.
 
     Attributes:
-        name: the file's stem (``"trial_01"``).
-        trajectory: the whole recording, as it is on disk (or cleaned, as its notes say).
+        name: stem of the file name (``"trial_01"``).
+        trajectory: the whole recording as stored on disk, or after the cleaning steps in its notes.
         keq: declared bending stiffness [Nm/rad].
-        damping: declared damping C of the whole arm [Nm s/rad]; None if not declared.
+        damping: declared damping C of the whole arm [Nm s/rad]; None if it is not declared.
         tip_mass: declared payload at the tip [kg].
-        t_start: use the recording from here on [s]; None: from its first sample.
-        interpolated: whether the input goes straight from sample to sample instead of being held; None: not declared.
+        t_start: time from which the recording is used [s]; None: from its first sample.
+        interpolated: whether the input is interpolated linearly between samples instead of held; None if it is not declared.
     """
 
     name: str
@@ -195,7 +195,7 @@ class Trial:
 
     @property
     def starts_at_rest(self) -> bool:
-        """Settled under its first input sample (True), or starting from the pose that the markers show (False)."""
+        """Whether the arm starts in equilibrium under the first input sample (otherwise from the pose that the markers show)."""
         return self.trajectory.has_input and self.t_start is None
 
     @property
@@ -208,26 +208,27 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Dataset(Mapping[str, "Trial"]):
-    """Recordings of one arm: a mapping from the names of its trials to them.
+    """Recorded trials of one arm: a mapping from trial names to trials.
 
     Attributes:
-        name: of the dataset.
+        name: name of the dataset.
         length: arc length of the backbone [m].
-        mass: [kg].
-        diameter: [m].
+        mass: mass of the arm [kg].
+        diameter: diameter of the arm [m].
         mount: "hanging", "upright" or "horizontal".
-        trials: at least one.
+        trials: at least one trial.
         description: one line.
-        path: the folder it was read from; None if it was made in memory.
-        notes: what was done to the data on the way here, one sentence each.
-        bending: "plane", or "space" where the arm bends about two axes.
-        torsion: declared stiffness against twisting [Nm/rad]; infinite: it does not twist.
-        sections: that the arm is declared to be made of, in space, from the base on; none: a uniform arm. A trial's ``keq`` and
-            ``damping`` are those of all together.
-        channels: what was recorded beside the motion, and the torque that each gives.
-        chain: number of links and placement of the joints of the model that simulated it; None where it was recorded.
-        weighed: whether the mass is known, so that no other is considered.
-        smoothed: samples of the moving average that its tracks went through, an odd number, 1: none; None: nobody says.
+        path: the folder from which the dataset was read; None if it was created in memory.
+        notes: one sentence for each processing step that the data went through.
+        bending: "plane", or "space" if the arm bends about two axes.
+        torsion: declared torsional stiffness [Nm/rad]; infinite if the arm does not twist.
+        sections: declared sections of an arm in space, from the base to the tip; empty for a uniform arm. The ``keq`` and
+            ``damping`` of a trial are those of all sections in series.
+        channels: pressures or tensions that were recorded with the motion, and the torque that each of them produces.
+        chain: number of links and joint placement of the model that simulated the dataset; None for a measured one.
+        smoothed: window of the moving average that was applied to the tracks, an odd number of samples, 1 for none; None if it is
+            not declared.
+        weighed: whether the mass is known, so that no fit changes it.
     """
 
     name: str
@@ -250,7 +251,7 @@ class Dataset(Mapping[str, "Trial"]):
     def __getitem__(self, name: str) -> Trial:
         return {trial.name: trial for trial in self.trials}[name]
 
-    __eq__, __hash__ = object.__eq__, object.__hash__  # not a mapping's: two recordings are equal if they are one
+    __eq__, __hash__ = object.__eq__, object.__hash__  # by identity: Mapping would compare arrays
 
     def __iter__(self) -> Iterator[str]:
         return (trial.name for trial in self.trials)
@@ -260,10 +261,10 @@ class Dataset(Mapping[str, "Trial"]):
 
     @property
     def markers(self) -> tuple[Marker, ...]:
-        """The tracked points, the same in every trial."""
+        """The tracked points, which are the same in every trial."""
         return self.trials[0].trajectory.markers
 
     @property
     def axes(self) -> tuple[int, ...]:
-        """The world's coordinates in which its arm moves: x and z, in space all three."""
+        """Indices of the world coordinates in which the arm moves: x and z for a planar arm, all three in space."""
         return (0, 1, 2) if self.bending == "space" else (0, 2)

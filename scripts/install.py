@@ -37,8 +37,9 @@ def pin(package: str) -> str:
 #: What is compiled side by side.
 LOOPS = (
     "from hsr_pin.simulation.compiled import loops; loops()",
-    "from hsr_pin.simulation.compiled import ready_laws, see; from hsr_pin.effects.catalogue import laws; see(); "
-    "ready_laws(laws(space=False))",
+    "from hsr_pin.simulation.compiled import marker_projector, precompile_laws; "
+    "from hsr_pin.effects.catalogue import laws; marker_projector(); "
+    "precompile_laws(laws(space=False))",
 )
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import least_squares
 
-from hsr_pin.diagnosis.fingerprint.decay import decay
+from hsr_pin.diagnosis.indicators.decay import decay
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 

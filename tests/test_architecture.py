@@ -1,4 +1,4 @@
-"""The rooms of hsr_pin and the one way through them: read from the import statements, without importing anything."""
+"""The allowed import directions between the packages of hsr_pin, checked from the import statements without importing anything."""
 
 import ast
 from pathlib import Path
@@ -37,13 +37,13 @@ FREE_TO_LOAD = {"cli", "replay"}
 
 
 def room_of(module: str) -> str:
-    """``hsr_pin.robot.urdf`` stands in the room ``robot``."""
+    """Return the package of a module: ``robot`` for ``hsr_pin.robot.urdf``."""
     parts = module.split(".")[1:]
     return "blind.plants" if parts[:2] == ["blind", "plants"] else parts[0] if parts else ""
 
 
 def imports(module: str, text: str) -> list[tuple[str, bool]]:
-    """Every module that ``text`` imports, and whether loading ``module`` loads it."""
+    """Return every module that ``text`` imports, and whether loading ``module`` loads it."""
     found = []
 
     def visit(node: ast.AST, loads: bool) -> None:
@@ -67,7 +67,7 @@ def imports(module: str, text: str) -> list[tuple[str, bool]]:
 
 
 def offences(module: str, text: str) -> list[str]:
-    """What ``module`` imports and must not."""
+    """Return the forbidden imports of ``module``."""
     room = room_of(module)
     wrong = []
     for target, loads in imports(module, text):
@@ -80,7 +80,7 @@ def offences(module: str, text: str) -> list[str]:
 
 
 def modules() -> dict[str, str]:
-    """Name and text of every module but the package's own front door."""
+    """Return name and text of every module except the top-level ``__init__``."""
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE.parent).with_suffix("").parts

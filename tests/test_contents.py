@@ -1,4 +1,4 @@
-"""A room whose door lists its files lists all of them, and no others."""
+"""A package that lists its modules in its docstring lists all of them, and no others."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""An error is one line that any terminal can show, however odd or long the names in it are."""
+"""An error is one printable line of limited length, whatever names it contains."""
 
 import pytest
 

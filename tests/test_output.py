@@ -1,4 +1,4 @@
-"""A file is written whole or not at all, and what cannot be written is named."""
+"""Files are written completely or not at all, and errors name the file."""
 
 import os
 import secrets

@@ -1,4 +1,4 @@
-"""What is handed out: the front door, the wheel, the pins, and files that tie nobody to one machine."""
+"""The distributed files: the public names, the wheel, the pinned versions, and files without machine-specific paths."""
 
 import ast
 import os
@@ -25,7 +25,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 
 
 def run(*command: object, cwd: Path = ROOT, **environment: str) -> str:
-    """What ``command`` prints; it must succeed."""
+    """Run a command that must succeed, and return what it prints."""
     inherited = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
     done = subprocess.run([str(part) for part in command], cwd=cwd, env=inherited | environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -71,7 +71,7 @@ def test_importing_the_package_loads_nothing_heavy():
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """The wheel, built by the declared build backend without the network."""
+    """The wheel, built by the declared build backend without network access."""
     folder = tmp_path_factory.mktemp("dist")
     run(sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder)
     (path,) = folder.glob("*.whl")
@@ -114,7 +114,7 @@ def test_the_wheel_works_in_a_clean_environment_from_another_folder(wheel, tmp_p
 
 
 def pins():
-    """Name -> versions pinned in constraints.txt, each of which has a hash."""
+    """Return the versions pinned in constraints.txt by name, each with a hash."""
     found = {}
     text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
     for entry in re.sub(r"\\\n\s+", "", text).splitlines():
@@ -140,7 +140,7 @@ def test_every_declared_dependency_is_pinned_by_version_and_hash():
 
 
 def tracked():
-    """Every text file under version control."""
+    """Yield every text file under version control."""
     try:
         names = run("git", "ls-files", "-z").split("\0")[:-1]
     except (AssertionError, FileNotFoundError):

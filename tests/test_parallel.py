@@ -1,4 +1,4 @@
-"""The same answers however the work is shared out; a lost worker costs a line, a lost parent leaves no worker behind."""
+"""Results do not depend on the executor; lost workers are replaced, and workers end with their parent."""
 
 import operator
 import os
@@ -24,7 +24,7 @@ from hsr_pin.identification.part import Part
 from hsr_pin.inference.candidate import candidate
 from hsr_pin.inference.fit import fit
 from hsr_pin.inference.fit_pool import FitPool
-from hsr_pin.parallel import Serial, Shared, beforehand, begun, for_each, run, workers
+from hsr_pin.parallel import Serial, Shared, for_each, open_executor, prepare_workers, run, start_task
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.simulate import simulate
@@ -34,7 +34,7 @@ from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
 HEAD = """
 import multiprocessing, os, signal, sys, threading, time
 from hsr_pin.cli.command import run as carried_out
-from hsr_pin.parallel import run, workers
+from hsr_pin.parallel import open_executor, run
 
 def square(number, seconds):
     time.sleep(seconds)
@@ -49,12 +49,12 @@ def killer(children, later):
     time.sleep(later)
     os.kill(children()[0].pid, signal.SIGKILL)
 """
-LOST = "hsr_pin: a worker process was lost; its work is done again"
+LOST = "hsr_pin: a worker process ended unexpectedly; its tasks are repeated"
 
 
 @pytest.fixture
 def script(tmp_path):
-    """``script(text, *arguments)``: a process whose main module this is, in a group of its own."""
+    """Return a function that starts a script with this text as a process, in a process group of its own."""
     begun = []
 
     def begin(text, *arguments):
@@ -76,7 +76,7 @@ def script(tmp_path):
 
 @pytest.fixture(scope="module")
 def cluster():
-    """Address of a scheduler on the loopback with two workers in processes of their own."""
+    """Address of a local scheduler with two worker processes."""
     distributed = pytest.importorskip("distributed", reason="needs dask.distributed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0", host="127.0.0.1"
@@ -86,7 +86,7 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def released():
-    """Three releases, in which the pose at the start is searched anew for every model."""
+    """Three releases, whose initial pose is fitted again for every model."""
     time, markers = 0.02 * np.arange(41), (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
     arm, noise, trials = ArmSpecification(links=10, placement="mid"), np.random.default_rng(0), []
     for number, bend in enumerate((0.5, 0.8, -0.6), 1):
@@ -98,7 +98,7 @@ def released():
 
 
 def found(executor, dataset):
-    """Values of what a fit pool makes of a few effects, to the last digit."""
+    """Return the fitted values of a few effects, to the last digit."""
     experiment = prepare(dataset)
     base = fit(experiment, Hypothesis(links=6))
     pool = FitPool(experiment, executor)
@@ -111,9 +111,9 @@ def found(executor, dataset):
 def test_answers_are_equal_to_the_last_digit_in_this_process_in_two_others_and_on_a_cluster(released, cluster):
     alone = found(Serial(), released)
     assert len(alone) == 2
-    with workers(2) as executor:
+    with open_executor(2) as executor:
         assert found(executor, released) == alone
-    with workers(cluster=cluster) as executor:
+    with open_executor(cluster=cluster) as executor:
         assert found(executor, released) == alone
 
 
@@ -142,7 +142,7 @@ def test_a_diagnosis_on_a_cluster_is_that_of_this_process(heavy_tip, cluster):
 def test_answers_come_in_the_order_of_the_tasks_and_each_advances_once(cluster):
     for given in ({"jobs": 1}, {"jobs": 2}, {"cluster": cluster}):
         calls = []
-        with workers(**given) as executor:
+        with open_executor(**given) as executor:
             answers = run(executor, operator.mul, [(n, n) for n in range(20)], lambda calls=calls: calls.append(1))
         assert answers == [n * n for n in range(20)]
         assert len(calls) == 20
@@ -165,26 +165,26 @@ def test_a_diagnosis_takes_any_executor_and_leaves_it_open(heavy_tip):
 
 
 def test_processes_do_beforehand_what_each_of_them_needs(tmp_path):
-    with workers(2) as executor:
-        beforehand(executor, os.mkdir, tmp_path / "no" / "folder")  # what fails there fails when it is needed
-        beforehand(executor, os.mkdir, tmp_path / "made")
+    with open_executor(2) as executor:
+        prepare_workers(executor, os.mkdir, tmp_path / "no" / "folder")  # what fails there fails when it is needed
+        prepare_workers(executor, os.mkdir, tmp_path / "made")
         until = time.monotonic() + 30
         while not (tmp_path / "made").exists() and time.monotonic() < until:
             time.sleep(0.01)
         assert (tmp_path / "made").exists()
         assert run(executor, operator.mul, [(6, 7)]) == [42]
-    beforehand(Serial(), os.mkdir, tmp_path / "elsewhere")
+    prepare_workers(Serial(), os.mkdir, tmp_path / "elsewhere")
     assert not (tmp_path / "elsewhere").exists()
 
 
 @pytest.mark.parametrize("module", ["hsr_pin.inference.fit_pool", "numba"])
 def test_processes_begin_with_what_a_fit_calls(module):
-    with workers(2) as executor:
+    with open_executor(2) as executor:
         assert run(executor, eval, [(f"'{module}' in __import__('sys').modules",)]) == [True]
 
 
 class Gone(Executor):
-    """Answers every task with an error."""
+    """Executor that answers every task with an error."""
 
     def __init__(self, error):
         self.error = error
@@ -196,15 +196,15 @@ class Gone(Executor):
 
 
 def test_what_is_begun_beside_other_tasks_is_done_here_if_its_worker_is_lost():
-    assert begun(Serial(), operator.mul, 6, 7)() == 42
-    assert begun(Gone(BrokenExecutor()), operator.mul, 6, 7)() == 42
+    assert start_task(Serial(), operator.mul, 6, 7)() == 42
+    assert start_task(Gone(BrokenExecutor()), operator.mul, 6, 7)() == 42
     with pytest.raises(ZeroDivisionError):
-        begun(Gone(ZeroDivisionError()), operator.mul, 6, 7)()
+        start_task(Gone(ZeroDivisionError()), operator.mul, 6, 7)()
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_an_error_in_a_worker_arrives_as_it_was(jobs):
-    with pytest.raises(EffectError, match="did you mean dry_friction") as caught, workers(jobs) as executor:
+    with pytest.raises(EffectError, match="did you mean dry_friction") as caught, open_executor(jobs) as executor:
         run(executor, effect_named, [("dry_friction",), ("dry_frictions",)])
     assert (caught.value.subject, caught.value.received) == ("effect", "'dry_frictions'")
 
@@ -222,7 +222,7 @@ def test_errors_keep_their_facts_on_their_way():
 KILLED = """
 if __name__ == "__main__":
     threading.Thread(target=killer, args=(multiprocessing.active_children, float(sys.argv[1])), daemon=True).start()
-    with workers(2) as executor:
+    with open_executor(2) as executor:
         print(run(executor, square, [(n, 0.6) for n in range(8)]))
 """
 
@@ -237,7 +237,7 @@ def test_a_worker_that_is_killed_at_once_or_later_costs_one_line_and_its_work_is
 LARGE = """
 if __name__ == "__main__":
     threading.Thread(target=killer, args=(multiprocessing.active_children, 0.0), daemon=True).start()
-    with workers(2) as executor:
+    with open_executor(2) as executor:
         print([len(part) for part in run(executor, bytes, [(bytes(5_000_000),) for n in range(8)])])
 """
 
@@ -253,7 +253,7 @@ import click
 
 @click.command(name="mortal")
 def command():
-    with workers(2) as executor:
+    with open_executor(2) as executor:
         run(executor, die, [(n,) for n in range(3)])
 
 if __name__ == "__main__":
@@ -279,7 +279,7 @@ if __name__ == "__main__":
 
     threading.Thread(target=tell, daemon=True).start()
     try:
-        with workers(2) as executor:
+        with open_executor(2) as executor:
             run(executor, square, [(n, 300.0) for n in range(4)])
     except KeyboardInterrupt:
         sys.exit(130)
@@ -287,7 +287,7 @@ if __name__ == "__main__":
 
 
 def ended(pids, within):
-    """Whether all of some processes end within a time [s]."""
+    """Return whether some processes end within a time [s]."""
     until = time.monotonic() + within
     while time.monotonic() < until:
         if not any(_lives(pid) for pid in pids):
@@ -348,24 +348,24 @@ def test_for_each_does_every_item_and_stops_at_the_first_error(tmp_path):
 
 @pytest.mark.parametrize("jobs", [0, -1])
 def test_a_number_of_processes_that_is_none_is_refused(jobs):
-    with pytest.raises(InputError, match="jobs: expected one or more"), workers(jobs):
+    with pytest.raises(InputError, match="jobs: expected one or more"), open_executor(jobs):
         pass
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "ftp://127.0.0.1:8786", ""])
 def test_an_address_without_a_scheduler_is_refused(address, monkeypatch):
     pytest.importorskip("distributed", reason="needs dask.distributed")
-    monkeypatch.setattr(parallel, "_PATIENCE", 1)
+    monkeypatch.setattr(parallel, "_TIMEOUT", 1)
     with (
         pytest.raises(InputError, match="cluster: expected the address of a Dask scheduler that answers"),
-        workers(cluster=address),
+        open_executor(cluster=address),
     ):
         pass
 
 
 def test_without_dask_the_group_that_brings_it_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(MissingDependencyError, match=r"hsr_pin\[cluster\]"), workers(cluster="tcp://127.0.0.1:8786"):
+    with pytest.raises(MissingDependencyError, match=r"hsr_pin\[cluster\]"), open_executor(cluster="tcp://127.0.0.1:8786"):
         pass
 
 
@@ -373,11 +373,11 @@ def test_a_script_without_a_guard_does_its_work_in_processes_that_do_not_import_
     file = tmp_path / "script.py"
     file.write_text(
         "import os\n"
-        "from hsr_pin.parallel import run, workers\n"
+        "from hsr_pin.parallel import open_executor, run\n"
         "print('begun')\n"
         "def own(n):\n"
         "    return os.getpid(), n\n"
-        "with workers(2) as executor:\n"
+        "with open_executor(2) as executor:\n"
         "    print(sum(run(executor, abs, [(-1,), (2,)])), {pid == os.getpid() for pid, _ in run(executor, own, [(1,), (2,)])})\n"
     )
     done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, timeout=120)

@@ -61,7 +61,7 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     from hsr_pin.effects import effect_named
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.hypothesis import Hypothesis
-    from hsr_pin.identification.part import readings
+    from hsr_pin.identification.part import part_variants
     from hsr_pin.inference.candidate import candidate, full_fit
     from hsr_pin.inference.fit import fit
     from hsr_pin.inference.proposals import proposals, quick_fit
@@ -71,7 +71,7 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
     nothing = candidate(experiment, fit(experiment, Hypothesis()), {})
     found = []
     for order in permutations(names):
-        for parts in product(*(readings(effect_named(name)) for name in order)):
+        for parts in product(*(part_variants(effect_named(name)) for name in order)):
             last = nothing
             for part in parts:
                 for proposal in proposals(experiment, last.fit, [part]):  # one, or none that can be simulated

@@ -1,9 +1,9 @@
-"""The commands: parse, call, print. One file a command; ``*_report`` prints what it found, ``command`` ends it."""
+"""Command-line interface: one file for each command; ``*_report`` prints its results, ``command`` handles its exit."""
 
 import os
 import sys
 
-#: Whether this process is one of them, and no program that imports one.
+#: Whether this process is a command, and not a program that imports one.
 IS_COMMAND = os.path.basename(sys.argv[0]).partition("-")[0] == "hsr"
 
 try:
@@ -11,9 +11,9 @@ try:
 
     if IS_COMMAND:
         if getsignal(SIGINT) is default_int_handler:
-            signal(SIGINT, SIG_DFL)  # Ctrl-C ends a command that is still being loaded without a word; `command.run` takes over
-        from hsr_pin.collector import spare
+            signal(SIGINT, SIG_DFL)  # Ctrl-C ends a command silently while it loads; `command.run` takes over
+        from hsr_pin.collector import reduce_collections
 
-        spare()
+        reduce_collections()
 except KeyboardInterrupt:
     sys.exit(130)

@@ -1,4 +1,4 @@
-"""What ``hsr-blind score`` prints: rates, grades, calibration, every miss."""
+"""Printed report of ``hsr-blind score``: rates, grades, calibration and all misses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hsr_pin.blind.scoring import FACTS, Score
 
 
 def report(score: Score) -> str:
-    """The whole text."""
+    """Return the report on a score as text."""
     parts = [f"{len(score.outcomes)} cases diagnosed" + _missing(score), _rates(score.rates)]
     if set(score.tiers) - {"clean"}:
         parts.append(_grades(score))
@@ -20,7 +20,7 @@ def report(score: Score) -> str:
 
 
 def report_changes(score: ChangeScore) -> str:
-    """The whole text on pairs of recordings."""
+    """Return the report on a score of pairs of recordings as text."""
     wrong = tuple(
         outcome for outcome, size in zip(score.outcomes, score.sizes, strict=True) if not outcome.exact or size is False
     )
@@ -28,9 +28,9 @@ def report_changes(score: ChangeScore) -> str:
 
 
 def _missing(score: Score | ChangeScore) -> str:
-    return (
-        f", {len(score.missing)} not: {', '.join(score.missing[:5])}{' ...' * (len(score.missing) > 5)}" if score.missing else ""
-    )
+    if not score.missing:
+        return ""
+    return f", {len(score.missing)} not diagnosed: {', '.join(score.missing[:5])}{' ...' * (len(score.missing) > 5)}"
 
 
 def _rates(rates: dict[str, Rate]) -> str:
@@ -40,7 +40,7 @@ def _rates(rates: dict[str, Rate]) -> str:
 
 
 def _grades(score: Score) -> str:
-    """How each tier and kind of case came out."""
+    """Return a table of the grades of each tier and kind of case."""
     cases = dict.fromkeys((outcome.answer.tier, outcome.answer.kind) for outcome in score.outcomes)
     lines = ["tier and kind of case".ljust(24) + "".join(f"{grade:>14}" for grade in GRADES)]
     for tier, kind in sorted(cases):
@@ -53,7 +53,7 @@ def _calibration(found: Reliability) -> str:
     low, high = found.interval
     mean, most = found.by_chance
     head = f"expected calibration error {found.error:.3f} (95 % interval {low:.3f} to {high:.3f});"
-    lines = [head, f"with perfect calibration these claims come to {mean:.3f}, and rarely to more than {most:.3f}"]
+    lines = [head, f"perfect calibration would give {mean:.3f} on average, and rarely more than {most:.3f}"]
     lines += [f"  stated {each.low:.1f} to {each.high:.1f} (mean {each.stated:.2f}): right {each.right}" for each in found.bins]
     return "\n".join(lines)
 

@@ -1,4 +1,4 @@
-"""What ``hsr-diagnose NEW --since OLD`` prints."""
+"""Printed report of ``hsr-diagnose --since``: the changes of an arm between recordings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COLOURS = {
 
 
 def screen(found: History, width: int = 80) -> list[Text]:
-    """The lines of the report."""
+    """Return the lines of the report."""
     width = max(40, width)
     lines = _comparison(found.diagnoses[-1], width)
     return [*lines, Text(), *_sessions(found, width)] if len(found.names) > 2 else lines
@@ -36,21 +36,21 @@ def _comparison(diagnosis: ChangeDiagnosis, width: int) -> list[Text]:
     lines += _wrapped(verdict.sentence, width)
     if verdict.difference is not None:
         off = verdict.difference
-        lines += [Text(), Text(f"{'RMS distance between the second recording and':<56}[mm]", style="bold cyan")]
-        lines.append(Text(f"{'what the first predicts':<54}{number(1e3 * off.before):>6}"))
+        lines += [Text(), Text(f"{'RMS distance of the current recording from':<56}[mm]", style="bold cyan")]
+        lines.append(Text(f"{'the prediction from the reference recording':<54}{number(1e3 * off.before):>6}"))
         if verdict.changes:
-            lines.append(Text(f"{'the same with the change':<54}{number(1e3 * off.after):>6}"))
-        lines.append(Text(f"{'scatter that would be no surprise':<54}{number(1e3 * off.scatter):>6}"))
+            lines.append(Text(f"{'the same prediction with the change':<54}{number(1e3 * off.after):>6}"))
+        lines.append(Text(f"{'expected scatter without a change':<54}{number(1e3 * off.scatter):>6}"))
     if verdict.changes:
         lines += [Text(), Text(f"{'what changed':<32}{'from':>10}{'to':>10}   {'95 % interval':<20}", style="bold cyan")]
         lines += [_row(each) for each in verdict.changes]
     if diagnosis.found is not None and len(diagnosis.found.fits) > 1:
         best = diagnosis.found.fits[:4]
-        told = "; ".join(f"{' + '.join(fitted.suspect.names)} {number(diagnosis.found.gain(fitted))}" for fitted, _ in best)
-        lines += [Text(), *_wrapped(f"explain (drop of -2 log likelihood): {told}", width)]
+        listed = "; ".join(f"{' + '.join(fitted.change.names)} {number(diagnosis.found.gain(fitted))}" for fitted, _ in best)
+        lines += [Text(), *_wrapped(f"explanations (drop of -2 log likelihood): {listed}", width)]
     if diagnosis.reference is not None:
         names = " + ".join(diagnosis.reference.names) or "stiffness and damping"
-        lines += _wrapped(f"the first recording is described by: {names}, and a smooth model discrepancy", width)
+        lines += _wrapped(f"model of the reference recording: {names}, and a smooth model discrepancy", width)
     lines += [line for each in advice(diagnosis) for line in _wrapped(f"next:  {each}", width)]
     return lines
 
@@ -64,7 +64,7 @@ def _row(size: Size) -> Text:
 
 
 def _sessions(found: History, width: int) -> list[Text]:
-    """Every quantity over the sessions; a star where it has certainly changed, a question mark where it may have."""
+    """Return a table of all quantities over the sessions, with * for certain changes and ? for possible changes."""
     room = max(10, min(18, (width - 30) // len(found.names)))
     heads = "".join(f"{name[: room - 2]:>{room}}" for name in found.names)
     lines = [Text(f"{'over the sessions':<30}{heads}", style="bold cyan")]

@@ -1,4 +1,4 @@
-"""How every command ends: a result and exit code 0, or one line on stderr and exit code 2. Never a traceback."""
+"""Execution of the commands: exit code 0 with a result, or exit code 2 with one line on stderr and no traceback."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ import click
 from hsr_pin.cli import IS_COMMAND
 from hsr_pin.errors import HsrError, one_line
 
-#: Exit code of a command that was given something it cannot use.
+#: Exit code of a command after invalid input.
 BAD_INPUT = 2
-#: Exit code of a command that was interrupted (128 + SIGINT, as shells have it).
+#: Exit code of an interrupted command (128 + SIGINT, by the convention of shells).
 INTERRUPTED = 130
-#: After which time a signal that Python has dropped is sent again [s].
+#: Time after which a signal that Python has dropped is sent again [s].
 AGAIN = 0.01
 
 
 class Grouped(click.Command):
-    """A command whose help lists its options in groups."""
+    """Click command whose help lists the options in groups."""
 
-    #: Title -> the options under it; all others come first.
+    #: Title -> options of the group; all other options come first.
     GROUPS: ClassVar[dict[str, tuple[str, ...]]] = {
         "Trials": ("train", "test", "delay", "trial"),
         "Model": ("links", "placement", "effects", "max_effects", "dynamics"),
@@ -54,11 +54,11 @@ class Grouped(click.Command):
 
 
 def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
-    """Carry out a click command and turn every way it can fail into one line and an exit code.
+    """Run a click command, and report any failure as one line and an exit code.
 
     Args:
-        command: its ``name`` stands before the error.
-        arguments: as on the command line; None: those of this process.
+        command: the command; its ``name`` precedes an error message.
+        arguments: command-line arguments; None: those of this process.
 
     Returns:
         0; 2 after bad input (usage, a :class:`~hsr_pin.errors.HsrError`, an unreadable or unwritable file);
@@ -69,8 +69,8 @@ def run(command: click.Command, arguments: Sequence[str] | None = None) -> int:
         return _run(command, arguments)
 
 
-def leave(code: int) -> NoReturn:
-    """End this process; a command at once, for to take down all that it has loaded takes a third of a second."""
+def exit_process(code: int) -> NoReturn:
+    """Exit the process; a command exits without unloading its modules, which would take a third of a second."""
     if not IS_COMMAND:
         sys.exit(code)
     atexit._run_exitfuncs()
@@ -89,42 +89,42 @@ def _run(command: click.Command, arguments: Sequence[str] | None) -> int:
     except click.exceptions.Exit as end:  # --help and the like
         return end.exit_code
     except click.ClickException as error:
-        return _complain(command, error.format_message())
+        return _print_error(command, error.format_message())
     except HsrError as error:
-        return _complain(command, str(error))
-    except BrokenPipeError:  # the reader of our output has seen enough, e.g. `| head`
-        from hsr_pin.cli.console import silence
+        return _print_error(command, str(error))
+    except BrokenPipeError:  # the reader of the output has closed it, e.g. `| head`
+        from hsr_pin.cli.console import discard_output
 
-        silence()
+        discard_output()
         return 0
     except (KeyboardInterrupt, click.Abort):
-        return _complain(command, "interrupted", INTERRUPTED)
+        return _print_error(command, "interrupted", INTERRUPTED)
     except OSError as error:
-        return _complain(command, f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return _print_error(command, f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except Exception as error:
-        if _comes_of_interrupt(error):
-            return _complain(command, "interrupted", INTERRUPTED)
+        if _caused_by_interrupt(error):
+            return _print_error(command, "interrupted", INTERRUPTED)
         raise
     return code if isinstance(code, int) else 0
 
 
-def _comes_of_interrupt(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is behind an error: while modules are loaded, Python and they turn it into others."""
+def _caused_by_interrupt(error: BaseException | None) -> bool:
+    """Return whether an error was caused by Ctrl-C, which can be turned into other errors while modules are imported."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
 
 
-def _complain(command: click.Command, message: str, code: int = BAD_INPUT) -> int:
+def _print_error(command: click.Command, message: str, code: int = BAD_INPUT) -> int:
     click.echo(f"{command.name}: error: {one_line(message)}", err=True)
     return code
 
 
 def _open_streams() -> None:
-    """Let streams that were closed (``>&-``) lead nowhere, and let none fail over a sign that it does not have."""
+    """Redirect closed streams (``>&-``) to the null device, and escape characters that a stream cannot encode."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
-        if stream is None:  # opened in this order, each gets its own number back, which a file could take otherwise
+        if stream is None:  # in this order each stream gets its own file number, which a file could take otherwise
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
         elif mode == "w" and getattr(stream, "errors", "") == "strict" and hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
@@ -132,19 +132,19 @@ def _open_streams() -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Ctrl-C is an exception in here, where ``hsr_pin.cli`` has let it end the process so far, and again afterwards.
+    """Turn Ctrl-C into an exception within the context; before and after, ``hsr_pin.cli`` lets it end the process.
 
-    So is SIGTERM: what is half done is taken away, and workers end before this process does.
+    SIGTERM is turned into an exception too, so that incomplete files are removed and workers end before this process.
     """
     wanted = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _end} if current_thread() is main_thread() else {}
     handlers = {number: handler for number, handler in wanted.items() if signal.getsignal(number) is signal.SIG_DFL}
     for number, handler in handlers.items():
         signal.signal(number, handler)
-    told, sys.unraisablehook = sys.unraisablehook, _heard
+    previous, sys.unraisablehook = sys.unraisablehook, _resend_signal
     try:
         yield
     finally:
-        sys.unraisablehook = told
+        sys.unraisablehook = previous
         for number in handlers:
             signal.signal(number, signal.SIG_DFL)
 
@@ -153,8 +153,8 @@ def _end(number: int, _: object) -> None:
     raise SystemExit(128 + number)
 
 
-def _heard(lost: sys.UnraisableHookArgs) -> None:
-    """Send a signal again that came while Python called back (a module's lock was freed, an object deleted): it drops those."""
+def _resend_signal(lost: sys.UnraisableHookArgs) -> None:
+    """Send a signal again that arrived during a callback of Python (such as a finaliser), where exceptions are dropped."""
     number = {KeyboardInterrupt: signal.SIGINT, SystemExit: signal.SIGTERM}.get(lost.exc_type)
     if number is None:
         sys.__unraisablehook__(lost)
@@ -163,7 +163,7 @@ def _heard(lost: sys.UnraisableHookArgs) -> None:
 
 
 def _send(number: int) -> None:
-    """Send this process a signal so that its main thread wakes up (Windows has no signals between threads)."""
+    """Send a signal to the main thread of this process (Windows has no signals between threads)."""
     if sys.platform == "win32":
         signal.raise_signal(number)
     elif (thread := main_thread().ident) is not None:

@@ -1,4 +1,4 @@
-"""Simulation beside measurement, as a table for people and as facts for programs."""
+"""Printed comparison of simulation and measurement: a table, or a JSON object."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from hsr_pin.identification.comparison import Comparison, MarkerError
 
 
 def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
-    """Print the error of every marker, trial by trial and over all, in mm and in % of the arm's length.
+    """Print the error of every marker for each trial and over all trials, in mm and in % of the arm's length.
 
     Args:
-        comparison: of a dataset.
-        trial: only this one.
+        comparison: comparison of the trials of a dataset.
+        trial: name of the only trial to print; None: all trials.
     """
     from rich import box
     from rich.table import Table
@@ -42,13 +42,13 @@ def print_comparison(comparison: Comparison, trial: str | None = None) -> None:
         for number, error in enumerate(_several(comparison.errors)):
             table.add_row("" if number else "all trials", *_cells(error, arm.length), style="bold")
     screen.print(table)
-    screen.print("distance from simulated to measured, no means aligned; a dash: no such part", style="dim")
+    screen.print("distance from simulated to measured markers, means not aligned; a dash: no such part", style="dim")
     for note in comparison.experiment.notes:
         screen.print(f"note: {note}", style="yellow", soft_wrap=True)
 
 
 def comparison_facts(comparison: Comparison, trial: str | None = None) -> dict[str, Any]:
-    """The same as a JSON object, in m; what is not known is null."""
+    """Return the errors as a JSON object, in m; unknown values are null."""
     dataset = comparison.experiment.dataset
     return {
         "dataset": dataset.name,
@@ -65,7 +65,7 @@ def comparison_facts(comparison: Comparison, trial: str | None = None) -> dict[s
 
 
 def _several(errors: tuple[MarkerError, ...]) -> tuple[MarkerError, ...]:
-    """The last, over all markers, says nothing new where there is one marker."""
+    """Return the errors to print: without the total over all markers if there is only one marker."""
     return errors[:-1] if len(errors) == 2 else errors
 
 

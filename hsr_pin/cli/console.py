@@ -1,4 +1,4 @@
-"""What commands print for people, and the one place where names that come from files are made harmless for it."""
+"""Printing to the terminal, with control characters from files made harmless."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hsr_pin.errors import printable
 
 
 class _Plain(Console):
-    """Takes nothing for markup or an emoji, and lets no control character through."""
+    """Console that interprets no markup or emoji codes and escapes control characters."""
 
     def __init__(self, stderr: bool = False) -> None:
         super().__init__(stderr=stderr, highlight=False, markup=False, emoji=False)
@@ -29,35 +29,35 @@ class _Plain(Console):
             yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def on_broken_pipe(self) -> None:
-        raise BrokenPipeError  # which :func:`shown` and the command's end know
+        raise BrokenPipeError  # handled by :func:`ignore_closed_pipe` and at the end of the command
 
 
 def console(*, stderr: bool = False) -> Console:
-    """Where to print."""
+    """Return a console for standard output or standard error."""
     return _Plain(stderr)
 
 
-def say(text: str) -> None:
+def print_text(text: str) -> None:
     """Print a text without style."""
     click.echo(printable(text))
 
 
 @contextmanager
-def shown() -> Iterator[None]:
-    """Print within this what comes before more work: a reader that has seen enough (``| head``) does not end that."""
+def ignore_closed_pipe() -> Iterator[None]:
+    """Ignore a closed output pipe (``| head``) within the context, so that the work after it continues."""
     try:
         yield
         sys.stdout.flush()
     except BrokenPipeError:
-        silence()
+        discard_output()
 
 
-def silence() -> None:
-    """Print nothing more on standard output."""
+def discard_output() -> None:
+    """Discard all further output to standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def say_written(paths: Sequence[str]) -> None:
-    """Say which files were written, each on its line."""
+def print_written_files(paths: Sequence[str]) -> None:
+    """Print the names of the files that were written, one on each line."""
     for path in paths:
         console().print(f"wrote {path}", style="green", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""``hsr-diagnose``: where the sim-to-real gap lies, which effect causes it, how far it shrinks."""
+"""Command ``hsr-diagnose``: locate the sim-to-real gap, name the effects that cause it, and predict its reduction."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.judging import loss_from, progress
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
-from hsr_pin.parallel import workers
+from hsr_pin.parallel import open_executor
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
 
-#: Stages beside the effects: reading, stiffness and damping, where.
+#: Number of progress stages in addition to the effects: reading, fit of stiffness and damping, localisation.
 _OTHER_STAGES = 3
 
 _EPILOG = "Example: hsr-diagnose sample --html report.html"
@@ -27,16 +27,16 @@ _EPILOG = "Example: hsr-diagnose sample --html report.html"
 @click.command(name="hsr-diagnose", cls=Grouped, epilog=_EPILOG, context_settings={"max_content_width": 100})
 @dataset_argument
 @click.option(
-    "--since", metavar="OLD", multiple=True, help="What has changed since this recording of the same arm? Several: in order."
+    "--since", metavar="OLD", multiple=True, help="Report what has changed since this recording of the same arm; repeat in order."
 )
-@click.option("--effects", metavar="A,B,...", help="Candidates.  [default: the whole catalogue]")
-@click.option("--max-effects", type=click.IntRange(0, 19), default=3, show_default=True, help="At most this many together.")
+@click.option("--effects", metavar="A,B,...", help="Candidate effects.  [default: the whole catalogue]")
+@click.option("--max-effects", type=click.IntRange(0, 19), default=3, show_default=True, help="Most effects in one model.")
 @chain_options
 @trial_options
-@click.option("--jobs", type=click.IntRange(1, 1000), metavar="N", help="Processes.  [default: one per core]")
-@click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers do it, in place of processes here.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the resampling: same seed, same answer.")
-@click.option("--loss", metavar="A=N,...", help="What a report gains or loses, as in wrong_name=-8 (see docs/evidence.md).")
+@click.option("--jobs", type=click.IntRange(1, 1000), metavar="N", help="Number of processes.  [default: one per core]")
+@click.option("--cluster", metavar="ADDRESS", help="Dask scheduler whose workers run the fits, in place of local processes.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the resampling.")
+@click.option("--loss", metavar="A=N,...", help="Gain or loss of each kind of report, e.g. wrong_name=-8 (docs/evidence.md).")
 @click.option("--json", "json_file", metavar="FILE", help="Write the diagnosis for programs; - for standard output.")
 @click.option("--html", "html_file", metavar="FILE", help="Write a self-contained report.")
 @force_option
@@ -44,38 +44,38 @@ def command(dataset: str, **options: Any) -> None:
     """Diagnose the gap between a simulated and a recorded hybrid soft robot.
 
     DATASET is a folder of recordings, or the name of a sample (--list-samples). The model is fitted with and without effects that
-    it may lack. The result is the probability of each cause: effects that are missing, alternatives that these recordings cannot
-    tell apart, another stiffness and damping, or nothing known.
+    it may lack. The result is the probability of each cause: missing effects, alternatives that the recordings cannot tell apart,
+    another stiffness and damping, or an unknown cause.
 
-    With --since OLD the question is what has changed in the arm since that recording: DATASET is compared with what the best
-    model of OLD predicts.
+    With --since OLD the command reports what has changed in the arm since that recording: it compares DATASET with the prediction
+    of the best model of OLD.
 
-    DATASET may also be a folder with recordings of a robot of rigid links (robot.toml): then the causes are those of its joints.
+    DATASET may also be a folder with recordings of a rigid-link robot (robot.toml). The causes are then those of its joints.
     """
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "html")}
     check_outputs(files, read=[dataset_folder(each) for each in (dataset, *options["since"])], force=options["force"])
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: processes, not threads, share the cores
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is imported, as processes and not threads share the cores
     from hsr_pin.recordings.samples import ROBOTS
 
     if os.path.isfile(os.path.join(dataset, "robot.toml")) or dataset in ROBOTS:
-        from hsr_pin.cli.robot import tell_robot
+        from hsr_pin.cli.robot import run_robot
 
-        tell_robot(dataset, options)
+        run_robot(dataset, options)
         return
     if options["since"]:
-        from hsr_pin.cli.since import tell_since
+        from hsr_pin.cli.since import run_since
 
-        tell_since(dataset, options)
+        run_since(dataset, options)
         return
-    _tell(_diagnosis(dataset, options), [name for name in files.values() if name not in (None, "-")], options)
+    _print_and_write(_diagnosis(dataset, options), [name for name in files.values() if name not in (None, "-")], options)
 
 
-def _tell(diagnosis: Diagnosis, files: list[str], options: dict[str, Any]) -> None:
-    """Print the verdict, then write the files."""
-    from hsr_pin.cli.console import shown
+def _print_and_write(diagnosis: Diagnosis, files: list[str], options: dict[str, Any]) -> None:
+    """Print the verdict and write the files."""
+    from hsr_pin.cli.console import ignore_closed_pipe
     from hsr_pin.cli.diagnose_report import print_report, print_written
 
-    with shown():
+    with ignore_closed_pipe():
         if options["json_file"] == "-":
             click.echo(_document(diagnosis))
         else:
@@ -104,20 +104,21 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
     effects = None
     if options["effects"] is not None:
         effects = [name.strip() for name in options["effects"].split(",")]
-        for name in effects:  # before the recordings, which take longer
+        for name in effects:  # before the recordings are read, which takes longer
             effect_named(name)
     given = {name: options[name] for name in ("max_effects", "seed")} | chain_from(options) | trials_from(options)
     loss = loss_from(options)
-    with workers(options["jobs"], options["cluster"]) as executor:
+    with open_executor(options["jobs"], options["cluster"]) as executor:
         recordings = read_dataset(dataset)
         from hsr_pin.diagnosis.diagnose import diagnose
 
-        with progress(options["max_effects"] + _OTHER_STAGES) as (tell, advance):
-            return diagnose(recordings, effects=effects, loss=loss, **given, executor=executor, tell=tell, advance=advance)
+        with progress(options["max_effects"] + _OTHER_STAGES) as (report_stage, advance):
+            given |= {"tell": report_stage, "advance": advance}
+            return diagnose(recordings, effects=effects, loss=loss, **given, executor=executor)
 
 
 def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
+    """Write the requested files, and yield the name of each file once it is written."""
     if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
 
@@ -132,4 +133,4 @@ def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:
 
 def main() -> None:
     """Entry point of ``hsr-diagnose``."""
-    leave(run(command))
+    exit_process(run(command))

@@ -1,4 +1,4 @@
-"""What ``hsr-diagnose`` prints: one screen of 80 x 24."""
+"""Printed report of ``hsr-diagnose``, which fits on a screen of 80 x 24 characters."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from rich.text import Text
 from hsr_pin.cli.console import console
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import advice, where_sentence
+from hsr_pin.inference.detection import detection_sentence
 from hsr_pin.inference.estimates import estimates, number, ranked
 from hsr_pin.inference.verdict import headline
 
-#: Lines of a screen, without the one for the next prompt.
+#: Number of lines of a screen, without the line of the next prompt.
 LINES = 23
-#: Verdict -> colour of its headline.
+#: Status of the verdict -> colour of its headline.
 _COLOURS = {
     "identified": "bold green",
     "partly_identified": "bold green",
@@ -28,7 +29,7 @@ _COLOURS = {
 
 
 def print_report(diagnosis: Diagnosis, files: Sequence[str] = ()) -> None:
-    """Print the verdict, the ladder, the best models, where the gap lies and what next, with room left to name files."""
+    """Print the verdict, the error budget, the best models, the location of the gap and advice, with a line left for files."""
     to = console()
     lines = screen(diagnosis, to.width, files)
     for line in lines[:-1] if files else lines:
@@ -36,21 +37,23 @@ def print_report(diagnosis: Diagnosis, files: Sequence[str] = ()) -> None:
 
 
 def print_written(files: Sequence[str]) -> None:
-    """Print the line that names the files written, if there are any."""
+    """Print a line with the names of the files that were written, if there are any."""
     if files:
         console().print(_written(files), soft_wrap=True)
 
 
 def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -> list[Text]:
-    """The lines of the report; where they are too many for a screen, the last parameters are left out and counted."""
+    """Return the lines of the report; if a screen is too small, the last parameters are left out and counted."""
     width = max(40, width)
     name, status = diagnosis.experiment.dataset.name, diagnosis.verdict.status
     verdict = [Text.assemble((f"{name}: ", "bold"), (headline(diagnosis.verdict), _COLOURS[status]))]
     verdict += _wrapped(diagnosis.verdict.sentence, width)
     ladder = _ladder(diagnosis, width)
     rest = [] if diagnosis.where is None else _wrapped(f"where: {where_sentence(diagnosis.where)}", width)
-    if diagnosis.fingerprint is not None and diagnosis.fingerprint.kinds:
-        rest += _wrapped(f"data:  without a model the recordings point to {', '.join(diagnosis.fingerprint.kinds)}", width)
+    if diagnosis.indicators is not None and diagnosis.indicators.kinds:
+        rest += _wrapped(f"data:  without a model the recordings point to {', '.join(diagnosis.indicators.kinds)}", width)
+    if diagnosis.search is not None and (limits := detection_sentence(diagnosis.search.detection)):
+        rest += _wrapped(f"limit: {limits}", width)
     rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
     rest += _notes(diagnosis, width)
     rest += [_written(written)] if written else []
@@ -86,12 +89,12 @@ def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
 
 
 def _short(value: float) -> str:
-    """Three digits, and none beyond the third place."""
+    """Return a number with three digits, and with at most three decimals."""
     return f"{value:.3f}" if 0 <= value < 0.1 else number(value)
 
 
 def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
-    """The parameters of the best model and the names of the next best, in at most ``room`` lines."""
+    """Return the parameters of the best model and the names of the next best ones, in at most ``room`` lines."""
     if diagnosis.search is None:
         return []
     best = diagnosis.search.best
@@ -127,7 +130,7 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
 
 
 def _wrapped(text: str, width: int) -> list[Text]:
-    indent = " " * 7 if text.startswith(("where: ", "next:  ", "data:  ")) else ""
+    indent = " " * 7 if text.startswith(("where: ", "next:  ", "data:  ", "limit: ")) else ""
     lines = textwrap.wrap(text, width, subsequent_indent=indent, max_lines=5, placeholder=" \u2026")
     return [Text(line) for line in lines]
 

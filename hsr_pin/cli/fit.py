@@ -1,4 +1,4 @@
-"""``hsr-fit``: identify the arm from its recordings."""
+"""Command ``hsr-fit``: identify the parameters of an arm from its recordings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import listed, trial_options, trials_from
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from hsr_pin.identification.profile import Profile
 
 _EPILOG = "Example: hsr-fit valve-arm --free keq,damping --by-level --urdf fitted.urdf"
-#: Stages of the fit itself.
+#: Number of progress stages of the fit itself.
 _STAGES = 4
 
 
@@ -33,49 +33,48 @@ _STAGES = 4
     default="keq,damping",
     show_default=True,
     metavar="A,B,...",
-    help="What to fit: keq, damping, mass, gain (factors on what is declared), drift (of the stiffness over the session), "
-    "an effect, or effect.parameter; with @each behind it, one for each declared Keq.",
+    help="Parameters to fit: keq, damping, mass, gain (factors on the declared values), drift (of the stiffness over the "
+    "session), an effect, or effect.parameter; with the suffix @each, one for each declared Keq.",
 )
-@click.option("--by-level", is_flag=True, help="A stiffness and a damping for each declared Keq instead of one factor for all.")
+@click.option("--by-level", is_flag=True, help="Fit stiffness and damping for each declared Keq instead of one factor for all.")
 @click.option(
     "--effect",
     "effects",
     multiple=True,
     metavar="NAME[:PARAM=VALUE]",
-    help="Add an effect and fit all its parameters, from these values on; may be repeated.",
+    help="Add an effect and fit all its parameters, starting from these values; may be repeated.",
 )
 @chain_options
 @trial_options
-@click.option("--profile", is_flag=True, help="Intervals by profile likelihood beside the usual ones.")
-@click.option("--paper", is_flag=True, help="Carry out the paper's own procedure (its chain, C by brute force) beside the fit.")
-@click.option("--links-study", "study", is_flag=True, help="Compare numbers of links, and recommend one.")
+@click.option("--profile", is_flag=True, help="Also compute intervals by profile likelihood.")
+@click.option("--paper", is_flag=True, help="Also run the procedure of the paper (its chain, C by brute force).")
+@click.option("--links-study", "study", is_flag=True, help="Compare numbers of links and recommend one.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the result for programs; - for standard output.")
 @click.option("--plot", "plot_file", metavar="FILE.png", help="Draw measured, declared and fitted motion (.png, .pdf or .svg).")
 @click.option("--urdf", "urdf_file", metavar="FILE.urdf", help="Write the fitted arm; one file for each stiffness level.")
 @force_option
 def command(dataset: str, **options: Any) -> None:
-    """Fit the parameters of a hybrid soft robot to its recordings, with honest uncertainty.
+    """Fit the parameters of a hybrid soft robot to its recordings, with 95 % intervals.
 
-    Prints every value with its 95 % interval, the error before and after, and the error on trials that were not fitted: those
-    set aside, or else each trial predicted by a fit to the others.
+    Prints every value with its interval, the error before and after the fit, and the error on held-out trials: those given by
+    --test, or else each trial predicted by a fit to the others.
     """
     _check(dataset, options)
-    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded: its threads cost more than they bring here
-    with _progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as tell:
-        found = _identified(dataset, options, tell)
-        profiles, paper, study = _more(found, options, tell)
-    _tell(found, profiles, paper, study, options)
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is imported, as its threads slow down these small problems
+    with _progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as report_stage:
+        found = _identified(dataset, options, report_stage)
+        profiles, paper, study = _more(found, options, report_stage)
+    _print_and_write(found, profiles, paper, study, options)
 
 
-def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], None]) -> Identification:
+def _identified(dataset: str, options: dict[str, Any], report_stage: Callable[[str], None]) -> Identification:
     from hsr_pin.identification.choice import choose
     from hsr_pin.identification.identify import identify
     from hsr_pin.recordings.read import read_dataset
 
     free, effects = listed(options["free"]), [_effect(text) for text in options["effects"]]
-    choose(
-        [name.partition("@")[0] for name in free], effects, ()
-    )  # refuses unknown names before the recordings, which take longer
+    # refuses unknown names before the recordings are read, which takes longer
+    choose([name.partition("@")[0] for name in free], effects, ())
     return identify(
         read_dataset(dataset),
         free=free,
@@ -83,29 +82,29 @@ def _identified(dataset: str, options: dict[str, Any], tell: Callable[[str], Non
         by_level=options["by_level"],
         **chain_from(options),
         **trials_from(options),
-        tell=tell,
+        tell=report_stage,
     )
 
 
 def _more(
-    found: Identification, options: dict[str, Any], tell: Callable[[str], None]
+    found: Identification, options: dict[str, Any], report_stage: Callable[[str], None]
 ) -> tuple[list[Profile], PaperProcedure | None, LinksStudy | None]:
-    """What was asked for beside the fit."""
+    """Return the profiles, the procedure of the paper and the study of links as requested; None or empty otherwise."""
     profiles, paper, study = [], None, None
     if options["profile"]:
         from hsr_pin.identification.profile import profile_likelihood
 
-        tell("profiling")
+        report_stage("profile likelihood")
         profiles = [profile_likelihood(found.experiment, found.fit, name) for name in found.fit.hypothesis.free]
     if options["paper"]:
         from hsr_pin.identification.paper_procedure import paper_procedure
 
-        tell("the paper's procedure")
+        report_stage("procedure of the paper")
         paper = paper_procedure(found.experiment)
     if options["study"]:
         from hsr_pin.identification.links_study import links_study
 
-        tell("comparing numbers of links")
+        report_stage("comparison of numbers of links")
         study = links_study(found.experiment, found.fit.hypothesis, found.fit.values)
     return profiles, paper, study
 
@@ -119,7 +118,7 @@ def _effect(text: str) -> Effect:
 
 @contextmanager
 def _progress(stages: int) -> Iterator[Callable[[str], None]]:
-    """What to call at each stage: a bar on a terminal, nothing anywhere else."""
+    """Yield a function to call at each stage, which updates a progress bar on a terminal and otherwise does nothing."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from hsr_pin.cli.console import console
@@ -130,16 +129,16 @@ def _progress(stages: int) -> Iterator[Callable[[str], None]]:
         task = bar.add_task("starting", total=stages)
         begun = 0
 
-        def tell(stage: str) -> None:
+        def report_stage(stage: str) -> None:
             nonlocal begun
             bar.update(task, description=stage, completed=begun)
             begun += 1
 
-        yield tell
+        yield report_stage
 
 
 def _check(dataset: str, options: dict[str, Any]) -> None:
-    """Refuse what could not or must not be written, before anything is computed."""
+    """Check that the requested files can and may be written, before anything is computed."""
     files = {f"--{name}": options[f"{name}_file"] for name in ("json", "plot", "urdf")}
     if options["plot_file"] is not None:
         from hsr_pin.replay.plots import picture_format
@@ -148,23 +147,23 @@ def _check(dataset: str, options: dict[str, Any]) -> None:
     check_outputs(files, read=[dataset_folder(dataset)], force=options["force"])
 
 
-def _tell(
+def _print_and_write(
     found: Identification,
     profiles: list[Profile],
     paper: PaperProcedure | None,
     study: LinksStudy | None,
     options: dict[str, Any],
 ) -> None:
-    """Print what was found, then write the files."""
+    """Print the results of the fit and write the files."""
     import json
 
-    from hsr_pin.cli.console import say_written, shown
+    from hsr_pin.cli.console import ignore_closed_pipe, print_written_files
     from hsr_pin.cli.fit_report import print_fit
     from hsr_pin.identification.document import to_json
 
     document = to_json(found, profiles=profiles, paper=paper, study=study)
     text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
-    with shown():
+    with ignore_closed_pipe():
         if options["json_file"] == "-":
             click.echo(text)
         else:
@@ -175,12 +174,12 @@ def _tell(
             written.append(path)
     finally:
         if options["json_file"] != "-":
-            say_written(written)
+            print_written_files(written)
 
 
 def _write(found: Identification, document: str, options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
-    if options["urdf_file"] is not None:  # first: an arm of sections has none, and then nothing is written
+    """Write the requested files, and yield the name of each file once it is written."""
+    if options["urdf_file"] is not None:  # first, as it fails for an arm of sections, and then nothing is written
         yield from _write_arms(found, options)
     if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
@@ -203,11 +202,11 @@ def _write_arms(found: Identification, options: dict[str, Any]) -> Iterator[str]
     stem, ending = os.path.splitext(options["urdf_file"])
     for keq, arm in arms.items():
         name = options["urdf_file"] if len(arms) == 1 else f"{stem}_keq{keq:g}{ending}"
-        check_outputs({"--urdf": name}, force=options["force"])  # one for each stiffness: only now is it known which
+        check_outputs({"--urdf": name}, force=options["force"])  # checked now, as the files depend on the fitted stiffness levels
         save_urdf(arm, name)
         yield name
 
 
 def main() -> None:
     """Entry point of ``hsr-fit``."""
-    leave(run(command))
+    exit_process(run(command))

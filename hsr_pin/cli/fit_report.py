@@ -1,4 +1,4 @@
-"""What ``hsr-fit`` prints."""
+"""Printed report of ``hsr-fit``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def print_fit(
     paper: PaperProcedure | None = None,
     study: LinksStudy | None = None,
 ) -> None:
-    """Print values with intervals, errors in and out of sample, doubts, and what else was asked for."""
+    """Print values with intervals, errors in and out of sample, warnings, and the additional studies that were requested."""
     screen = console()
     experiment, hypothesis = found.experiment, found.fit.hypothesis
     links = "1 link" if hypothesis.links == 1 else f"{hypothesis.links} links"
@@ -33,7 +33,7 @@ def print_fit(
     screen.print(title, style="bold", soft_wrap=True)
     screen.print(_values(found, profiles))
     screen.print(_errors(found))
-    for line in _doubts(found):
+    for line in _warnings(found):
         screen.print(line, style="yellow", soft_wrap=True)
     if paper is not None:
         _print_paper(screen, paper, experiment.dataset.length)
@@ -64,7 +64,7 @@ def _values(found: Identification, profiles: Sequence[Profile]) -> Table:
 
 def _errors(found: Identification) -> Table:
     length = found.experiment.dataset.length
-    heldout = "predicted trials" if found.set_aside else "each trial by a fit to the others"
+    heldout = "held-out trials" if found.set_aside else "each trial by a fit to the others"
     table = _table("RMS distance", "as declared\nmm", "\n% of L", "fitted\nmm", "\n% of L")
     rows: list[tuple[str, Sequence[Array], Sequence[Array]]] = [("fitted trials", found.before, found.after)]
     if found.heldout:
@@ -78,28 +78,28 @@ def _errors(found: Identification) -> Table:
 
 
 def _cells(distances: Sequence[float], length: float) -> list[str]:
-    """Each distance [m] in mm and in % of the arm's length; a dash where it is not known."""
+    """Return each distance [m] in mm and in % of the arm's length; a dash if it is unknown."""
     return [f"{scale * d:.2f}" if math.isfinite(d) else "-" for d in distances for scale in (1e3, 100 / length)]
 
 
-def _doubts(found: Identification) -> list[str]:
+def _warnings(found: Identification) -> list[str]:
     facts = {fact.name: fact for fact in found.fit.hypothesis.parameters}
     lines = [
-        f"{name} ended on its bound ({facts[name].lower:g} to {facts[name].upper:g}): its interval is not to be trusted."
+        f"{name} ended on its bound ({facts[name].lower:g} to {facts[name].upper:g}): its interval is not reliable."
         for name in found.fit.on_bound()
     ]
-    lines += [f"not told by these data: {words}." for words in found.uncertainty.weak]
-    lines += [f"{name} cannot be simulated with these values: is its input right?" for name in found.fit.failed]
+    lines += [f"not determined by these data: {words}." for words in found.uncertainty.weak]
+    lines += [f"{name} cannot be simulated with these values; check its input." for name in found.fit.failed]
     if not found.fit.converged:
-        lines.append("The search stopped before it came to its end.")
+        lines.append("The fit stopped before it converged.")
     if not found.heldout:
-        lines.append("With a single trial nothing can be held out: the error on other trials is unknown.")
+        lines.append("A single trial leaves nothing to hold out, so that the error on other trials is unknown.")
     return lines
 
 
 def _print_paper(screen: Console, paper: PaperProcedure, length: float) -> None:
     last = paper.last
-    screen.print(f"The paper's procedure ({paper.links} links, joints at {paper.placement}), C by brute force:", style="bold")
+    screen.print(f"Procedure of the paper ({paper.links} links, joints at {paper.placement}), C by brute force:", style="bold")
     table = _table("pass", "Keq times", "C times", "RMS, mm", "% of L")
     for number, step in enumerate(paper.passes):
         factors = (f"{step.keq_scale:.4f}", f"{step.damping_scale:.4f}")
@@ -113,7 +113,7 @@ def _print_paper(screen: Console, paper: PaperProcedure, length: float) -> None:
 
 
 def _print_study(screen: Console, study: LinksStudy, length: float) -> None:
-    screen.print(f"How many links (joints at {study.placement}):", style="bold")
+    screen.print(f"Comparison of numbers of links (joints at {study.placement}):", style="bold")
     table = _table("N", "model error\nmm", "\n% of L", "data error\nmm", "\n% of L", "cost\nrelative")
     for row in study.rows:
         style = "bold" if row.links == study.recommended else ""
@@ -123,7 +123,7 @@ def _print_study(screen: Console, study: LinksStudy, length: float) -> None:
 
 
 def _places(interval: Sequence[float] | Array) -> int:
-    """Decimals that show two digits of half an interval's width."""
+    """Return the number of decimals that shows two digits of half an interval's width."""
     half = (float(interval[1]) - float(interval[0])) / 2
     return min(9, max(0, 1 - math.floor(math.log10(half)))) if half > 0 and math.isfinite(half) else 4
 

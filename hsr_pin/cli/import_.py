@@ -1,4 +1,4 @@
-"""``hsr-import``: motion capture into a dataset."""
+"""Command ``hsr-import``: convert motion capture files to a dataset."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import exit_process, run
 from hsr_pin.cli.outputs import force_option
 
 if TYPE_CHECKING:
@@ -19,16 +19,14 @@ if TYPE_CHECKING:
 
 @click.command(name="hsr-import")
 @click.argument("files", nargs=-1, metavar="FILE...")
-@click.option("-o", "--output", metavar="DATASET", help="Folder to write the dataset into.")
-@click.option(
-    "--guess", metavar="TABLE", help="Write a mapping of this table, guessed from its names and numbers, to edit: to -o, or here."
-)
+@click.option("-o", "--output", metavar="DATASET", help="Folder for the dataset.")
+@click.option("--guess", metavar="TABLE", help="Write a draft mapping guessed from this table, to -o or the screen.")
 @click.option("--list", "list_points", is_flag=True, help="Only list the points in the files, with rate, unit and gaps.")
 @click.option(
     "--map",
     "mapping",
     metavar="TOML",
-    help="What stands where in a table of no known system, and what the arm is like (docs/importing.md).",
+    help="Mapping of the columns of a table, which may also describe the arm (docs/importing.md).",
 )
 @click.option(
     "-m",
@@ -36,71 +34,73 @@ if TYPE_CHECKING:
     "markers",
     multiple=True,
     metavar="NAME[@ARC]=POINT[+POINT...]",
-    help="A marker, its arc length from the base [m] (else estimated from the straight pose), and the points it is the mean of, "
-    "or its labels, if never seen together; patterns (Tip*) allowed. Again for each marker. In space NAME@ARC,RADIUS[,ANGLE] "
-    "stands beside the backbone [m, rad].  [default: every named point]",
+    help="A marker, its arc length from the base [m] (estimated from the straight pose if not given), and the points whose mean "
+    "it is, or its labels if they are never seen together; patterns (Tip*) are allowed. Repeat for each marker. In space, "
+    "NAME@ARC,RADIUS[,ANGLE] is a marker beside the backbone [m, rad].  [default: every named point]",
 )
-@click.option("--base", metavar="POINT[+POINT...]", help="The point or points at the base.  [default: one named base, if any]")
-@click.option("--origin", metavar="X,Y,Z", help="Place of the base in the laboratory [m].  [default: from the base points]")
-@click.option("--up", metavar="AXIS", help="Axis of the laboratory that is up: +z, -y, ...  [default: as its maker has it]")
-@click.option("--mount", metavar="MOUNT", help="hanging, upright or horizontal.  [default: from the straight pose]")
-@click.option("--bending", metavar="WORD", help="In a plane (plane) or about two axes (space).  [default: plane]")
+@click.option("--base", metavar="POINT[+POINT...]", help="Point or points at the base.  [default: a point named base, if any]")
+@click.option("--origin", metavar="X,Y,Z", help="Position of the base in the laboratory [m].  [default: from the base points]")
+@click.option("--up", metavar="AXIS", help="Upward axis of the laboratory: +z, -y, ...  [default: of the tracking system]")
+@click.option("--mount", metavar="MOUNT", help="Mount: hanging, upright or horizontal.  [default: from the straight pose]")
+@click.option("--bending", metavar="WORD", help="Bending in a plane (plane) or about two axes (space).  [default: plane]")
 @click.option(
     "--x",
     metavar="AXIS",
-    help="Axis that positive bending carries the tip towards; in space also X,Y,Z, or input: as it shows.  [default: from the "
-    "input; in space the first across the arm]",
+    help="Axis of the laboratory towards which positive bending moves the tip; in space also a direction X,Y,Z, or input: from "
+    "the input.  [default: from the input; in space the first axis perpendicular to the arm]",
+)
+@click.option("--torsion", type=float, metavar="NM/RAD", help="Torsional stiffness in space.  [default: no twist]")
+@click.option(
+    "--pose", "poses", multiple=True, metavar="NAME", help="Marker whose orientation is imported too, in space; repeat for each."
+)
+@click.option("--own-plane", is_flag=True, help="Fit a bending plane to each file instead of all files together.")
+@click.option("--unit", metavar="UNIT", help="Unit of length (mm, cm, m or in), in place of that in the files.")
+@click.option("--length", type=float, metavar="M", help="Arc length of the arm.  [default: that of the outermost marker]")
+@click.option("--mass", type=float, metavar="KG", help="Mass of the arm.  [required]")
+@click.option("--diameter", type=float, metavar="M", help="Diameter of the arm.  [required]")
+@click.option(
+    "--keq", type=float, multiple=True, metavar="NM/RAD", help="Bending stiffness; one value, or one per file.  [required]"
 )
 @click.option(
-    "--torsion", type=float, metavar="NM/RAD", help="Stiffness against twisting, in space.  [default: it does not twist]"
+    "--damping", type=float, multiple=True, metavar="NMS/RAD", help="Damping of the whole arm; one value, or one per file."
 )
-@click.option(
-    "--pose", "poses", multiple=True, metavar="NAME", help="A marker whose orientation is taken too, in space; again for each."
-)
-@click.option("--own-plane", is_flag=True, help="Fit the bending plane to each file, not to all together.")
-@click.option("--unit", metavar="UNIT", help="mm, cm, m or in, in place of what the files say.")
-@click.option("--length", type=float, metavar="M", help="Arc length of the arm.  [default: of its farthest marker]")
-@click.option("--mass", type=float, metavar="KG", help="Mass of the arm.  [needed]")
-@click.option("--diameter", type=float, metavar="M", help="Diameter of the arm.  [needed]")
-@click.option("--keq", type=float, multiple=True, metavar="NM/RAD", help="Bending stiffness; once, or once per file.  [needed]")
-@click.option("--damping", type=float, multiple=True, metavar="NMS/RAD", help="Damping of the whole arm; likewise.")
-@click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; likewise.")
-@click.option("--t-start", multiple=True, metavar="S", help="Use the recording from here on, - from its start; likewise.")
+@click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; one value, or one per file.")
+@click.option("--t-start", multiple=True, metavar="S", help="Start of the used part; -: the beginning; one, or one per file.")
 @click.option(
     "--input",
     "inputs",
     multiple=True,
     metavar="CSV",
-    help="The input, t,P1,P2 or t,tau (in space t,tau_x,tau_y), or as --map says; - is none; likewise.",
+    help="Input with columns t,P1,P2 or t,tau (in space t,tau_x,tau_y), or as given by --map; -: none; one, or one per file.",
 )
 @click.option(
     "--input-offset",
     "input_offset",
     multiple=True,
     metavar="S",
-    help="Added to the times of the input [s]; auto: estimated from motion and command; likewise.",
+    help="Time added to the times of the input [s]; auto: estimated from motion and command; one value, or one per file.",
 )
 @click.option(
-    "--gain", type=float, metavar="NM/BAR", help="In space: all columns of --input are chambers evenly around the arm, of this."
+    "--gain", type=float, metavar="NM/BAR", help="In space: torque per unit of all columns of --input, evenly spaced chambers."
 )
 @click.option(
-    "--angle", type=float, metavar="RAD", help="Where the first of them lies, from x towards y of the base.  [default: 0]"
+    "--angle", type=float, metavar="RAD", help="Angle of the first chamber, from x towards y of the base.  [default: 0]"
 )
-@click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: of its folder]")
-@click.option("--description", default="", metavar="TEXT", help="One line.")
+@click.option("--name", metavar="TEXT", help="Name of the dataset.  [default: that of its folder]")
+@click.option("--description", default="", metavar="TEXT", help="Description of the dataset, one line.")
 @force_option
 def command(files: tuple[str, ...], list_points: bool, output: str | None, **options: Any) -> None:
     """Import motion capture as a dataset, one trial per FILE.
 
-    Reads CSV of Vicon Nexus and Tracker and of OptiTrack Motive, TSV of Qualisys, TRC, C3D, bags of ROS 1 and 2, and any table
-    with a mapping. Units become metres, up becomes z, the base becomes the origin, and the plane in which the arm bends becomes
-    x-z; of an arm in space (--bending space) nothing is put into a plane.
+    Reads CSV files of Vicon Nexus, Vicon Tracker and OptiTrack Motive, TSV files of Qualisys, TRC and C3D files, ROS 1 and ROS 2
+    bags, and any table with a mapping. Lengths are converted to metres and positions to a frame with z up, the origin at the base
+    and the bending plane in x-z. The motion of an arm in space (--bending space) is not reduced to a plane.
 
     \b
     hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\
         --base Arm:base -m mid@0.12=Arm:m1+Arm:m2 -m tip@0.24=Arm:tip
     hsr-import take.csv -o my-arm --bending space --map my-arm.toml --input pressures.csv
-    """  # noqa: D301 (click's mark for text as it stands is a backspace)
+    """  # noqa: D301 (the backspace is click's mark for preformatted text)
     if options["guess"] is not None:
         _guess(options["guess"], output, options["force"])
         return
@@ -150,8 +150,8 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
 def _name_of(output: str) -> str:
     name = Path(output).resolve().name or "imported"
     if not name.isprintable():
-        hint = "--name gives the dataset a name of its own"
-        raise click.BadParameter(f"expected a folder whose name is a text, got {name!r}; {hint}", param_hint="'--output'")
+        hint = "give the dataset a name with --name"
+        raise click.BadParameter(f"expected a folder with a printable name, got {name!r}; {hint}", param_hint="'--output'")
     return name
 
 
@@ -159,7 +159,7 @@ def _seconds(text: str, option: str, other: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise click.BadParameter(f"expected a number of s, or {other}, got {text!r}", param_hint=f"'{option}'") from None
+        raise click.BadParameter(f"expected a time in s, or {other}, got {text!r}", param_hint=f"'{option}'") from None
 
 
 def _point(text: str) -> tuple[float, ...]:
@@ -176,27 +176,27 @@ def _mapping(path: str | None) -> TableMapping | None:
 
 
 def _guess(table: str, output: str | None, force: bool) -> None:
-    from hsr_pin.cli.console import say, say_written
+    from hsr_pin.cli.console import print_text, print_written_files
     from hsr_pin.errors import OutputError
     from hsr_pin.output import check_writable, write_text
     from hsr_pin.recordings.importers.guess import guessed_mapping
 
     if output is None:
-        say(guessed_mapping(Path(table)).rstrip("\n"))
+        print_text(guessed_mapping(Path(table)).rstrip("\n"))
         return
     if Path(output).exists() and not force:
         hint = "--force replaces it"
         expected = "a new file for the mapping"
-        raise OutputError("will not replace the file", expected=expected, received="one that is there", hint=hint, file=output)
+        raise OutputError("will not replace the file", expected=expected, received="an existing file", hint=hint, file=output)
     check_writable(output)
     write_text(output, guessed_mapping(Path(table)))
-    say_written([output])
+    print_written_files([output])
 
 
 def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None) -> None:
     import numpy as np
 
-    from hsr_pin.cli.console import say
+    from hsr_pin.cli.console import print_text
     from hsr_pin.recordings.importers.detect import read_capture
 
     for path in files:
@@ -209,9 +209,9 @@ def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None
             middle = [f"{value:.4f}" for value in np.median(places[seen], axis=0)] if seen.any() else ["", "", ""]
             gaps = [str(len(edges) // 2), f"{longest:.3g}"] if len(edges) else ["", ""]
             rows.append([name, f"{seen.mean():.0%}", *gaps, *middle])
-        up = f"{capture.up.axis} up {capture.up.why}" if capture.up.axis else f"up unknown: {capture.up.why}"
+        up = f"{capture.up.axis} up {capture.up.reason}" if capture.up.axis else f"up unknown: {capture.up.reason}"
         timing = f"{len(capture.time)} frames, {capture.time[-1]:.3f} s, {capture.rate:.6g} Hz"
-        say(f"{path}: {capture.system}, {timing}, in {capture.unit}, {up}")
+        print_text(f"{path}: {capture.system}, {timing}, in {capture.unit}, {up}")
         headings = ["point", "seen", "gaps", "longest s", "x [m]", "y [m]", "z [m]"]
         if capture.orientations:
             headings, rows = [*headings, "pose"], [[*row, *pose] for row, pose in zip(rows, posed, strict=True)]
@@ -221,7 +221,7 @@ def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None
 def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
     import numpy as np
 
-    from hsr_pin.cli.console import say
+    from hsr_pin.cli.console import print_text
     from hsr_pin.recordings.noise import noise_floor
 
     dataset, rows = imported.dataset, []
@@ -244,19 +244,19 @@ def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
         )
     parts = f" in {len(dataset.sections)} sections" if dataset.sections else ""
     space = " that bends in space" if dataset.bending == "space" else ""
-    say(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m{parts}{space}")
-    say("markers: " + ", ".join(map(_placed, dataset.markers)))
+    print_text(f"{output}: {dataset.mount} arm of {dataset.length:.4g} m{parts}{space}")
+    print_text("markers: " + ", ".join(map(_placed, dataset.markers)))
     _table(["trial", "file", "samples", "Hz", "missing", "noise mm", "in plane mm", "out of plane mm"], rows)
     for note in dataset.notes:
-        say(f"  {note}")
+        print_text(f"  {note}")
     for trial in dataset.trials:
         for note in trial.trajectory.notes:
-            say(f"  {trial.name}: {note}")
+            print_text(f"  {trial.name}: {note}")
 
 
 def _placed(marker: Marker) -> str:
-    beside = f", {marker.radius:.4g} m beside the backbone at {marker.angle:.4g} rad" if marker.radius else ""
-    return f"{marker.name} at {marker.arc_length:.4g} m{beside}"
+    offset = f", {marker.radius:.4g} m beside the backbone at {marker.angle:.4g} rad" if marker.radius else ""
+    return f"{marker.name} at {marker.arc_length:.4g} m{offset}"
 
 
 def _table(headings: list[str], rows: list[list[str]]) -> None:
@@ -275,4 +275,4 @@ def _table(headings: list[str], rows: list[list[str]]) -> None:
 
 def main() -> None:
     """Entry point of ``hsr-import``."""
-    leave(run(command))
+    exit_process(run(command))

@@ -1,4 +1,4 @@
-"""What the commands that name causes share: the loss that was asked for, and how far they have come."""
+"""Loss function and progress bar of the commands that diagnose causes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hsr_pin.inference import Loss
 
-#: What a fit leaves of a stage.
+#: Factor by which each fit reduces the remaining share of its stage in the progress bar.
 _SHARE = 0.9
 
 
 def loss_from(options: dict[str, Any]) -> Loss | None:
-    """The loss that was given; None for the usual one."""
+    """Return the loss function given by the option; None for the default."""
     from hsr_pin.inference import Loss
 
     return None if options["loss"] is None else Loss.of(options["loss"])
@@ -22,9 +22,9 @@ def loss_from(options: dict[str, Any]) -> Loss | None:
 
 @contextmanager
 def progress(stages: int) -> Iterator[tuple[Callable[[str], None], Callable[[], None]]]:
-    """What to call at each stage and after each fit: a bar on a terminal, nothing anywhere else.
+    """Yield functions to call at each stage and after each fit, which update a progress bar on a terminal.
 
-    How many fits a stage takes is not known before: each fills a fixed share of what its stage still lacks.
+    The number of fits of a stage is not known in advance, so that each fit fills a fixed share of the remaining stage.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -37,7 +37,7 @@ def progress(stages: int) -> Iterator[tuple[Callable[[str], None], Callable[[], 
         task = bar.add_task("starting", total=stages)
         begun, fits = 0, 0
 
-        def tell(line: str) -> None:
+        def report_stage(line: str) -> None:
             nonlocal begun, fits
             begun, fits = begun + 1, 0
             bar.update(task, description=line, completed=begun - 1)
@@ -47,4 +47,4 @@ def progress(stages: int) -> Iterator[tuple[Callable[[str], None], Callable[[], 
             fits += 1
             bar.update(task, completed=begun - _SHARE**fits)
 
-        yield tell, advance
+        yield report_stage, advance

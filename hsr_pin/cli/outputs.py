@@ -1,4 +1,4 @@
-"""What a command reads and writes: its dataset, and files that are checked before anything is computed."""
+"""Options for the dataset and the output files of a command, and checks of these files before the computation."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def force_option(command: Command) -> Command:
-    """Give a command ``--force``."""
+    """Add the option ``--force`` to a command."""
     return click.option("--force", is_flag=True, help="Replace files that another program wrote.")(command)
 
 
 def dataset_argument(command: Command) -> Command:
-    """Give a command the argument ``DATASET`` and ``--list-samples``."""
+    """Add the argument ``DATASET`` and the option ``--list-samples`` to a command."""
     flag: dict[str, Any] = {"is_flag": True, "is_eager": True, "expose_value": False, "callback": _list_samples}
     listing = click.option("--list-samples", help="List the sample recordings.", **flag)
     return click.argument("dataset", metavar="DATASET")(listing(command))
@@ -34,15 +34,15 @@ def _list_samples(context: click.Context, option: click.Parameter, asked: bool) 
 
 
 def check_outputs(files: Mapping[str, Any], *, read: Iterable[Any] = (), force: bool = False) -> None:
-    """Refuse what could not or must not be written.
+    """Check that files can and may be written.
 
     Args:
-        files: option -> the file it names; None: not asked for; "-": standard output.
+        files: option -> name of its file; None: not requested; "-": standard output.
         read: files and folders that the command reads.
-        force: replace what another program wrote.
+        force: allow files that another program wrote to be replaced.
 
     Raises:
-        OutputError: a file that cannot be written, is read, is another program's, or is named twice.
+        OutputError: a file cannot be written, is an input, was written by another program, or is named twice.
     """
     from hsr_pin.errors import OutputError
     from hsr_pin.output import check_replaceable, check_writable
@@ -54,11 +54,11 @@ def check_outputs(files: Mapping[str, Any], *, read: Iterable[Any] = (), force: 
         check_writable(name)
         other = places.setdefault(os.path.realpath(name), option)
         if other != option:
-            hint = "name different files"
+            hint = "give different files"
             raise OutputError(f"{other} and {option}", expected="two files", received=f"{name} for both", hint=hint)
         check_replaceable(name, read=sources, force=force)
 
 
 def dataset_folder(dataset: str) -> str:
-    """The folder of a dataset, which may be named by its ``dataset.toml``."""
+    """Return the folder of a dataset, which may be given by its ``dataset.toml``."""
     return os.path.dirname(dataset) or "." if os.path.basename(dataset) == "dataset.toml" else dataset

@@ -1,4 +1,4 @@
-"""A progress bar on a terminal, nothing anywhere else."""
+"""Progress bars, which are shown on a terminal only."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _Item = TypeVar("_Item")
 
 
 def progress(items: Sequence[_Item], what: str) -> Iterator[_Item]:
-    """The items, with a bar on stderr while they are worked on; the bar is gone at the end."""
+    """Yield items while a progress bar is shown on stderr; the bar disappears at the end."""
     shown: Iterable[_Item] = items
     if sys.stderr.isatty():
         from rich.progress import track
@@ -24,7 +24,7 @@ def progress(items: Sequence[_Item], what: str) -> Iterator[_Item]:
 
 @contextmanager
 def counted(what: str, total: int) -> Iterator[Callable[[], None]]:
-    """What to call after each of ``total`` pieces of work; the bar is gone at the end."""
+    """Yield a function to call after each of ``total`` tasks, which advances a progress bar on stderr."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
     from hsr_pin.cli.console import console

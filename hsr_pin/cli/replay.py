@@ -1,4 +1,4 @@
-"""``hsr-replay``: a recording and its simulation, side by side."""
+"""Command ``hsr-replay``: show a recording beside its simulation."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     "effects",
     multiple=True,
     metavar="NAME:PARAM=VALUE",
-    help="Add what the paper's model lacks, e.g. dry_friction:level=0.05; may be repeated.",
+    help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
 )
 @click.option("--html", metavar="FILE.html", help="Write the animation into one self-contained file.")
 @click.option("--plot", metavar="FILE.png", help="Draw tip paths, markers and error against time (.png, .pdf or .svg).")
@@ -46,7 +46,7 @@ def command(dataset: str, **options: Any) -> None:
     comparison = compare(**asked)
     chosen = _chosen(comparison, options["trial"])
     drawn = _drawn(comparison, chosen)
-    written = _tell(comparison, chosen, drawn, options)
+    written = _print_and_write(comparison, chosen, drawn, options)
     wanted = options["live"]
     if wanted or (wanted is None and not written and not options["as_json"]):
         from hsr_pin.replay.live import show
@@ -54,18 +54,18 @@ def command(dataset: str, **options: Any) -> None:
         show([drawn])
 
 
-def _tell(comparison: Comparison, chosen: TrialComparison, drawn: Drawn, options: dict[str, Any]) -> list[str]:
-    """Print the errors before anything is written, as one document after (it names the files); the files."""
+def _print_and_write(comparison: Comparison, chosen: TrialComparison, drawn: Drawn, options: dict[str, Any]) -> list[str]:
+    """Print the errors and write the files; return the names of the files. JSON is printed last, as it contains the names."""
     import json
 
     from hsr_pin.cli.comparison_report import comparison_facts, print_comparison
-    from hsr_pin.cli.console import say_written, shown
+    from hsr_pin.cli.console import ignore_closed_pipe, print_written_files
 
     only = chosen.name if options["trial"] is not None else None
     written: list[str] = []
     try:
         if not options["as_json"]:
-            with shown():
+            with ignore_closed_pipe():
                 print_comparison(comparison, only)
         for path in _write(drawn, chosen, options):
             written.append(path)
@@ -73,12 +73,12 @@ def _tell(comparison: Comparison, chosen: TrialComparison, drawn: Drawn, options
         if options["as_json"]:
             click.echo(json.dumps({**comparison_facts(comparison, only), "written": written}, indent=2, allow_nan=False))
         else:
-            say_written(written)
+            print_written_files(written)
     return written
 
 
 def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
-    """What to compare, and a word now about what cannot be read, meant or written."""
+    """Return the arguments of the comparison, after a check of all options and files."""
     from hsr_pin.effects.catalogue import parse_effect
     from hsr_pin.recordings.read import read_dataset
 
@@ -93,10 +93,10 @@ def _checked(dataset: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _chosen(comparison: Comparison, trial: str | None) -> TrialComparison:
-    """The trial to draw, by number in the dataset or by name.
+    """Return the trial to draw, by its number in the dataset or by its name.
 
     Raises:
-        InputError: there is none such, or it could not be used.
+        InputError: the trial does not exist, or could not be used.
     """
     from hsr_pin.errors import InputError
 
@@ -107,7 +107,7 @@ def _chosen(comparison: Comparison, trial: str | None) -> TrialComparison:
     found = [run for run in comparison.trials if run.name == name]
     if not found:
         usable = ", ".join(run.name for run in comparison.trials)
-        raise InputError("--trial", expected=f"1 to {len(names)}, or a name of {usable}", received=trial)
+        raise InputError("--trial", expected=f"1 to {len(names)}, or one of {usable}", received=trial)
     return found[0]
 
 
@@ -118,7 +118,7 @@ def _drawn(comparison: Comparison, trial: TrialComparison) -> Drawn:
 
 
 def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
+    """Write the requested files, and yield the name of each file once it is written."""
     if options["plot"] is not None:
         from hsr_pin.replay.plots import comparison_figure, save
 
@@ -129,11 +129,11 @@ def _write(shown: Drawn, trial: TrialComparison, options: dict[str, Any]) -> Ite
 
         whole = trial.errors[-1]
         share = 100 * whole.rms / trial.arm.length
-        text = f"Error, RMS over all markers: {1e3 * whole.rms:.2f} mm, {share:.2f} % of the arm's length"
+        text = f"RMS error over all markers: {1e3 * whole.rms:.2f} mm, {share:.2f} % of the arm's length"
         write_page([shown], options["html"], shown.label, [text])
         yield options["html"]
 
 
 def main() -> None:
     """Entry point of ``hsr-replay``."""
-    leave(run(command))
+    exit_process(run(command))

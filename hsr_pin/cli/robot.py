@@ -1,4 +1,4 @@
-"""``hsr-diagnose FOLDER`` where the folder holds recordings of a robot of rigid links (``robot.toml``)."""
+"""Command ``hsr-diagnose`` for recordings of a rigid-link robot (a folder with ``robot.toml``)."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from hsr_pin.errors import InputError
 if TYPE_CHECKING:
     from hsr_pin.explain.result import Explanation
 
-#: Stages beside the causes.
+#: Number of progress stages in addition to the causes.
 _STAGES = 1
-#: Options that only an arm has, with what they are where nobody gives them.
+#: Options that apply to soft arms only, with their defaults.
 _ARMS = {"links": None, "placement": None, "delay": 0.0, "cluster": None}
 
 
-def tell_robot(dataset: str, options: dict[str, Any]) -> None:
-    """Explain, print, then write the files.
+def run_robot(dataset: str, options: dict[str, Any]) -> None:
+    """Explain the recordings of a robot, print the report and write the files.
 
     Raises:
-        InputError: an option that a robot does not have.
+        InputError: an option does not apply to a robot.
     """
     for name, usual in _ARMS.items():
         if options[name] != usual:
-            raise InputError(f"--{name}", expected="no such option for a robot (robot.toml)", received=options[name])
+            raise InputError(f"--{name}", expected="no use of this option for a robot (robot.toml)", received=options[name])
     if options["train"]:
-        raise InputError("--train", expected="--test, with the trials that are set aside", received=options["train"])
+        raise InputError("--train", expected="--test with the trials to hold out", received=options["train"])
     found = _explained(dataset, options)
-    from hsr_pin.cli.console import console, shown
+    from hsr_pin.cli.console import console, ignore_closed_pipe
     from hsr_pin.cli.diagnose_report import print_written
 
-    with shown():
+    with ignore_closed_pipe():
         if options["json_file"] == "-":
             click.echo(_document(found))
         else:
@@ -52,19 +52,25 @@ def tell_robot(dataset: str, options: dict[str, Any]) -> None:
 
 
 def screen(found: Explanation, width: int) -> list[str]:
-    """The lines of the report."""
+    """Return the lines of the report."""
     from hsr_pin.explain.where import sentence
+    from hsr_pin.inference.detection import detection_sentence
 
     lines = [f"{found.recordings.model.name}: {found.headline}", *textwrap.wrap(found.verdict.sentence, width), ""]
     room = width - 26
-    lines.append(f"{'error on trials it was not fitted to':<{room}}{'RMS [floors]':>14}{'of gap²':>12}")
+    lines.append(f"{'held-out trials':<{room}}{'RMS [floors]':>14}{'of gap²':>12}")
     for place, rung in enumerate(found.ladder):
         name = "noise floor; rest unexplained" if rung is found.ladder[-1] else rung.name
         share = f"{100 * rung.share:.1f} %" if place else ""
         lines.append(f"{name[:room]:<{room}}{rung.rms:>14.3g}{share:>12}")
     lines += ["", f"most probable model: {' + '.join(found.search.best.names) or 'as declared'}"]
     lines += [f"  {each}" for each in found.estimates]
-    rest = [("where: ", sentence(found.where)), *(("note:  ", note) for note in found.notes)]
+    limits = detection_sentence(found.search.detection)
+    rest = [
+        ("where: ", sentence(found.where)),
+        *[("limit: ", limits)] * bool(limits),
+        *(("note:  ", note) for note in found.notes),
+    ]
     return [*lines, "", *(line for head, text in rest for line in textwrap.wrap(head + text, width, subsequent_indent=" " * 7))]
 
 
@@ -79,12 +85,13 @@ def _explained(dataset: str, options: dict[str, Any]) -> Explanation:
     if options["effects"] is not None:
         given["causes"] = listed(options["effects"])
     recordings = read_robot(dataset)
-    with progress(options["max_effects"] + _STAGES) as (tell, advance):
-        given |= {"tell": tell, "advance": advance}
+    with progress(options["max_effects"] + _STAGES) as (report_stage, advance):
+        given |= {"tell": report_stage, "advance": advance}
         if not options["since"]:
             return explain_robot(recordings, test=listed(options["test"]), **given)
         if len(options["since"]) > 1 or options["test"]:
-            raise InputError("--since", expected="one earlier session of the robot, and no --test", received="more")
+            expected = "one earlier session of the robot and no --test"
+            raise InputError("--since", expected=expected, received="several sessions or --test")
         return explain_robot_change(recordings, options["since"][0], **given)
 
 
@@ -93,7 +100,7 @@ def _document(found: Explanation) -> str:
 
 
 def _write(found: Explanation, options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
+    """Write the requested files, and yield the name of each file once it is written."""
     if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
 

@@ -1,4 +1,4 @@
-"""``hsr-sim``: simulate the arm and say, show or save what it does."""
+"""Command ``hsr-sim``: simulate an arm and print, show or save its motion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import arm_options
-from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
 if TYPE_CHECKING:
@@ -24,37 +24,37 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
     type=(float, float),
     multiple=True,
     metavar="P1 P2",
-    help="Step to these pressures [bar]; may be repeated. Without --keq the stiffness is that of Eq. (1).",
+    help="Step to these pressures [bar]; may be repeated. Without --keq, Eq. (1) gives the stiffness.",
 )
 @click.option("--torque", type=float, multiple=True, metavar="TAU", help="Step to this torque [N m]; may be repeated.")
 @click.option(
-    "--direction", type=float, metavar="X", help="Of every torque, from x towards y of the base, in space [rad].  [default: 0]"
+    "--direction", type=float, metavar="X", help="Direction of the torques in space, from x towards y [rad].  [default: 0]"
 )
 @click.option(
     "--input",
     "input_file",
     metavar="FILE.csv",
-    help="Follow a file with columns t,P1,P2 or t,tau or, in space, t,tau_x,tau_y instead [s, bar, N m].",
+    help="Use the input of a file with columns t,P1,P2 or t,tau or, in space, t,tau_x,tau_y [s, bar, N m].",
 )
-@click.option("--duration", type=float, metavar="T", help="Length of a run [s].  [default: 3, or that of --input]")
+@click.option("--duration", type=float, metavar="T", help="Length of a run [s].  [default: 3, or the length of --input]")
 @click.option(
     "--dynamics",
     type=click.Choice(["aba", "rnea", "compiled"]),
-    help="Pinocchio's articulated bodies or recursive Newton-Euler, or the compiled loops.  [default: aba, in space rnea; "
-    "compiled beyond 64 links]",
+    help="Dynamics: Pinocchio's articulated-body algorithm (aba) or recursive Newton-Euler algorithm (rnea), or compiled loops "
+    "(compiled).  [default: aba, in space rnea; compiled beyond 64 links]",
 )
 @click.option(
     "--effect",
     "effects",
     multiple=True,
     metavar="NAME:PARAM=VALUE",
-    help="Add what the paper's model lacks, e.g. dry_friction:level=0.05; may be repeated.",
+    help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
 )
 @click.option(
     "--against",
     metavar="DATASET",
-    help="Simulate the trials of a recording instead and print the error; the recording tells the arm, --links, --placement, "
-    "--effect the model.",
+    help="Simulate the trials of a recording and print the error. The recording determines the arm; --links, --placement and "
+    "--effect determine the model.",
 )
 @click.option("--csv", "csv_folder", metavar="DIR", help="Write a dataset in the recording format.")
 @click.option("--plot", metavar="FILE.png", help="Draw the tip trajectories (.png, .pdf or .svg).")
@@ -65,29 +65,30 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
 def command(**options: Any) -> None:
     """Simulate a hybrid soft robot as a chain of rigid links.
 
-    Starts from rest, steps to one or several pressure pairs or torques, and prints where the tip settles, how fast, and how
-    far its path is from a circle. Any stiffness other than 1.11 and 2.33 Nm/rad needs --pressures or --torque.
+    The arm starts at rest and steps to one or several pressure pairs or torques. The command prints the settled position of the
+    tip, the settling time, and the distance of its path from a circle. A stiffness other than 1.11 and 2.33 Nm/rad needs
+    --pressures or --torque.
     """
     if options["against"] is not None:
         _compare(options)
         return
-    from hsr_pin.cli.sim_runs import planned, simulated, usual_dynamics
+    from hsr_pin.cli.sim_runs import common_dynamics, planned, simulated
 
     runs = planned(options)
     _check(options)
-    options["dynamics"] = options["dynamics"] or usual_dynamics(runs)
-    _tell(simulated(runs, options["dynamics"]), options)
+    options["dynamics"] = options["dynamics"] or common_dynamics(runs)
+    _print_and_write(simulated(runs, options["dynamics"]), options)
 
 
-def _tell(runs: list[Run], options: dict[str, Any]) -> None:
-    """Print what was found before it is written, as one document after (it names the files), and show it."""
-    from hsr_pin.cli.console import say_written, shown
+def _print_and_write(runs: list[Run], options: dict[str, Any]) -> None:
+    """Print the results, write the files and show the animation. JSON is printed last, as it contains the file names."""
+    from hsr_pin.cli.console import ignore_closed_pipe, print_written_files
     from hsr_pin.cli.sim_report import print_json, print_table
 
     written: list[str] = []
     try:
         if not options["as_json"]:
-            with shown():
+            with ignore_closed_pipe():
                 print_table(runs, options["dynamics"])
         for path in _write(runs, options):
             written.append(path)
@@ -95,14 +96,14 @@ def _tell(runs: list[Run], options: dict[str, Any]) -> None:
         if options["as_json"]:
             print_json(runs, options["dynamics"], written)
         else:
-            say_written(written)
+            print_written_files(written)
     if options["replay"]:
         from hsr_pin.replay.live import show
 
         show([run.drawn for run in runs])
 
 
-#: What a recording does not tell.
+#: Options that may be combined with ``--against``, as the recording does not determine them.
 _WITH_AGAINST = ("against", "links", "placement", "effects", "as_json", "dynamics")
 
 
@@ -118,9 +119,9 @@ def _compare(options: dict[str, Any]) -> None:
 
     more = [name for name, value in options.items() if value and name not in _WITH_AGAINST]
     if more:
-        hint = "the recording tells arm and input; hsr-replay draws it"
+        hint = "the recording determines arm and input; hsr-replay draws it"
         raise InputError(
-            "--against", expected="only --links, --placement, --effect and --json with it", received=more[0], hint=hint
+            "--against", expected="only --links, --placement, --effect and --json with this option", received=more[0], hint=hint
         )
     arm = arm_from({name: options[name] for name in ("links", "placement")})
     effects = [parse_effect(text) for text in options["effects"]]
@@ -133,7 +134,7 @@ def _compare(options: dict[str, Any]) -> None:
 
 
 def _check(options: dict[str, Any]) -> None:
-    """Refuse what could not or must not be written, before anything is computed."""
+    """Check that the requested files can and may be written, before anything is computed."""
     if options["plot"] is not None:
         from hsr_pin.replay.plots import picture_format
 
@@ -147,7 +148,7 @@ def _check(options: dict[str, Any]) -> None:
 
 
 def _write(runs: list[Run], options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
+    """Write the requested files, and yield the name of each file once it is written."""
     if options["csv_folder"] is not None:
         from hsr_pin.cli.sim_runs import dataset
         from hsr_pin.recordings.write import write_dataset
@@ -168,8 +169,8 @@ def _write(runs: list[Run], options: dict[str, Any]) -> Iterator[str]:
 
 
 def main() -> None:
-    """Entry point."""
-    leave(run(command))
+    """Entry point of ``hsr-sim``."""
+    exit_process(run(command))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What ``hsr-sim`` prints: a table for people, one JSON document for programs."""
+"""Printed results of ``hsr-sim``: a table, or one JSON document."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hsr_pin.cli.sim_runs import Run
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.measures import BAND
 
-#: Headings: a name in up to two lines, and its unit.
+#: Headings of the columns: a name in up to two lines, and the unit.
 _COLUMNS = (
     "P1\n\nbar",
     "P2\n\nbar",
@@ -25,12 +25,12 @@ _COLUMNS = (
     "over-\nshoot\n%",
     "off\ncircle\nmm",
 )
-#: In space, in place of the pressures.
+#: Headings of the columns for an arm in space.
 _IN_SPACE = ("tau\n\nN m", "towards\n\nrad", "phi\n\nrad", "tip x\n\nmm", "tip y\n\nmm", *_COLUMNS[5:], "off\nplane\nmm")
 
 
 def print_table(runs: Sequence[Run], dynamics: str) -> None:
-    """Print one row per run, what the columns mean where it is not plain, and notes."""
+    """Print a table with one row for each run, explanations of the columns, and notes."""
     from rich import box
     from rich.table import Table
 
@@ -53,7 +53,7 @@ def print_table(runs: Sequence[Run], dynamics: str) -> None:
 
 
 def print_json(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> None:
-    """Print one JSON document in SI units (pressures in bar); what is not known is null."""
+    """Print one JSON document in SI units (pressures in bar); unknown values are null."""
     document = {
         "command": "hsr-sim",
         "units": {"pressures": "bar", "angles": "rad", "lengths": "m", "times": "s", "torques": "N m"},
@@ -65,7 +65,7 @@ def print_json(runs: Sequence[Run], dynamics: str, written: Sequence[str]) -> No
 
 
 def title(runs: Sequence[Run], dynamics: str) -> str:
-    """What all runs have in common, in one line."""
+    """Return one line with the properties that all runs share."""
     arm = runs[0].arm
     stiffness = "" if len({run.arm.keq for run in runs}) > 1 else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
     effects = "".join(f", {effect.name}" for effect in runs[0].effects)
@@ -92,17 +92,17 @@ def _cells(run: Run) -> list[str]:
 
 def _footnotes(runs: Sequence[Run]) -> list[str]:
     lines = [
-        f"settling time: from the last command until the tip stays within {100 * BAND:g} % of its way;",
+        f"settling time: from the last command until the tip stays within {100 * BAND:g} % of its travel;",
         "off circle: RMS distance of the tip's path from the circle nearest to it",
     ]
     if not all(run.measures.settled for run in runs):
-        lines.append("a dash under settling time: not settled within the run; try a longer --duration")
+        lines.append("a dash under settling time: the arm did not settle within the run; try a longer --duration")
     if runs[0].direction is not None:
         lines[1] = (
-            "off plane: RMS distance of the tip's path from the plane nearest to it; off circle: in that, from the nearest circle"
+            "off plane: RMS distance of the tip's path from the nearest plane; off circle: in that plane, from the nearest circle"
         )
     elif any(run.drive.pressures is None for run in runs):
-        lines.append("P1, P2 beside a given torque: the pressures that make it (a dash: none do)")
+        lines.append("P1, P2 with a given torque: pressures that produce this torque (a dash: there are none)")
     return lines
 
 
@@ -141,7 +141,7 @@ def _record(run: Run) -> dict[str, Any]:
 
 
 def _of_space(arm: ArmSpecification) -> dict[str, Any]:
-    """What only an arm in space has; a torsion of null is infinite."""
+    """Return the JSON entries of an arm in space; a torsion of null is infinite."""
     if arm.bending == "plane":
         return {}
     torsion = float(arm.torsion) if math.isfinite(arm.torsion) else None

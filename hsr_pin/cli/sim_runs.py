@@ -1,4 +1,4 @@
-"""What ``hsr-sim`` is asked to run, from its options to results."""
+"""Simulation runs of ``hsr-sim``: planning from the options, simulation, and conversion to a dataset."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from hsr_pin.robot.pressure import PAPER
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.drive import Drive, checked_duration, pressure_step, torque_step
 from hsr_pin.simulation.measures import TipMeasures, measure_tip
-from hsr_pin.simulation.motion import Dynamics, usual
+from hsr_pin.simulation.motion import Dynamics, default_dynamics
 from hsr_pin.simulation.simulate import simulate
 from hsr_pin.trajectory import Dataset, Trajectory, Trial
 
 _DURATION = 3.0
-#: How the description of every dataset that is written here begins.
+#: Description of every dataset that is written here.
 DESCRIPTION = "simulated by hsr-sim"
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One run: planned, and with its motion once it is simulated.
+    """Simulation run: its plan and, once it is simulated, its motion.
 
     Attributes:
-        arm, drive, effects: what runs.
-        trajectory: the motion.
-        tabulated: the row of Table II that it is, if it is one.
-        notes: one sentence each, for the user.
+        arm, drive, effects: simulated arm, its input, and the effects added to the model.
+        trajectory: simulated motion; None before the simulation.
+        tabulated: row of Table II of the paper that the run reproduces, if any.
+        notes: notes for the user, one sentence each.
     """
 
     arm: ArmSpecification
@@ -48,18 +48,18 @@ class Run:
 
     @property
     def torque(self) -> float:
-        """The last command [N m]; in space its size."""
+        """Last commanded torque [N m]; in space its magnitude."""
         last = self.drive.torque[-1]
         return float(last) if self.drive.torque.ndim == 1 else float(np.hypot(*last))
 
     @property
     def direction(self) -> float | None:
-        """Of the last command in space, from x towards y [rad]; None in the plane."""
+        """Direction of the last command in space, from x towards y [rad]; None in the plane."""
         return float(np.arctan2(*self.drive.torque[-1, ::-1])) if self.drive.torque.ndim == 2 else None
 
     @property
     def pressures(self) -> tuple[float, float] | None:
-        """The last command [bar], as the paper prints it for its own; for a torque, the pressures that give it, if any do."""
+        """Last commanded pressures [bar], as printed in the paper for its own runs; for a torque, pressures that produce it."""
         if self.tabulated is not None:
             return self.tabulated.P1, self.tabulated.P2
         if self.drive.pressures is not None:
@@ -72,19 +72,19 @@ class Run:
 
     @property
     def motion(self) -> Trajectory:
-        """The motion of a simulated run."""
+        """Motion of a simulated run."""
         if self.trajectory is None:
-            raise ValueError("this run is not simulated yet")
+            raise ValueError("the run has not been simulated yet")
         return self.trajectory
 
     @cached_property
     def measures(self) -> TipMeasures:
-        """What the tip did."""
+        """Measures of the motion of the tip."""
         return measure_tip(self.motion)
 
     @property
     def label(self) -> str:
-        """What tells this run from the others."""
+        """Text that distinguishes the run from the others."""
         if self.drive.pressures is None or self.pressures is None:
             where = "" if self.direction is None else f" towards {self.direction:.3g} rad"
             return f"{self.torque:.4g} N m{where}"
@@ -93,21 +93,21 @@ class Run:
 
     @property
     def drawn(self) -> Drawn:
-        """The run, for pictures."""
+        """Run in the form used for pictures."""
         return Drawn(self.label, self.arm, self.motion)
 
 
 def planned(options: dict[str, Any]) -> list[Run]:
-    """The runs that the options ask for.
+    """Return the runs that the options describe.
 
     Raises:
-        InputError: something given cannot be used, or no pressures were given for a stiffness that the paper does not tabulate.
+        InputError: an option is invalid, or the stiffness is not tabulated in the paper and no pressures are given.
     """
     effects = tuple(parse_effect(text) for text in options["effects"])
     stepped = bool(options["pressures"] or options["torque"])
     if options["input_file"] is not None:
         if stepped:
-            raise InputError("--input", expected="alone", received="--pressures or --torque beside it")
+            raise InputError("--input", expected="this option alone", received="--pressures or --torque as well")
         return [_in_its_space(_from_file(options, effects), options["direction"])]
     duration = checked_duration(_DURATION if options["duration"] is None else options["duration"])
     runs = [_from_pressures(options, pair, duration) for pair in options["pressures"]]
@@ -118,20 +118,20 @@ def planned(options: dict[str, Any]) -> list[Run]:
             runs = [_from_table(arm, row, duration) for row in _tabulated(arm.keq)]
     runs = [_in_its_space(replace(run, effects=effects), options["direction"]) for run in runs]
     for run in runs:
-        run.drive.scenario(run.arm, effects)  # what cannot be simulated together is refused here, before anything runs
+        run.drive.scenario(run.arm, effects)  # invalid combinations are refused here, before anything runs
     return runs
 
 
-def usual_dynamics(runs: list[Run]) -> Dynamics:
-    """What starts soonest and bears them all."""
-    return usual(max(run.arm.links for run in runs), runs[0].arm.bending == "space")
+def common_dynamics(runs: list[Run]) -> Dynamics:
+    """Return the default dynamics for the longest chain of all runs."""
+    return default_dynamics(max(run.arm.links for run in runs), runs[0].arm.bending == "space")
 
 
 def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
-    """The same runs with their motions, with a progress bar on a terminal.
+    """Return the runs with their simulated motions, showing a progress bar on a terminal.
 
     Raises:
-        SimulationFailure: of the first run that ended early.
+        SimulationFailure: a run ended early; the error names the first one.
     """
     done = []
     for number, run in enumerate(progress(runs, "simulating"), 1):
@@ -145,7 +145,7 @@ def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
 
 
 def dataset(runs: list[Run], dynamics: str) -> Dataset:
-    """Simulated runs as a dataset in memory."""
+    """Return simulated runs as a dataset in memory."""
     arm = runs[0].arm
     effects = ", ".join(repr(effect) for effect in runs[0].effects) or "none"
     return Dataset(
@@ -167,7 +167,7 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
 
 
 def _in_its_space(run: Run, direction: float | None) -> Run:
-    """The run with a torque of as many components as its arm bends in."""
+    """Return the run with one torque component in a plane, or two in space."""
     alone, space = run.drive.torque.ndim == 1, run.arm.bending == "space"
     if direction is not None and not (alone and space):
         received = "two components of torque" if space else "an arm in a plane"
@@ -186,12 +186,12 @@ def _tabulated(keq: float) -> tuple[Combination, ...]:
             "keq",
             expected="1.11 or 2.33 Nm/rad, whose pressure combinations the paper tabulates",
             received=f"{keq:g}",
-            hint="for any other stiffness add --pressures P1 P2 or --torque TAU",
+            hint="for another stiffness add --pressures P1 P2 or --torque TAU",
         ) from None
 
 
 def _from_table(arm: ArmSpecification, row: Combination, duration: float) -> Run:
-    """The torque that Table II prints, and the pressures that give it to the last digit (the table has four)."""
+    """Return the run of a row of Table II, with exact pressures for its torque (the table has four digits)."""
     p1, p2 = PAPER.pressures_for_torque(row.keq, row.tau).tolist()
     notes = tuple(
         f"Table II prints {name} = {printed:.4f} bar for {row.tau:.3f} N m; Eqs. (1), (4) and (5) give {exact:.4f}"
@@ -208,23 +208,23 @@ def _from_pressures(options: dict[str, Any], pair: tuple[float, float], duration
 
 
 def _stiffness_note(arm: ArmSpecification, pair: tuple[float, float]) -> tuple[str, ...]:
-    """A word where the stiffness given is not the one of the pressures, beyond the scatter of the rows behind Eq. (1)."""
+    """Return a note if the given stiffness differs from that of Eq. (1) by more than the scatter of the equation."""
     try:
         by_equation = float(PAPER.stiffness(pair))
     except PressureError:
         by_equation = float("nan")
     if abs(by_equation - arm.keq) <= PAPER.scatter.residual[0]:
         return ()
-    said = "no stiffness at all" if by_equation != by_equation else f"{by_equation:.3g} Nm/rad"
-    return (f"P1 {pair[0]:g}, P2 {pair[1]:g} bar: Eq. (1) gives {said}; simulated with {arm.keq:g} Nm/rad as asked",)
+    from_equation = "no stiffness" if by_equation != by_equation else f"{by_equation:.3g} Nm/rad"
+    return (f"P1 {pair[0]:g}, P2 {pair[1]:g} bar: Eq. (1) gives {from_equation}; the run uses {arm.keq:g} Nm/rad as given",)
 
 
 def _from_file(options: dict[str, Any], effects: tuple[Effect, ...]) -> Run:
-    from hsr_pin.recordings.command_file import read_commands  # here: without a file, no recordings
+    from hsr_pin.recordings.command_file import read_commands  # imported here, as it is not needed without a file
 
     arm = arm_from(options)
     commands = read_commands(options["input_file"], max_pressure=PAPER.max_pressure, duration=options["duration"])
     torque = commands.torque if commands.pressures is None else PAPER.torque(commands.pressures, arm.keq)
-    assert torque is not None  # a file has the one or the other
+    assert torque is not None  # a file has either torques or pressures
     drive = Drive(commands.time, torque, commands.pressures)
     return Run(arm, drive, effects, notes=(commands.note,) if commands.note else ())

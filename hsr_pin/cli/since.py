@@ -1,4 +1,4 @@
-"""``hsr-diagnose NEW --since OLD``: what has changed."""
+"""Command ``hsr-diagnose --since``: find the changes of an arm between recordings."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from hsr_pin.errors import InputError
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.change.history import History
 
-#: Stages of one comparison beside those that describe the first recording: reading, what is left, what may have changed.
+#: Number of progress stages of a comparison in addition to the model of the reference: reading, discrepancy, changes.
 _STAGES = 3
 
 
-def tell_since(dataset: str, options: dict[str, Any]) -> None:
-    """Compare, print, then write the files.
+def run_since(dataset: str, options: dict[str, Any]) -> None:
+    """Compare the recordings, print the report and write the files.
 
     Raises:
-        InputError: an option that a comparison does not have, or one recording named twice.
+        InputError: an option does not apply to a comparison, or a recording is named twice.
     """
     for name in ("train", "test"):
         if options[name]:
-            raise InputError(f"--{name}", expected="no such option with --since", received=options[name])
+            raise InputError(f"--{name}", expected="no use of this option with --since", received=options[name])
     folders = [*options["since"], dataset]
     places = [Path(folder).resolve() for folder in folders]
     if len(set(places)) < len(places):
-        raise InputError("--since", expected="recordings that differ", received="one of them twice")
+        raise InputError("--since", expected="different recordings", received="the same recording twice")
     found = _history(folders, options)
     from hsr_pin.cli.change_report import screen
-    from hsr_pin.cli.console import console, shown
+    from hsr_pin.cli.console import console, ignore_closed_pipe
     from hsr_pin.cli.diagnose_report import print_written
 
-    with shown():
+    with ignore_closed_pipe():
         if options["json_file"] == "-":
             click.echo(_document(found))
         else:
@@ -61,18 +61,18 @@ def _history(folders: list[str], options: dict[str, Any]) -> History:
 
     effects = None
     if options["effects"] is not None:
-        from hsr_pin.diagnosis.change.placing import PLACING
+        from hsr_pin.diagnosis.change.mounting import MOUNTING
 
         effects = [name.strip() for name in options["effects"].split(",")]
-        for name in effects:  # before the recordings, which take longer
-            if name not in PLACING:
+        for name in effects:  # before the recordings are read, which takes longer
+            if name not in MOUNTING:
                 effect_named(name)
     sessions = [read_dataset(folder) for folder in folders]
     given = {name: options[name] for name in ("max_effects", "jobs", "cluster", "seed", "delay")} | chain_from(options)
     loss = loss_from(options)
     stages = options["max_effects"] + _STAGES * (len(sessions) - 1)
-    with progress(stages) as (tell, advance):
-        return history(sessions, effects=effects, loss=loss, **given, tell=tell, advance=advance)
+    with progress(stages) as (report_stage, advance):
+        return history(sessions, effects=effects, loss=loss, **given, tell=report_stage, advance=advance)
 
 
 def _document(found: History) -> str:
@@ -82,7 +82,7 @@ def _document(found: History) -> str:
 
 
 def _write(found: History, options: dict[str, Any]) -> Iterator[str]:
-    """Write what was asked for, and name each file when it is there."""
+    """Write the requested files, and yield the name of each file once it is written."""
     if options["json_file"] not in (None, "-"):
         from hsr_pin.output import write_text
 

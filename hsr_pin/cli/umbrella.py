@@ -1,4 +1,4 @@
-"""``hsr``: every command under one name."""
+"""Command ``hsr``: all commands as subcommands of one."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from importlib import import_module
 
 import click
 
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import exit_process, run
 
-#: Command -> its module, and what it does.
+#: Command -> its module and a description.
 COMMANDS = {
     "sim": ("sim", "Simulate the arm."),
     "urdf": ("urdf", "Write the arm as URDF."),
-    "import": ("import_", "Turn recordings as laboratories have them into a dataset."),
+    "import": ("import_", "Convert motion capture files to a dataset."),
     "replay": ("replay", "Show a recording beside its simulation."),
     "fit": ("fit", "Fit stiffness, damping and more, with intervals."),
     "diagnose": ("diagnose", "Find which effect the model lacks, or what has changed."),
-    "view": ("view", "Try stiffness, damping and effects beside the markers."),
+    "view": ("view", "Try stiffness, damping and effects beside a recording."),
     "export": ("export", "Write the corrected model for MuJoCo, URDF or SDF."),
     "blind": ("blind", "Check the diagnosis on recordings whose effect is withheld."),
 }
 
 
 class _Commands(click.Group):
-    """The commands, each loaded when it is called: the others' libraries take time."""
+    """Click group that imports each command only when it is called, which saves time."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -59,4 +59,4 @@ def command(context: click.Context) -> None:
 
 def main() -> None:
     """Entry point of ``hsr``."""
-    leave(run(command))
+    exit_process(run(command))

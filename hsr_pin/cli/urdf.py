@@ -1,4 +1,4 @@
-"""``hsr-urdf``: write the arm as a URDF."""
+"""Command ``hsr-urdf``: write an arm as a URDF."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from typing import Any
 import click
 
 from hsr_pin.cli.arm import arm_from, arm_options
-from hsr_pin.cli.command import leave, run
+from hsr_pin.cli.command import exit_process, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
 
 @click.command(name="hsr-urdf")
 @arm_options
-@click.option("-o", "--output", metavar="FILE", help="Where to write it.  [default: standard output]")
+@click.option("-o", "--output", metavar="FILE", help="File to write.  [default: standard output]")
 @force_option
 def command(output: str | None, force: bool, **arm: Any) -> None:
     """Write a hybrid soft robot as a URDF.
 
-    It loads in Pinocchio and in every other reader of URDF; springs, dampers and all else that it takes to rebuild the very
-    same arm stand in an extension element, <hsr>, that other readers ignore. Without options: the paper's arm, Table I.
+    The file loads in Pinocchio and in every other reader of URDF. Other readers ignore its extension element <hsr> with the
+    springs, dampers and everything else that is needed to restore the same arm. The default is the paper's arm (Table I).
     """
-    from hsr_pin.robot.urdf import arm_to_urdf, save_urdf  # loads the template engine
+    from hsr_pin.robot.urdf import arm_to_urdf, save_urdf  # imported here, as it imports the template engine
 
     spec = arm_from(arm)
     if output is None:
@@ -33,4 +33,4 @@ def command(output: str | None, force: bool, **arm: Any) -> None:
 
 def main() -> None:
     """Entry point of ``hsr-urdf``."""
-    leave(run(command))
+    exit_process(run(command))

@@ -1,4 +1,4 @@
-"""``hsr-view``: a page to look at recordings, and to try what the model may lack."""
+"""Command ``hsr-view``: interactive page that shows recordings beside the model with sliders for its parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
-from hsr_pin.cli.command import Grouped, leave, run
+from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import dataset_argument
 
 if TYPE_CHECKING:
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 @dataset_argument
 @chain_options
 @click.option(
-    "--from", "result", metavar="RESULT.json", help="Of hsr-fit --json or hsr-diagnose --json: a button sets what it found."
+    "--from", "result", metavar="RESULT.json", help="Result of hsr-fit --json or hsr-diagnose --json; a button sets its values."
 )
-@click.option("--report", metavar="REPORT.html", help="Of hsr-diagnose --html: the page links to it.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Of the page.  [default: any that is free]")
+@click.option("--report", metavar="REPORT.html", help="Report of hsr-diagnose --html, to which the page links.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port of the page.  [default: any free port]")
 @click.option("--open/--no-open", "opened", default=True, help="Open the page in the browser.  [default: open]")
 def command(dataset: str, **options: Any) -> None:
-    """Show recordings beside the model on a page, with a slider for stiffness, damping and every effect.
+    """Show recordings beside the model on a page, with sliders for stiffness, damping and every effect.
 
-    The trial is simulated anew while a slider moves. The page is served to this machine only, until Ctrl-C.
+    The trial is simulated again while a slider moves. The page is served to this machine only, until Ctrl-C.
     """
     from hsr_pin.loopback import PageServer
     from hsr_pin.recordings.read import read_dataset
@@ -72,7 +72,7 @@ def _report(path: str) -> bytes:
 
 
 def _found(session: Session, result: str, dataset: str) -> dict[str, Settings]:
-    """What a result says of each trial."""
+    """Return the settings of each trial according to a result."""
     from hsr_pin.export.document import read_result
     from hsr_pin.robot.specification import ArmSpecification
     from hsr_pin.view.settings import Settings
@@ -81,11 +81,11 @@ def _found(session: Session, result: str, dataset: str) -> dict[str, Settings]:
     for each in session.experiment.runs:
         declared = ArmSpecification.from_trial(session.experiment.dataset, each.trial)
         model = read_result(result, keq=declared.keq, dataset=dataset)
-        # another trial of this stiffness may declare another damping
+        # trials of the same stiffness may declare different dampings
         found[each.trial.name] = Settings.of(model, declared.keq, declared.damping, declared.mass)
     return found
 
 
 def main() -> None:
     """Entry point of ``hsr-view``."""
-    leave(run(command))
+    exit_process(run(command))

@@ -1,6 +1,19 @@
-"""The model in the hands of a controller.
+"""Control of simulated arms: models, controllers, an observer, references, and reinforcement-learning environments.
 
-chambers, pressures for the torques of sections; controllers, the laws; dynamics, M, C, G and the linearisation; environment and
-registration, for Gymnasium; latency, of a step; observer, the state from markers; reach, the tip at rest; reference, what to
-follow; regulators, pressures for a torque; stepping, the arm itself. ``examples/`` shows them at work.
+- ``bodies``: the rigid-body dynamics of an arm
+- ``chambers``: pressures for the torques of sections
+- ``controllers``: feedback laws
+- ``dynamics``: M, C, G and the linearisation
+- ``environment`` and ``registration``: environments for Gymnasium
+- ``fleet``: many arms that are advanced in one call
+- ``latency``: the duration of a step
+- ``observer``: the state from marker positions
+- ``reach``: equilibrium poses and their tip positions
+- ``reference``: motions to follow
+- ``regulators``: pressures for a torque
+- ``stepping``: one arm, advanced step by step
+- ``task``: the tasks of the environments
+- ``vector``: many environments as one
+
+``examples/`` contains complete programs.
 """

@@ -1,7 +1,7 @@
-"""The rigid bodies of an arm, as controllers ask for them: in a plane by Pinocchio's hinges, in space by its spherical joints.
+"""The rigid-body dynamics of an arm for controllers: planar arms with Pinocchio's hinges, spatial ones with spherical joints.
 
-q, v, a and torques are rows of the joints' coordinates, (N,) in a plane; in space (3 N,), towards x, towards y and twist of each
-joint, of which a twist that is infinitely stiff does not move.
+q, v, a and torques are rows of the joints' coordinates: (N,) of a planar arm; (3 N,) in space, towards x, towards y and twist of
+each joint, of which a twist that is infinitely stiff does not move.
 """
 
 from __future__ import annotations
@@ -13,42 +13,42 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from hsr_pin.robot.model import build_model
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.space.reference import mass_matrix, rigid_torques
 from hsr_pin.trajectory import Array
 
-#: Differences for derivatives in space [rad], [rad/s].
+#: Steps of the finite differences for derivatives in space [rad], [rad/s].
 _WIDTH = 1e-5
 
 
 class Bodies(Protocol):
-    """What both have."""
+    """Interface of the rigid-body dynamics of planar and spatial arms."""
 
     def mass(self, q: Array) -> Array:
-        """(n, n) [kg m^2]."""
+        """Return the mass matrix (n, n) [kg m^2]."""
 
     def coriolis(self, q: Array, v: Array) -> Array:
-        """(n, n) [kg m^2/s] C for which dM/dt - 2 C is skew."""
+        """Return the Coriolis matrix C (n, n) [kg m^2/s] for which dM/dt - 2 C is skew-symmetric."""
 
     def torques(self, q: Array, v: Array, a: Array) -> Array:
-        """(n,) [N m] that they take in a motion."""
+        """Return the torques (n,) [N m] that a motion requires."""
 
     def accelerations(self, q: Array, v: Array, torques: Array) -> Array:
-        """(n,) [rad/s^2] under torques (n,) [N m] at the joints."""
+        """Return the accelerations (n,) [rad/s^2] under torques (n,) [N m] at the joints."""
 
     def derivatives(self, q: Array, v: Array, torques: Array) -> tuple[Array, Array, Array, Array]:
-        """Of these accelerations to q, v and the torques, (n, n) each; and they themselves (n,)."""
+        """Return the derivatives (n, n) of the accelerations with respect to q, v and the torques, and the accelerations (n,)."""
 
 
 class Hinged:
-    """Of an arm in a plane.
+    """The rigid-body dynamics of a planar arm.
 
     R. Featherstone, Rigid Body Dynamics Algorithms, Springer (2008); derivatives: J. Carpentier, N. Mansard, Analytical
     derivatives of rigid body dynamics algorithms, RSS (2018).
     """
 
-    def __init__(self, columns: Columns) -> None:
-        self._model = build_model(columns.arms.specification(0)).model.copy()
+    def __init__(self, batch: ArmBatch) -> None:
+        self._model = build_model(batch.arms.specification(0)).model.copy()
         self._data = self._model.createData()
 
     def mass(self, q: Array) -> Array:
@@ -70,15 +70,15 @@ class Hinged:
 
 
 class Spherical:
-    """Of an arm in space; derivatives by differences.
+    """The rigid-body dynamics of an arm in space, with derivatives by finite differences.
 
     Args:
-        columns: the arm.
-        moves: (3 N,) which coordinates do.
+        batch: the arm.
+        moves: (3 N,) which coordinates move.
     """
 
-    def __init__(self, columns: Columns, moves: NDArray[np.bool_]) -> None:
-        system = columns.pinocchio("rnea")
+    def __init__(self, batch: ArmBatch, moves: NDArray[np.bool_]) -> None:
+        system = batch.pinocchio("rnea")
         self._model, self._data, self._free = system.models[0], system.data[0], np.ix_(moves, moves)
         self._moves = moves
 

@@ -1,4 +1,4 @@
-"""From the torques of an arm in space to pressures of its chambers, or tensions of its tendons, within their range and rate."""
+"""Conversion of the torques of an arm in space to chamber pressures or tendon tensions, within their range and rate."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from scipy.optimize import lsq_linear
 from hsr_pin.errors import InputError
 from hsr_pin.trajectory import Array, Channel, read_only
 
-#: A unit in every channel counts beside the torques as this share of what a unit in the strongest one gives.
+#: Weight of a unit in every channel relative to the torque of a unit in the strongest channel.
 _LEAST = 1e-4
-#: Torques that differ by no more than this share of what a unit in the strongest channel gives are the same.
+#: Largest difference of torques that are treated as equal, relative to the torque of a unit in the strongest channel.
 _SAME = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class ChannelCommand:
-    """What the regulators are told.
+    """The command for the regulators.
 
     Attributes:
-        values: (C,) of the channels, in their units.
-        torque: (2 S,) [N m] that they give.
-        saturated: whether that is not the torque that was asked for.
+        values: (C,) values of the channels, in their units.
+        torque: (2 S,) resulting torque [N m].
+        saturated: whether the resulting torque differs from the requested one.
     """
 
     values: Array
@@ -41,19 +41,20 @@ class ChannelCommand:
 
 @dataclass(frozen=True)
 class ChannelRegulators:
-    """Regulators that push or pull in one way only, as many as there are chambers or tendons.
+    """Regulators that act in one direction only, one for each chamber or tendon.
 
-    Of all values that give a torque the least are taken (three chambers: one of them empty); where none gives it, those that come
-    nearest to it. C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, SIAM (1995), chapter 23: bounded variables.
+    Among all values that give a torque the smallest are chosen (with three chambers, one of them is empty); if none gives it, the
+    values with the nearest torque. C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, SIAM (1995), chapter 23: bounded
+    variables.
 
     Attributes:
-        channels: (C,) as a dataset has them; what was only measured is left out.
-        highest: the largest value of each [its unit].
-        lowest: the smallest: at rest, or so that a tendon does not go slack.
-        rate: fastest change of any [its unit/s].
+        channels: channels of a dataset; those that were only measured are ignored.
+        highest: largest value of each channel, in its unit.
+        lowest: smallest value of each channel, for example the value at rest, or a tension that keeps a tendon taut.
+        rate: largest rate of change of any channel [its unit/s].
 
     Raises:
-        InputError: a range or a rate that is none, or no channel that drives.
+        InputError: a range or a rate is invalid, or no channel produces a torque.
     """
 
     channels: tuple[Channel, ...]
@@ -64,25 +65,25 @@ class ChannelRegulators:
     def __post_init__(self) -> None:
         if not self.lowest < self.highest or not self.rate > 0:
             received = f"{self.lowest} to {self.highest}, {self.rate}"
-            raise InputError("regulators", expected="a lowest and a higher value, and a rate above zero", received=received)
+            raise InputError("regulators", expected="a lowest value below the highest, and a rate above zero", received=received)
         if not self.driving:
-            raise InputError("channels", expected="at least one that gives a torque", received=len(self.channels))
+            raise InputError("channels", expected="at least one that produces a torque", received=len(self.channels))
 
     @cached_property
     def driving(self) -> Sequence[Channel]:
-        """Those of the channels that give a torque: C of them."""
+        """The C channels that produce a torque."""
         return [channel for channel in self.channels if channel.torque]
 
     @cached_property
     def gains(self) -> Array:
-        """(2 S, C) [N m per unit]."""
+        """Torque per unit of each channel (2 S, C) [N m per unit]."""
         return np.array([channel.torque for channel in self.driving]).T
 
     def command(self, torque: ArrayLike, dt: float = math.inf, before: ChannelCommand | None = None) -> ChannelCommand:
-        """The values for a torque (2 S,) [N m], ``dt`` [s] after the command ``before`` (default: whatever came before).
+        """Return the command for a torque (2 S,) [N m], ``dt`` [s] after the command ``before`` (default: no rate limit).
 
         Raises:
-            InputError: a torque of other sections or that is no number, or a step that is none.
+            InputError: the torque has the wrong number of sections or is not finite, or the step is invalid.
         """
         asked = np.asarray(torque, dtype=float).ravel()
         if asked.shape != (len(self.gains),) or not np.isfinite(asked).all() or not dt > 0:

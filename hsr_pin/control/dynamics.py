@@ -1,9 +1,9 @@
-"""What a controller asks of the model, by the paper's symbols: M(q) a + C(q, v) v + G(q) = b u - K q - D v.
+"""The dynamics of an arm for controllers, in the paper's notation: M(q) a + C(q, v) v + G(q) = b u - K q - D v.
 
-q (N,) [rad], v (N,) [rad/s], a (N,) [rad/s^2] are the joints' angles, rates and accelerations; u [N m] is the one input, the
-torque of the muscles, which acts on every joint (b = 1, unless an effect says otherwise). Of an arm in space N stands for its
-3 N coordinates (towards x, towards y and twist of each joint, as a row or (N, 3)); u has two components for each of S sections,
-one if the arm has none, and b is (3 N, 2 S).
+q (N,) [rad], v (N,) [rad/s], a (N,) [rad/s^2] are angles, rates and accelerations of the joints; u [N m] is the single input, the
+torque of the actuators, which acts on every joint (b = 1, unless an effect changes it). For an arm in space N stands for its 3 N
+coordinates (towards x, towards y and twist of each joint, as a row or (N, 3)); u has two components for each of S sections, one
+if the arm has none, and b is (3 N, 2 S).
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from hsr_pin.errors import InputError
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.robot.space_kinematics import SpaceMarkerMap, space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
-#: Where a known effect may act for the model to stay linear in springs, dampers and drive.
+#: Methods through which known effects may act, so that the model stays linear in springs, dampers and input.
 _KNOWABLE = ("arm", "stiffness", "damping", "actuation")
-_HOOKS = (*_KNOWABLE, "respond", "late", "moment", "touch", "update", "observe")
+_HOOKS = (*_KNOWABLE, "actuator_response", "command_delay", "moment", "contact_force", "update", "observe")
 
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """d/dt (x - x0) = A (x - x0) + B (u - u0) + rate, x = (q, v).
+    """Linearised dynamics d/dt (x - x0) = A (x - x0) + B (u - u0) + rate, x = (q, v).
 
     Attributes:
-        A: (2N, 2N).
-        B: (2N, 1); in space (2N, 2 S).
-        joints: (2N, N) likewise for torques [N m] at each joint alone; B = joints b.
+        A: (2N, 2N) state matrix.
+        B: (2N, 1) input matrix; in space (2N, 2 S).
+        joints: (2N, N) input matrix of separate torques at the joints [N m]; B = joints b.
         rate: (2N,) dx/dt at the pose itself; zero in an equilibrium.
     """
 
@@ -47,9 +47,10 @@ class Linearisation:
     rate: Array
 
     def discrete(self, dt: float) -> Linearisation:
-        """The same over a step of ``dt`` [s] with the torques held, x+ - x0 = A (x - x0) + B (u - u0) + rate: one exponential.
+        """Return the dynamics over a step of ``dt`` [s] with constant torques: x+ - x0 = A (x - x0) + B (u - u0) + rate.
 
-        C. F. Van Loan, Computing integrals involving the matrix exponential, IEEE TAC 23 (1978).
+        One matrix exponential gives all matrices: C. F. Van Loan, Computing integrals involving the matrix exponential, IEEE TAC
+        23 (1978).
         """
         n, inputs = len(self.A), np.column_stack([self.B, self.joints, self.rate])
         block = _exponential(dt * np.vstack([np.hstack([self.A, inputs]), np.zeros((inputs.shape[1], n + inputs.shape[1]))]))
@@ -62,20 +63,20 @@ class ArmDynamics:
 
     Args:
         arm: the nominal arm.
-        effects: known ones, which change its bodies, or its stiffness, damping or actuation along the arm.
+        effects: known effects, which change its bodies, or its stiffness, damping or actuation along the arm.
 
     Attributes:
-        columns: the arm with the effects, for the simulation.
+        batch: the arm with the effects, for the simulation.
         nominal: the arm without the effects.
         arm: the arm with what they make of its bodies.
-        K: (N,) [Nm/rad] springs.
-        D: (N,) [Nm s/rad] dampers.
-        b: (N,) share of the torque that arrives at each joint; in space (3 N, 2 S), of each section's.
-        moves: (N,) which coordinates do: in space not a twist that is infinitely stiff.
+        K: (N,) stiffness of the joints [Nm/rad].
+        D: (N,) damping of the joints [Nm s/rad].
+        b: (N,) share of the torque that arrives at each joint; in space (3 N, 2 S), of each section's torque.
+        moves: (N,) which coordinates move; in space a twist that is infinitely stiff does not.
 
     Raises:
-        InputError: an effect acts elsewhere (has a memory, is not linear, or is on the command or the markers), or the arm has
-            more sections than links, whose torques no motion tells apart.
+        InputError: an effect acts in another way (it has a memory, is nonlinear, or acts on the command or the markers), or the
+            arm has more sections than links, so that their torques are not distinguishable.
     """
 
     def __init__(self, arm: ArmSpecification, effects: Sequence[Effect] = ()) -> None:
@@ -87,10 +88,10 @@ class ArmDynamics:
             raise InputError("links", expected=f"at least {len(arm.sections)}, one for each section", received=arm.links)
         space = arm.bending == "space"
         still = np.zeros((2, 2 * max(1, len(arm.sections))) if space else 2)
-        self.columns = columns = Columns.of([Scenario(arm, np.array([0.0, 1.0]), still, effects=tuple(effects))])
+        self.batch = batch = ArmBatch.of([Scenario(arm, np.array([0.0, 1.0]), still, effects=tuple(effects))])
         self.nominal, self.effects = arm, tuple(effects)
-        self.arm = columns.arms.specification(0)
-        rows = columns.arrays
+        self.arm = batch.arms.specification(0)
+        rows = batch.arrays
         self.K, self.D, self.b = (each[0].copy() for each in (rows.spring, rows.damper, rows.share))
         self.moves = np.ones(len(self.K), dtype=bool)
         self._bodies: Bodies
@@ -99,52 +100,54 @@ class ArmDynamics:
             self.K = np.nan_to_num(np.column_stack([self.K, self.K, rows.twist[0]]), posinf=0.0).ravel()
             self.D = np.nan_to_num(np.column_stack([self.D, self.D, rows.twist_damper[0]]), posinf=0.0).ravel()
             self.b = np.kron(self.b[:, None] * rows.inputs, np.eye(3, 2))
-            self._bodies = Spherical(columns, self.moves)
+            self._bodies = Spherical(batch, self.moves)
         else:
-            self._bodies = Hinged(columns)
+            self._bodies = Hinged(batch)
         self._tip = self.markers([self.arm.length])
 
     @property
     def links(self) -> int:
-        """N."""
+        """Number N of links."""
         return self.arm.links
 
     def M(self, q: ArrayLike) -> Array:
-        """(N, N) [kg m^2] mass matrix, by the composite-rigid-body algorithm."""
+        """Return the mass matrix (N, N) [kg m^2], by the composite-rigid-body algorithm."""
         return self._bodies.mass(self._vector("q", q))
 
     def C(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """(N, N) [kg m^2/s] Coriolis and centrifugal terms as the matrix for which dM/dt - 2 C is skew."""
+        """Return the matrix (N, N) [kg m^2/s] of Coriolis and centrifugal terms for which dM/dt - 2 C is skew-symmetric."""
         return self._bodies.coriolis(self._vector("q", q), self._vector("v", v))
 
     def G(self, q: ArrayLike) -> Array:
-        """(N,) [N m] gravity."""
+        """Return the gravity torques (N,) [N m]."""
         still = np.zeros(len(self.K))
         return self._bodies.torques(self._vector("q", q), still, still)
 
     def inverse(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """(N,) [N m] what the muscles must deliver at each joint for the acceleration ``a``: RNEA plus springs and dampers."""
+        """Return the joint torques (N,) [N m] for the acceleration ``a``: RNEA plus springs and dampers."""
         q, v = self._vector("q", q), self._vector("v", v)
         return np.asarray(self._bodies.torques(q, v, self._vector("a", a)) + self.K * q + self.D * v)
 
     def uniform(self, torques: ArrayLike) -> Any:
-        """The one torque u [N m] whose b u is nearest to given joint torques (N,) [N m]; in space (2 S,)."""
+        """Return the torque u [N m] whose b u is nearest to given joint torques (N,) [N m]; in space (2 S,)."""
         if self.b.ndim > 1:
             return np.linalg.solve(self.b.T @ self.b, self.b.T @ np.asarray(torques))
         return float(self.b @ np.asarray(torques) / (self.b @ self.b))
 
     def forward(self, q: ArrayLike, v: ArrayLike, u: ArrayLike) -> Array:
-        """(N,) [rad/s^2] the accelerations under the torque u [N m], by ABA; in space by M^-1."""
+        """Return the accelerations (N,) [rad/s^2] under the torque u [N m], by ABA; in space by M^-1."""
         q, v = self._vector("q", q), self._vector("v", v)
         return self._bodies.accelerations(q, v, self._applied(q, v, u))
 
     def linearise(self, q: ArrayLike, u: ArrayLike, v: ArrayLike | None = None) -> Linearisation:
-        """The motion near a pose q under u [N m]: analytic derivatives of ABA (in space differences), springs and dampers added.
+        """Return the linearised dynamics near a pose q under u [N m].
+
+        The derivatives are those of ABA (in space finite differences), with springs and dampers.
 
         Args:
-            q: (N,) [rad].
-            u: [N m], in space (2 S,).
-            v: (N,) [rad/s]; default: at rest.
+            q: (N,) pose [rad].
+            u: torque [N m], in space (2 S,).
+            v: (N,) rates [rad/s]; default: at rest.
         """
         q, v = self._vector("q", q), self._vector("v", np.zeros(len(self.K)) if v is None else v)
         a_q, a_v, a_tau, a = self._bodies.derivatives(q, v, self._applied(q, v, u))
@@ -154,25 +157,25 @@ class ArmDynamics:
         return Linearisation(A, joints @ self.b.reshape(n, -1), joints, np.concatenate([v, a]))
 
     def _applied(self, q: Array, v: Array, u: ArrayLike) -> Array:
-        """(N,) [N m] at the joints, beside what the bodies take."""
+        """Return the joint torques (N,) [N m] of input, springs and dampers."""
         drive = self.b @ np.asarray(u, dtype=float) if self.b.ndim > 1 else self.b * u
         return np.asarray(drive - self.K * q - self.D * v)
 
     def tip(self, q: ArrayLike) -> Array:
-        """(..., 3) [m] where the tip is in the world frame, for q (..., N)."""
+        """Return the tip positions (..., 3) [m] in the world frame, for q (..., N)."""
         return np.asarray(self._tip.positions(np.asarray(q, dtype=float))[..., 0, :])
 
     def tip_jacobian(self, q: ArrayLike) -> Array:
-        """(3, N) [m/rad] d tip / dq."""
+        """Return the Jacobian d tip / dq (3, N) [m/rad]."""
         return np.asarray(self._tip.jacobian(self._vector("q", q))[0])
 
     def markers(self, arc_lengths: ArrayLike) -> MarkerMap | SpaceMarkerMap:
-        """Positions and Jacobians of the points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
-        return space_marker_map(self.arm, arc_lengths) if self.columns.space else marker_map(self.arm, arc_lengths)
+        """Return the marker map of points at ``arc_lengths`` (M,) [m] from the base along the backbone."""
+        return space_marker_map(self.arm, arc_lengths) if self.batch.space else marker_map(self.arm, arc_lengths)
 
     def _vector(self, name: str, values: ArrayLike) -> Array:
         array = np.asarray(values, dtype=float)
-        if self.columns.space and array.shape == (self.links, 3):
+        if self.batch.space and array.shape == (self.links, 3):
             array = array.ravel()
         if array.shape != (len(self.K),) or not np.isfinite(array).all():
             raise InputError(name, expected=f"{len(self.K)} finite numbers", received=array)
@@ -180,10 +183,10 @@ class ArmDynamics:
 
 
 def _exponential(A: Array) -> Array:
-    """exp(A), (n, n) to (n, n): Pade's [8/8] by scaling and squaring, G. H. Golub, C. F. Van Loan, Matrix Computations, 9.3.1.
+    """Return exp(A) of (n, n), by the [8/8] Pade approximant with scaling and squaring.
 
-    SciPy's own is as good, but its LAPACK shares matrices of this size out to threads, which takes hundreds
-    of times as long on a busy machine; NumPy's does not.
+    G. H. Golub, C. F. Van Loan, Matrix Computations, 9.3.1. SciPy's function is equivalent, but its LAPACK divides matrices of
+    this size among threads, which is hundreds of times slower on a busy machine; NumPy does not.
     """
     order, squarings = 8, max(0, 2 + int(np.log2(max(np.abs(A).sum(axis=1).max(), 1e-300))))
     scaled, power, share = A / 2.0**squarings, np.eye(len(A)), 1.0

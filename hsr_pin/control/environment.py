@@ -1,4 +1,4 @@
-"""The arm as Gymnasium environments: reach a tip target, follow a tip path. Needs the group ``gym``.
+"""The arm as Gymnasium environments that reach a tip target or follow a tip path; they require the dependency group ``gym``.
 
 M. Towers et al., Gymnasium: a standard interface for reinforcement learning environments, arXiv:2407.17032 (2024)::
 
@@ -12,29 +12,29 @@ M. Towers et al., Gymnasium: a standard interface for reinforcement learning env
 ======================  ===========  =========================================================================================
 action (1,)             1            torque on every joint over ``largest_torque``, from -1 to 1
 observation 0, 1        m            tip x and z, in the world frame
-observation 2, 3        m/s          their rates, cut at +-``FASTEST``
+observation 2, 3        m/s          their rates, clipped at +-``FASTEST``
 observation 4           rad          bending angle of the whole arm
-observation 5           rad/s        its rate, cut at +-``FASTEST_BENDING``
+observation 5           rad/s        its rate, clipped at +-``FASTEST_BENDING``
 observation 6, 7        m            target x and z now
 observation 8, 9        m            target x and z ``AHEAD`` seconds later (reach: the same)
 reward                  1            minus the tip's distance from the target over the arm's length, in every step
 ======================  ===========  =========================================================================================
 
-An arm in space (``ArmSpecification(bending="space")``) takes an action (2,), towards x and towards y of its base, and every place
-has a y too:
+An arm in space (``ArmSpecification(bending="space")``) takes an action (2,), towards x and towards y of its base, and every
+position has a y component too:
 
 ======================  ===========  =========================================================================================
 action (2,)             1            torques on every joint over ``largest_torque``, each from -1 to 1
 observation 0 to 2      m            tip x, y and z, in the world frame
-observation 3 to 5      m/s          their rates, cut at +-``FASTEST``
+observation 3 to 5      m/s          their rates, clipped at +-``FASTEST``
 observation 6, 7        rad          bending of the whole arm towards x and towards y
-observation 8, 9        rad/s        its rates, cut at +-``FASTEST_BENDING``
+observation 8, 9        rad/s        its rates, clipped at +-``FASTEST_BENDING``
 observation 10 to 12    m            target x, y and z now
 observation 13 to 15    m            target x, y and z ``AHEAD`` seconds later (reach: the same)
 ======================  ===========  =========================================================================================
 
-Markers are seen with what the effects make of them, without noise. An episode is cut off after ``duration`` seconds. It ends
-sooner where the arm leaves its bending limit, at the price of the worst reward, -2, for every step that was left.
+Marker positions include the effects on the measurement, without noise. An episode is truncated after ``duration`` seconds. It
+terminates earlier if the arm exceeds its bending limit, with the worst reward, -2, for every remaining step.
 """
 
 from __future__ import annotations
@@ -60,14 +60,14 @@ _Observation = NDArray[np.float64]
 
 
 class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
-    """What both environments share.
+    """Base class of both environments.
 
     Args:
-        arm: the arm; targets are places where its tip can rest.
-        effects: what acts beside the nominal model.
-        largest_torque: what an action of 1 gives [N m]; default: what bends the arm by one radian.
-        dt: [s] that an action is held.
-        duration: of an episode [s].
+        arm: the arm; targets are equilibrium positions of its tip.
+        effects: effects in addition to the nominal model.
+        largest_torque: torque of an action of 1 [N m]; default: the torque that bends the arm by one radian.
+        dt: duration of an action [s].
+        duration: duration of an episode [s].
         integrator: a name from ``hsr_pin.simulation.integrator``.
     """
 
@@ -94,19 +94,19 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
 
     @property
     def steps(self) -> int:
-        """Of an episode."""
+        """Number of steps of an episode."""
         return self.task.steps
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[_Observation, dict[str, Any]]:
-        """Settle the arm under no torque and draw a new target.
+        """Put the arm in equilibrium without torque and draw a new target.
 
         Args:
-            seed: of the targets.
-            options: "torque" [N m] to settle under; "target" (2,) [m] x and z to reach, or "path" (steps + 1, 2) [m] to follow;
-                in space "torque" (2,), "target" (3,) and "path" (steps + 1, 3).
+            seed: seed of the targets.
+            options: "torque" [N m] of the initial equilibrium; "target" (2,) x and z to reach [m], or "path" (steps + 1, 2) to
+                follow [m]; in space "torque" (2,), "target" (3,) and "path" (steps + 1, 3).
 
         Raises:
-            InputError: an unknown option, or a value that cannot be used.
+            InputError: an option is unknown, or its value is invalid.
         """
         super().reset(seed=seed)
         chosen = dict(options or {})
@@ -121,7 +121,7 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         """Hold a torque (1,), in space (2,), as a share of ``largest_torque``, for ``dt``.
 
         Raises:
-            InputError: an action of another shape, not a number, or out of range; or no reset came before.
+            InputError: the action has another shape, is not a number or is out of range; or the environment was not reset.
         """
         if self._at is None:
             raise InputError("step", expected="a reset before the first", received="none")
@@ -136,17 +136,17 @@ class TipEnvironment(gymnasium.Env[_Observation, _Observation]):
         return seen, float(done.rewards[0]), bool(done.terminated[0]), bool(done.truncated[0]), facts
 
     def _facts(self, at: Episodes) -> dict[str, Any]:
-        """``distance`` [m] of the tip from the target, ``time`` [s]."""
+        """Return the ``distance`` [m] of the tip from the target and the ``time`` [s]."""
         return {"distance": float(at.distance[0]), "time": float(at.count[0] * self.task.dt)}
 
 
 class ReachTip(TipEnvironment):
-    """Bring the tip to a place where it can rest, and hold it there."""
+    """Bring the tip to an equilibrium position, and hold it there."""
 
     kind = Reach
 
 
 class FollowTip(TipEnvironment):
-    """Follow a target that wanders along the places where the tip can rest: three sines of up to 1 Hz, from rest."""
+    """Follow a target that moves along equilibrium positions of the tip: three sines of up to 1 Hz, starting at rest."""
 
     kind = Follow

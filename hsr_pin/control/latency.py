@@ -1,4 +1,4 @@
-"""How long a step takes on this machine."""
+"""Measurement of the computing time of a step on this machine."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from hsr_pin.simulation.integrator import STEP
 
 @dataclass(frozen=True)
 class Latency:
-    """Of one call of :meth:`ArmSimulator.step`.
+    """Computing time of one call of :meth:`ArmSimulator.step`.
 
     Attributes:
-        minimum, median, worst: [s]; ``worst`` is the 99th percentile.
+        minimum, median, worst: times [s]; ``worst`` is the 99th percentile.
     """
 
     minimum: float
@@ -25,7 +25,7 @@ class Latency:
 
 
 def step_latency(simulator: ArmSimulator, dt: float = STEP, steps: int = 2000) -> Latency:
-    """Time ``steps`` steps of ``dt`` [s] under a torque that changes in every one, after a reset and a step to warm up."""
+    """Measure ``steps`` steps of ``dt`` [s] under a changing torque, after a reset and a warm-up step."""
     simulator.reset()
     simulator.step(0.0, dt=dt)
     largest = 0.25 * min(abs(bound) for bound in simulator.torque_range)

@@ -1,8 +1,8 @@
-"""The arm's state from what cameras see of a few markers: an extended Kalman filter with a disturbance torque.
+"""State estimation from a few markers: an extended Kalman filter with a disturbance torque.
 
-R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960); the disturbance, a torque that
-wanders slowly, stands for what the model lacks: G. Pannocchia, J. B. Rawlings, Disturbance models for offset-free
-model-predictive control, AIChE J. 49 (2003).
+R. E. Kalman, A new approach to linear filtering and prediction problems, J. Basic Eng. 82 (1960). The disturbance, a slowly
+varying torque, represents model errors: G. Pannocchia, J. B. Rawlings, Disturbance models for offset-free model-predictive
+control, AIChE J. 49 (2003).
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from hsr_pin.errors import InputError
 from hsr_pin.robot.specification import RANGES, in_plane
 from hsr_pin.trajectory import Array, Marker, read_only
 
-#: Steps of the prediction are at most this long [s].
+#: Largest step of the prediction [s].
 _LONGEST = 0.01
 _NO_LIMIT = RANGES["bending_limit"][2]
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What the observer believes.
+    """The estimated state with its covariance.
 
     Attributes:
-        q: (N,) [rad].
-        v: (N,) [rad/s].
-        disturbance: d [N m], torque that acts beside the command.
-        covariance: (2N + 1, 2N + 1) of (q, v, d).
+        q: (N,) angles [rad].
+        v: (N,) rates [rad/s].
+        disturbance: disturbance torque d in addition to the command [N m].
+        covariance: (2N + 1, 2N + 1) covariance of (q, v, d).
     """
 
     q: Array
@@ -49,15 +49,17 @@ class Estimate:
 
 
 class Observer:
-    """Estimates q, v and a disturbance torque from marker positions. Keeps nothing: each estimate is passed in and handed back.
+    """Estimates q, v and a disturbance torque from marker positions; it keeps no state.
+
+    Each estimate is an argument and a result of each call.
 
     Args:
         dynamics: the model.
-        markers: (M,) what is seen.
-        dt: [s] between pictures.
+        markers: (M,) measured markers.
+        dt: interval between measurements [s].
         noise: standard deviation of each coordinate of a marker [m].
-        joint_torque: that of unknown torques at each joint, anew in each step [N m].
-        drift: of the disturbance torque within a second [N m].
+        joint_torque: standard deviation of unknown torques at each joint, independent in each step [N m].
+        drift: change of the disturbance torque within a second (standard deviation) [N m].
     """
 
     def __init__(
@@ -76,22 +78,25 @@ class Observer:
         self.dynamics, self.markers, self.dt = dynamics, tuple(markers), dt
         self._noise, self._joint_torque, self._drift = noise, joint_torque, drift
         self._places = dynamics.markers([marker.arc_length for marker in markers])
-        unlimited = replace(dynamics.nominal, bending_limit=_NO_LIMIT)  # an estimate may be anywhere
+        unlimited = replace(dynamics.nominal, bending_limit=_NO_LIMIT)  # an estimate may be beyond the limit
         self._fleet = ArmFleet([unlimited], [dynamics.effects], step=_LONGEST)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are built anew, with workspaces of their own."""
+        """Copies and pickles are built anew with separate workspaces."""
         made = partial(Observer, noise=self._noise, joint_torque=self._joint_torque, drift=self._drift)
         return made, (self.dynamics, self.markers, self.dt)
 
     def begin(self, torque: float = 0.0, angle: float = 0.1, rate: float = 0.1, disturbance: float = 0.3) -> Estimate:
-        """Settled under a torque [N m], give or take ``angle`` [rad], ``rate`` [rad/s] and ``disturbance`` [N m]."""
+        """Return an initial estimate: equilibrium under a torque [N m], with these standard deviations.
+
+        They are ``angle`` [rad], ``rate`` [rad/s] and ``disturbance`` [N m].
+        """
         n = self.dynamics.links
         spread = np.concatenate([np.full(n, angle), np.full(n, rate), [disturbance]])
         return Estimate(static_pose(self.dynamics, torque), np.zeros(n), 0.0, np.diag(spread**2))
 
     def predict(self, estimate: Estimate, torque: float) -> Estimate:
-        """One step ahead under a command [N m]: the state by the model, its covariance by the linearised model."""
+        """Predict the state after one step under a command [N m] by the model, and its covariance by the linearised model."""
         n, u = self.dynamics.links, torque + estimate.disturbance
         linear = self.dynamics.linearise(estimate.q, u, estimate.v).discrete(self.dt)
         F = np.eye(2 * n + 1)
@@ -104,10 +109,10 @@ class Observer:
         return Estimate(ahead.chain[0, 0], ahead.chain[1, 0], estimate.disturbance, F @ estimate.covariance @ F.T + Q)
 
     def correct(self, estimate: Estimate, positions: ArrayLike) -> Estimate:
-        """With the markers' positions (M, 3) [m] in the world frame; NaN where one was not seen.
+        """Correct an estimate with the markers' positions (M, 3) [m] in the world frame; NaN for a marker that was not measured.
 
         Raises:
-            InputError: positions of another shape.
+            InputError: the positions have another shape.
         """
         seen = np.asarray(positions, dtype=float)
         if seen.shape != (len(self.markers), 3):

@@ -1,4 +1,4 @@
-"""Where the tip can be: an arm with one input has its tip rest on one curve; which torque brings it nearest to a point."""
+"""Equilibrium poses: the pose of a torque, and the torque whose equilibrium brings the tip nearest to a position."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from scipy.optimize import brentq, minimize
 
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.errors import InputError
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.trajectory import Array
 
-#: Torques in space at which tips are looked at: sizes, and sides.
+#: Number of sizes and of directions of tried torques in space.
 _RINGS, _SIDES = 6, 12
-#: Torques at which the curve is looked at before the nearest stretch of it is searched.
+#: Number of tried torques before the nearest interval is searched.
 _LOOKS = 33
 
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """The arm at rest.
+    """An equilibrium of the arm.
 
     Attributes:
-        torque: u [N m] that holds it; in space (2 S,).
-        q: (N,) [rad]; in space (3 N,).
-        tip: (3,) [m] in the world frame.
-        distance: [m] of the tip from what was asked for; 0 where no point was.
+        torque: torque u that holds the arm [N m]; in space (2 S,).
+        q: (N,) angles [rad]; in space (3 N,).
+        tip: (3,) tip position in the world frame [m].
+        distance: distance of the tip from the requested position [m]; 0 if none was requested.
     """
 
     torque: Any
@@ -39,36 +39,38 @@ class Rest:
 
 
 def static_pose(dynamics: ArmDynamics, torque: ArrayLike) -> Array:
-    """(..., N) [rad] where the arm rests under constant torques (...) [N m]; in space (..., 3 N) under (..., 2 S).
+    """Return the equilibrium poses (..., N) [rad] under constant torques (...) [N m]; in space (..., 3 N) under (..., 2 S).
 
     Raises:
-        InputError: a torque that is none, or under which there is no equilibrium.
+        InputError: a torque is invalid, or there is no equilibrium under it.
     """
     torques = np.asarray(torque, dtype=float)
     if not np.isfinite(torques).all():
         raise InputError("torque", expected="finite [N m]", received=torque)
-    if not dynamics.columns.space:
-        return static_poses(dynamics.columns, torques.reshape(-1, 1)).reshape(*torques.shape, -1)
+    if not dynamics.batch.space:
+        return static_poses(dynamics.batch, torques.reshape(-1, 1)).reshape(*torques.shape, -1)
     count = dynamics.b.shape[1]
     if torques.shape[-1:] != (count,):
         expected = "two components [N m]" + f" for each of {count // 2} sections" * (count > 2)
         raise InputError("torque", expected=expected, received=f"shape {torques.shape}")
     sections: Any = torques[..., 0::2] + 1j * torques[..., 1::2]
-    return static_poses(dynamics.columns, sections.reshape(-1, 1, count // 2)).reshape(*torques.shape[:-1], -1)
+    return static_poses(dynamics.batch, sections.reshape(-1, 1, count // 2)).reshape(*torques.shape[:-1], -1)
 
 
-def static_poses(columns: Columns, torque: Array) -> Array:
-    """(T, B, N) [rad] where B arms rest under constant torques (T, B) [N m]; in space (T, B, 3 N), torques complex, or (T, B, S).
+def static_poses(batch: ArmBatch, torque: Array) -> Array:
+    """Return the equilibrium poses (T, B, N) [rad] of B arms under constant torques (T, B) [N m].
+
+    In space they are (T, B, 3 N), with complex torques (T, B) or (T, B, S).
 
     Raises:
-        InputError: a torque under which there is no equilibrium.
+        InputError: there is no equilibrium under a torque.
     """
     engine, wanted, straight = (
-        Engine(columns, "compiled"),
-        np.ones(len(columns), dtype=bool),
-        np.zeros((len(columns), columns.coordinates)),
+        Engine(batch, "compiled"),
+        np.ones(len(batch), dtype=bool),
+        np.zeros((len(batch), batch.coordinates)),
     )
-    poses = np.empty((*torque.shape[:2], columns.coordinates))
+    poses = np.empty((*torque.shape[:2], batch.coordinates))
     for row, pose in zip(torque, poses, strict=True):
         pose[:], found = engine.settled(row, wanted, straight)
         if not found.all():
@@ -79,7 +81,7 @@ def static_poses(columns: Columns, torque: Array) -> Array:
 
 
 def rest_under(dynamics: ArmDynamics, torque: ArrayLike) -> Rest:
-    """The arm at rest under a torque [N m], in space (2 S,).
+    """Return the equilibrium under a torque [N m], in space (2 S,).
 
     Raises:
         InputError: as :func:`static_pose`.
@@ -89,15 +91,15 @@ def rest_under(dynamics: ArmDynamics, torque: ArrayLike) -> Rest:
 
 
 def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[float, float]) -> Rest:
-    """The arm at rest with its tip as near to a position as any torque in the range brings it.
+    """Return the equilibrium whose tip is nearest to a position, among the torques of a range.
 
     Args:
         dynamics: the arm.
-        position: (3,) or (2,) [m], x and z, in the world frame; a y is left out. In space (3,).
-        torque_range: lowest and highest torque [N m]; in space the highest is the largest size, for each section.
+        position: (3,) or (2,) x and z in the world frame [m]; y is ignored. In space (3,).
+        torque_range: lowest and highest torque [N m]; in space the highest is the largest magnitude for each section.
 
     Raises:
-        InputError: a position that is none, an empty range, or torques in it that the arm cannot rest under.
+        InputError: the position is invalid, the range is empty, or the arm has no equilibrium under a torque of the range.
     """
     point = np.asarray(position, dtype=float)
     if point.shape not in ((2,), (3,)) or not np.isfinite(point).all():
@@ -105,7 +107,7 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
     low, high = torque_range
     if not low < high:
         raise InputError("torque range", expected="a lowest and a higher torque [N m]", received=torque_range)
-    if dynamics.columns.space:
+    if dynamics.batch.space:
         return _rest_in_space(dynamics, point, high)
     wanted = point[[0, -1]]
     torques = np.linspace(low, high, _LOOKS)
@@ -114,7 +116,7 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
     left, right = torques[max(nearest - 1, 0)], torques[min(nearest + 1, _LOOKS - 1)]
 
     def slope(torque: float) -> float:
-        """Half the derivative of the squared distance to the torque, [m^2/(N m)]."""
+        """Half the derivative of the squared distance with respect to the torque [m^2/(N m)]."""
         q = static_pose(dynamics, torque)
         return float((dynamics.tip(q)[[0, 2]] - wanted) @ (dynamics.tip_jacobian(q)[[0, 2]] @ compliance(dynamics, q, torque)))
 
@@ -126,9 +128,10 @@ def rest_at_tip(dynamics: ArmDynamics, position: ArrayLike, torque_range: tuple[
 
 
 def _rest_in_space(dynamics: ArmDynamics, point: Array, largest: float) -> Rest:
-    """As :func:`rest_at_tip`, over torques to all sides: by sequential quadratic programming from the nearest of some.
+    """Return the equilibrium nearest to a point over torques in all directions, by sequential quadratic programming.
 
-    Sections reach a point in many ways: the search begins where all have one torque.
+    The search starts from the nearest of some tried torques. Sections reach a point in many ways; it starts with equal torques of
+    all sections.
     """
     if point.shape != (3,) or not largest > 0:
         raise InputError("tip position", expected="x, y and z [m], and torques above zero", received=f"{point}, {largest}")
@@ -156,9 +159,12 @@ def _rest_in_space(dynamics: ArmDynamics, point: Array, largest: float) -> Rest:
 
 
 def compliance(dynamics: ArmDynamics, q: Array, torque: ArrayLike) -> Array:
-    """(N,), in space (3 N, 2 S), [rad/(N m)] how the pose at rest changes with the torque: (K + dG/dq)^-1 b."""
+    """Return the derivative (N,), in space (3 N, 2 S), of the equilibrium pose with respect to the torque [rad/(N m)].
+
+    It is (K + dG/dq)^-1 b.
+    """
     linear = dynamics.linearise(q, torque)
     n, free = len(q), dynamics.moves
     change = np.zeros((n, linear.B.shape[1]))
     change[free] = -np.linalg.solve(linear.A[n:, :n][np.ix_(free, free)], linear.B[n:][free])
-    return change if dynamics.columns.space else change[:, 0]
+    return change if dynamics.batch.space else change[:, 0]

@@ -1,4 +1,4 @@
-"""A motion to follow: the tip moves along the curve on which it can rest, slowly enough that the arm keeps to its rest poses."""
+"""Reference motions: the tip moves slowly along its equilibrium positions, so the arm stays close to its equilibrium poses."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from hsr_pin.trajectory import Array, read_only
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What to follow.
+    """A motion to follow.
 
     Attributes:
-        time: (T,) [s] evenly spaced.
-        tip: (T, 3) [m] in the world frame.
-        q, v, a: (T, N) [rad], [rad/s], [rad/s^2]; in space (T, 3 N).
-        torque: (T,) [N m], in space (T, 2 S), feedforward: the uniform torque nearest to what inverse dynamics asks for.
+        time: (T,) evenly spaced times [s].
+        tip: (T, 3) tip positions in the world frame [m].
+        q, v, a: (T, N) angles [rad], rates [rad/s] and accelerations [rad/s^2]; in space (T, 3 N).
+        torque: (T,) feedforward torque, in space (T, 2 S) [N m]: the uniform torque nearest to the inverse dynamics.
     """
 
     time: Array
@@ -39,15 +39,17 @@ class Reference:
 
     @property
     def step(self) -> float:
-        """Time between samples [s]."""
+        """Sampling interval [s]."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
 
 
 def reference_from_torque(dynamics: ArmDynamics, time: ArrayLike, torque: ArrayLike) -> Reference:
-    """Through the rest poses of a torque (T,) [N m], in space (T, 2 S), that varies smoothly over even times (T,) [s], T > 5.
+    """Return a reference through the equilibrium poses of a smooth torque (T,) [N m], in space (T, 2 S).
+
+    The times (T,) [s] are evenly spaced, T > 5.
 
     Raises:
-        InputError: arrays of other shapes, or a torque that the arm cannot rest under.
+        InputError: the arrays have other shapes, or the arm has no equilibrium under a torque.
     """
     t, u = np.asarray(time, dtype=float), np.asarray(torque, dtype=float)
     if t.ndim != 1 or u.shape != (*t.shape, *dynamics.b.shape[1:]) or len(t) < 6 or np.any(np.diff(t) <= 0):
@@ -70,17 +72,17 @@ def reference_through_tips(
     hold: float = 0.4,
     step: float = 0.01,
 ) -> Reference:
-    """From rest at the first of some tip positions to the next, and so on, each move with least jerk.
+    """Return a reference through equilibrium positions of the tip, with minimum-jerk moves between them.
 
     T. Flash, N. Hogan, The coordination of arm movements, J. Neurosci. 5 (1985).
 
     Args:
         dynamics: the arm.
-        tips: (K, 2) x and z, or (K, 3) [m], as in space; where one is out of reach, the nearest point is taken.
+        tips: (K, 2) x and z, or (K, 3), as in space [m]; a position out of reach is replaced by the nearest one.
         torque_range: lowest and highest torque [N m].
-        move: [s] from one to the next.
-        hold: [s] at rest at each.
-        step: [s].
+        move: duration of each move [s].
+        hold: duration at rest at each position [s].
+        step: sampling interval [s].
     """
     levels = [np.asarray(rest_at_tip(dynamics, tip, torque_range).torque) for tip in np.asarray(tips, dtype=float)]
     time = np.arange(round((hold + (len(levels) - 1) * (move + hold)) / step) + 1) * step

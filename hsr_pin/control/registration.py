@@ -1,10 +1,10 @@
-"""The ids of the environments, for Gymnasium."""
+"""Registration of the environments in Gymnasium."""
 
 from __future__ import annotations
 
 from hsr_pin.errors import MissingDependencyError
 
-#: Id -> where the environment is, and the one of many arms.
+#: Id -> entry points of the environment and of its vector environment.
 ENVIRONMENTS = {
     "hsr_pin/FollowTip-v0": ("hsr_pin.control.environment:FollowTip", "hsr_pin.control.vector:FollowTips"),
     "hsr_pin/ReachTip-v0": ("hsr_pin.control.environment:ReachTip", "hsr_pin.control.vector:ReachTips"),
@@ -12,7 +12,7 @@ ENVIRONMENTS = {
 
 
 def register() -> None:
-    """Make ``gymnasium.make`` and ``gymnasium.make_vec`` know the ids. A second call changes nothing.
+    """Register the environments for ``gymnasium.make`` and ``gymnasium.make_vec``; repeated calls have no effect.
 
     Raises:
         MissingDependencyError: Gymnasium is not installed.

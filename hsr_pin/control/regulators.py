@@ -1,4 +1,4 @@
-"""From a torque to pressures that regulators can set: along the line of constant stiffness, within their range and rate."""
+"""Conversion of a torque to pressures for regulators: on the line of constant stiffness, within their range and rate."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from hsr_pin.trajectory import Array, read_only
 
 @dataclass(frozen=True, eq=False)
 class PressureCommand:
-    """What the regulators are told.
+    """The command for the regulators.
 
     Attributes:
-        pressures: P1, P2 (2,) [bar].
-        torque: [N m] that they give, Eq. (5).
-        saturated: whether that is not the torque that was asked for.
+        pressures: (2,) pressures P1, P2 [bar].
+        torque: resulting torque by Eq. (5) [N m].
+        saturated: whether the resulting torque differs from the requested one.
     """
 
     pressures: Array
@@ -33,18 +33,18 @@ class PressureCommand:
 
 @dataclass(frozen=True)
 class Regulators:
-    """A pair of pressure regulators on an arm whose stiffness stays the same.
+    """A pair of pressure regulators on an arm of constant stiffness.
 
-    Where a torque cannot be had, the nearest on the line is taken: the stiffness is kept, the torque gives way.
+    If a torque cannot be reached, the nearest torque on the line is used: the stiffness is kept.
 
     Attributes:
         keq: stiffness of the arm [Nm/rad].
-        rate: fastest change of either pressure [bar/s].
+        rate: largest rate of change of both pressures [bar/s].
         pressure_map: Eqs. (1) and (4), and the range of the pressures.
 
     Raises:
         PressureError: no pressures give this stiffness.
-        InputError: a rate that is not positive.
+        InputError: the rate is not positive.
     """
 
     keq: float
@@ -63,16 +63,16 @@ class Regulators:
 
     @cached_property
     def torque_rate(self) -> float:
-        """Fastest change of the torque [N m/s] along the line."""
+        """Largest rate of change of the torque [N m/s] along the line."""
         low, high = self.torque_range
         ends = self.pressure_map.pressures_for_torque(self.keq, [low, high])
         return self.rate * (high - low) / float(np.abs(ends[1] - ends[0]).max())
 
     def command(self, torque: float, dt: float = math.inf, before: PressureCommand | None = None) -> PressureCommand:
-        """The pressures for a torque [N m], ``dt`` [s] after the command ``before`` (default: whatever came before).
+        """Return the pressures for a torque [N m], ``dt`` [s] after the command ``before`` (default: no rate limit).
 
         Raises:
-            InputError: a torque or a step that is no number.
+            InputError: the torque or the step is not a number.
         """
         if not math.isfinite(torque) or not dt > 0:
             raise InputError("command", expected="a finite torque [N m] and a step above zero [s]", received=f"{torque}, {dt}")

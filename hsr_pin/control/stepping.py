@@ -1,4 +1,4 @@
-"""An arm to step by hand, as a controller or a learner does: command in, state out."""
+"""An arm that a controller or a learning algorithm advances step by step: command in, state out."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hsr_pin.control.fleet import ArmFleet, FleetState, failed
+from hsr_pin.control.fleet import ArmFleet, FleetState, failure_message
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, PressureError, SimulationFailure, quoted
 from hsr_pin.robot.pressure import PAPER, PressureMap
@@ -21,18 +21,18 @@ from hsr_pin.simulation.result import Outcome
 from hsr_pin.simulation.scenario import Pose
 from hsr_pin.trajectory import Array, Marker
 
-#: Shortest and longest step [s] that can be asked for.
+#: Shortest and longest step that can be requested [s].
 SHORTEST, LONGEST = 1e-6, 60.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ArmState:
-    """All there is to know of an arm between two steps.
+    """The complete state of an arm between two steps.
 
     Attributes:
-        time: [s] since the reset.
-        fleet: the same as of a fleet of one, with what the effects remember.
-        joint: shape of what is told of one joint: () in the plane, (3,) in space.
+        time: time since the reset [s].
+        fleet: the state as a fleet of one arm, with the states of the effects.
+        joint: shape of the quantities of one joint: () in the plane, (3,) in space.
     """
 
     time: float
@@ -41,17 +41,17 @@ class ArmState:
 
     @property
     def angles(self) -> Array:
-        """The joint angles q (N,) [rad], in space (N, 3); read-only."""
+        """Joint angles q (N,) [rad], in space (N, 3); read-only."""
         return self._by_joint(self.fleet.chain[0, 0])
 
     @property
     def rates(self) -> Array:
-        """The joint rates v (N,) [rad/s], in space (N, 3); read-only."""
+        """Joint rates v (N,) [rad/s], in space (N, 3); read-only."""
         return self._by_joint(self.fleet.chain[1, 0])
 
     @property
     def effect_states(self) -> Array:
-        """(states, N) what the effects in the arm remember, in the order of those effects, in space (states, N, 3); read-only."""
+        """States (states, N) of the effects in the joints, in the order of those effects, in space (states, N, 3); read-only."""
         return self._by_joint(self.fleet.chain[2:, 0])
 
     def _by_joint(self, rows: Array) -> Array:
@@ -59,21 +59,22 @@ class ArmState:
 
 
 class ArmSimulator:
-    """One arm with its effects, step by step: exactly what :func:`hsr_pin.simulate` gives for the same commands and steps.
+    """One arm with its effects, advanced step by step.
 
-    ``state`` is all that changes. :meth:`advance` passes it explicitly instead; copies share nothing. The first use on a machine
-    compiles for half a minute, once; ``dynamics="aba"`` starts at once and takes a hundred times as long for a step.
+    The motion is exactly that of :func:`hsr_pin.simulate` for the same commands and steps. ``state`` is all that changes.
+    :meth:`advance` uses an explicit state instead; copies share nothing. The first use on a machine compiles for half a minute,
+    once; ``dynamics="aba"`` starts immediately and takes a hundred times as long per step.
 
     Args:
         arm: the nominal arm.
-        effects: what acts beside the nominal model, at most one of a kind.
-        dynamics: "compiled", or "aba" or "rnea" over Pinocchio.
+        effects: effects in addition to the nominal model, at most one of each type.
+        dynamics: "compiled", or "aba" or "rnea" with Pinocchio.
         integrator: a name from ``hsr_pin.simulation.integrator``.
         step: largest step of the integrator [s].
-        markers: the points to follow; default: base, middle and tip.
-        pressure_map: what pressures give, Eqs. (1), (4) and (5).
-        torque_range: [N m] accepted commands; default: what holds a weightless arm within its bending limit. In
-            space of their size, for each section.
+        markers: points to follow; default: base, middle and tip.
+        pressure_map: map from pressures to torque, Eqs. (1), (4) and (5).
+        torque_range: accepted commands [N m]; default: the torques that hold a weightless arm within its bending limit. In space
+            the largest magnitude for each section.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class ArmSimulator:
         self.arm, self.effects, self.pressure_map = arm, tuple(effects), pressure_map
         self.torque_range = torque_range or (-arm.keq * arm.bending_limit, arm.keq * arm.bending_limit)
         self._options = {"dynamics": dynamics, "integrator": integrator, "step": _checked_time("step", step), "markers": markers}
-        self._fleet = ArmFleet([arm], [self.effects], **self._options)  # type: ignore[arg-type]  # each as it is declared above
+        self._fleet = ArmFleet([arm], [self.effects], **self._options)  # type: ignore[arg-type]  # the types are those declared above
         self._joint: tuple[int, ...] = (3,) if arm.bending == "space" else ()
         self.state = self.reset()
 
@@ -101,14 +102,15 @@ class ArmSimulator:
         return self._fleet.markers[0]
 
     def reset(self, torque: ArrayLike = 0.0, *, pose: Pose | None = None) -> ArmState:
-        """Start anew at time 0.
+        """Reset the arm to time 0.
 
         Args:
-            torque: [N m] the command until now, in space (2,), of S sections (2 S,); without a pose the arm is settled under it.
-            pose: angles and rates to start from instead.
+            torque: previous command [N m], in space (2,), of S sections (2 S,); without a pose the arm is in equilibrium under
+                it.
+            pose: initial angles and rates to use instead.
 
         Raises:
-            InputError: a torque out of range, or a pose of another number of joints.
+            InputError: the torque is out of range, or the pose has another number of joints.
             SimulationFailure: there is no equilibrium, or the arm is beyond its bending limit.
         """
         command = np.array([self._checked_torque(torque)])
@@ -116,7 +118,7 @@ class ArmSimulator:
             fleet, found = self._fleet.settled(command)
             if not found[0]:
                 bent = self._bent(ArmState(0.0, fleet, self._joint))
-                raise SimulationFailure(failed(0.0, bent, Outcome.NO_EQUILIBRIUM), ArmState(0.0, fleet, self._joint))
+                raise SimulationFailure(failure_message(0.0, bent, Outcome.NO_EQUILIBRIUM), ArmState(0.0, fleet, self._joint))
         else:
             if pose.angles.shape != (self.arm.links, *self._joint):
                 expected = f"{self.arm.links} joint angles{' (towards x, towards y, twist)' * bool(self._joint)}"
@@ -124,20 +126,21 @@ class ArmSimulator:
             assert pose.rates is not None
             fleet = self._fleet.placed(pose.angles.reshape(1, -1), pose.rates.reshape(1, -1), command)
         started = ArmState(0.0, fleet, self._joint)
-        if not abs(self._fleet.columns.bends(fleet.chain[0, 0]).sum()) <= self._fleet.limit[0]:
-            raise SimulationFailure(failed(0.0, self._bent(started)), started)
+        if not abs(self._fleet.batch.bends(fleet.chain[0, 0]).sum()) <= self._fleet.limit[0]:
+            raise SimulationFailure(failure_message(0.0, self._bent(started)), started)
         self.state = started
         return started
 
     def step(self, torque: ArrayLike | None = None, *, pressures: ArrayLike | None = None, dt: float = STEP) -> ArmState:
         """Hold a command for ``dt`` [s]: a ``torque`` [N m], or ``pressures`` (2,) [bar] at the arm's stiffness.
 
-        In space a torque has two components for each section, (2 S,) or (S, 2), and pressures give none.
+        In space a torque has two components for each section, (2 S,) or (S, 2), and pressures are not accepted.
 
         Raises:
-            InputError: a command that is no number or out of range, none or two of them, or a step that is none.
-            PressureError: pressures that are no numbers or out of range.
-            SimulationFailure: the arm left its bending limit or diverged; its ``result``, and ``state``, are as before the step.
+            InputError: the command is not a number or out of range, both or neither are given, or the step is invalid.
+            PressureError: the pressures are not numbers or out of range.
+            SimulationFailure: the arm exceeded its bending limit or diverged; its ``result``, and ``state``, are those before the
+                step.
         """
         if (torque is None) == (pressures is None):
             received = "neither" if torque is None else "both"
@@ -155,7 +158,7 @@ class ArmSimulator:
         return self.state
 
     def advance(self, state: ArmState, torque: ArrayLike, dt: float = STEP) -> ArmState:
-        """The state after a torque [N m], as for :meth:`step`, was held for ``dt`` [s] from any state; the simulator's own stays.
+        """Return the state after a torque [N m] was held for ``dt`` [s] from any state; the simulator's own state is unchanged.
 
         Raises:
             InputError, SimulationFailure: as :meth:`step`.
@@ -163,30 +166,30 @@ class ArmSimulator:
         command = np.array([self._checked_torque(torque)])
         fleet, lost = self._fleet.advance(state.fleet, command, _checked_time("dt", dt))
         if lost:
-            raise SimulationFailure(failed(state.time, self._bent(ArmState(state.time, fleet, self._joint))), state)
+            raise SimulationFailure(failure_message(state.time, self._bent(ArmState(state.time, fleet, self._joint))), state)
         return ArmState(state.time + dt, fleet, self._joint)
 
     def observe(self, state: ArmState | None = None) -> Array:
-        """(M, 3) [m] where the markers are seen in the world frame, with what the effects make of it; without noise."""
+        """Return the measured marker positions (M, 3) [m] in the world frame, with measurement effects but without noise."""
         return np.asarray(self._fleet.observe((state or self.state).fleet)[0])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are built anew from what was asked for, with workspaces of their own, and take the state along."""
+        """Copies and pickles are built anew from the arguments, with separate workspaces, and copy the state."""
         options = {**self._options, "pressure_map": self.pressure_map, "torque_range": self.torque_range}
-        return _rebuilt, (type(self), self.arm, self.effects, options, self.state)
+        return _restored, (type(self), self.arm, self.effects, options, self.state)
 
     @staticmethod
     def _bent(state: ArmState) -> Array:
-        """(N,) [rad] of the joints, in space by how much."""
+        """Return the bending (N,) [rad] of the joints; in space its magnitude."""
         return np.asarray(np.linalg.norm(state.angles, axis=1)) if state.joint else state.angles
 
     def _checked_torque(self, torque: ArrayLike) -> Any:
-        """A number; in space complex, of S > 1 sections (S,)."""
+        """Return a valid torque as a number; in space complex, for S > 1 sections (S,)."""
         low, high = self.torque_range
         if self._joint:
             return self._checked_vector(torque, high)
         try:
-            value = float(torque)  # type: ignore[arg-type]  # what is none is refused
+            value = float(torque)  # type: ignore[arg-type]  # invalid values are rejected below
         except (TypeError, ValueError, OverflowError):
             value = math.nan
         if not low <= value <= high:
@@ -216,7 +219,7 @@ def _checked_time(name: str, value: float) -> float:
     return value
 
 
-def _rebuilt(
+def _restored(
     kind: type[ArmSimulator], arm: ArmSpecification, effects: tuple[Effect, ...], options: dict[str, Any], state: ArmState
 ) -> ArmSimulator:
     simulator = kind(arm, effects, **options)

@@ -1,6 +1,6 @@
-"""What a learner is asked for: tips that reach a target or follow a path, of one arm or of a thousand side by side.
+"""The tasks of the environments: tips that reach a target or follow a path, of one arm or of many arms in a batch.
 
-The environments of :mod:`~hsr_pin.control.environment` and :mod:`~hsr_pin.control.vector` are made of it, and say what is seen.
+They are the basis of :mod:`~hsr_pin.control.environment` and :mod:`~hsr_pin.control.vector`, which define the observations.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hsr_pin.control.dynamics import ArmDynamics
-from hsr_pin.control.fleet import ArmFleet, FleetState, failed
+from hsr_pin.control.fleet import ArmFleet, FleetState, failure_message
 from hsr_pin.control.reach import rest_at_tip, static_poses
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
@@ -22,24 +22,24 @@ from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import MarkerMap, marker_map
 from hsr_pin.robot.space_kinematics import SpaceMarkerMap, space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.trajectory import Array
 
 #: Bounds of observed rates: [m/s] and [rad/s].
 FASTEST, FASTEST_BENDING = 20.0, 200.0
-#: How far an observation looks ahead along the path [s].
+#: Preview of the path in an observation [s].
 AHEAD = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Episodes:
-    """Where B arms are.
+    """The current state of the episodes of B arms.
 
     Attributes:
-        fleet: their state.
+        fleet: state of the arms.
         count: (B,) steps since the last reset.
-        targets: (B, steps + 1, D) [m] of the target at every step: x and z, in space x, y and z.
-        tips: (B, D) [m] of the tips, as they are seen.
+        targets: (B, steps + 1, D) target positions at every step: x and z, in space x, y and z [m].
+        tips: (B, D) measured tip positions [m].
     """
 
     fleet: FleetState
@@ -49,24 +49,24 @@ class Episodes:
 
     @property
     def target(self) -> Array:
-        """(B, D) [m] now."""
+        """Current target positions (B, D) [m]."""
         return self.targets[np.arange(len(self.count)), self.count]
 
     @property
     def distance(self) -> Array:
-        """(B,) [m] of the tips from their targets."""
+        """Distances (B,) of the tips from their targets [m]."""
         return np.asarray(np.linalg.norm(self.tips - self.target, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
 class Stepped:
-    """What a step of B arms has led to.
+    """The result of a step of B arms.
 
     Attributes:
-        episodes: where they are now; an arm that failed is where it was.
-        rewards: (B,).
-        terminated, truncated: (B,).
-        failures: what became of those that failed.
+        episodes: the state after the step; an arm that failed keeps its previous state.
+        rewards: (B,) rewards.
+        terminated, truncated: (B,) whether the episodes have ended.
+        failures: messages about the arms that failed.
     """
 
     episodes: Episodes
@@ -77,14 +77,15 @@ class Stepped:
 
 
 class TipTask(ABC):
-    """What both tasks share.
+    """Base class of both tasks.
 
     Args:
-        arms: (B,) the arms; targets are places where their tips can rest.
-        effects: (B,) what acts on each beside the nominal model.
-        largest_torque: what an action of 1 gives [N m], for all arms or for each; default: what bends an arm by one radian.
-        dt: [s] that an action is held.
-        duration: of an episode [s].
+        arms: (B,) the arms; targets are equilibrium positions of their tips.
+        effects: (B,) effects of each arm in addition to the nominal model.
+        largest_torque: torque of an action of 1, for all arms or for each [N m]; default: the torque that bends an arm by one
+            radian.
+        dt: duration of an action [s].
+        duration: duration of an episode [s].
         integrator: a name from ``hsr_pin.simulation.integrator``.
     """
 
@@ -99,9 +100,9 @@ class TipTask(ABC):
         integrator: str,
     ) -> None:
         if (parts := max((len(arm.sections) for arm in arms), default=0)) > 1:
-            raise InputError("sections", expected="none of the arm of an environment, which has one torque", received=parts)
+            raise InputError("sections", expected="none, because the arm of an environment has one torque", received=parts)
         self.fleet = ArmFleet(arms, effects, integrator=integrator)
-        self.arms, self.space = self.fleet.columns.nominal, self.fleet.columns.space
+        self.arms, self.space = self.fleet.batch.nominal, self.fleet.batch.space
         self._axes = [0, 1, 2] if self.space else [0, 2]
         self.largest_torque = np.broadcast_to(self.arms.keq if largest_torque is None else largest_torque, len(arms)).astype(
             float
@@ -113,8 +114,8 @@ class TipTask(ABC):
                 received=f"{self.largest_torque}, {dt}, {duration}",
             )
         self.dt, self.steps = dt, round(duration / dt)
-        self._nominal = Columns(self.arms, ())
-        self._tips = self._map(self.fleet.columns.arms)
+        self._nominal = ArmBatch(self.arms, ())
+        self._tips = self._map(self.fleet.batch.arms)
         one, inputs = np.ones((len(arms), 1)), self.inputs
         place = np.tile(1.5 * self.arms.length[:, None], len(self._axes))
         bending = np.tile(self.arms.bending_limit[:, None], inputs), np.tile(FASTEST_BENDING * one, inputs)
@@ -125,29 +126,29 @@ class TipTask(ABC):
 
     @property
     def inputs(self) -> int:
-        """Torques of an arm: one, in space two, towards x and towards y of the base."""
+        """Number of torques of an arm: one, in space two, towards x and towards y of the base."""
         return 2 if self.space else 1
 
     def _map(self, arms: Arms) -> MarkerMap | SpaceMarkerMap:
-        """Of the tips, without what the effects make of markers."""
+        """Return the marker map of the tips, without the effects on the measurement."""
         return space_marker_map(arms, arms.length[:, None]) if self.space else marker_map(arms, arms.length[:, None])
 
     def shares(self, actions: Array) -> Array:
-        """(B,) of actions (B, inputs): in space complex."""
+        """Return actions (B, inputs) as numbers (B,), complex in space."""
         return np.asarray(actions[:, 0] + 1j * actions[:, 1] if self.space else actions[:, 0])
 
     @abstractmethod
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """(K, steps + 1, D) [m] of the targets of K arms, each drawn with its own generator, or as ``options`` say.
+        """Return the target positions (K, steps + 1, D) [m] of K arms, drawn with separate generators or given by ``options``.
 
-        The options that are used are taken out.
+        The options that are used are removed from the dict.
         """
 
     def settled(self, torque: ArrayLike) -> FleetState:
-        """All arms at rest under a torque [N m], in space (2,) or 0.
+        """Return the equilibrium of all arms under a torque [N m], in space (2,) or 0.
 
         Raises:
-            InputError: one that an action could not give, or under which an arm cannot rest within its bending limit.
+            InputError: the torque exceeds that of an action, or an arm has no equilibrium under it within its bending limit.
         """
         bound, parts = float(self.largest_torque.min()), np.atleast_1d(np.asarray(torque, dtype=float))
         parts = np.zeros(self.inputs) if not parts.any() else parts
@@ -160,15 +161,15 @@ class TipTask(ABC):
         return state
 
     def _bent(self, rows: Array) -> Array:
-        """(B,) [rad] bending of whole arms, in space complex, of joint angles (or rates)."""
-        return np.asarray(self.fleet.columns.bends(rows).sum(axis=1))
+        """Return the bending (B,) [rad] (or its rate) of whole arms from joint angles (or rates), complex in space."""
+        return np.asarray(self.fleet.batch.bends(rows).sum(axis=1))
 
     def step(self, episodes: Episodes, shares: Array) -> Stepped:
-        """Hold torques (B,), in space complex, as shares of ``largest_torque``, for ``dt``."""
+        """Hold torques (B,), complex in space, as shares of ``largest_torque``, for ``dt``."""
         count = np.minimum(episodes.count + 1, self.steps)
         state, _ = self.fleet.advance(episodes.fleet, shares * self.largest_torque, self.dt)
         lost = self.fleet.lost(state)
-        failures = {int(b): failed(episodes.count[b] * self.dt, state.chain[0, b]) for b in np.flatnonzero(lost)}
+        failures = {int(b): failure_message(episodes.count[b] * self.dt, state.chain[0, b]) for b in np.flatnonzero(lost)}
         if lost.all():
             state = episodes.fleet
         elif failures:
@@ -178,11 +179,11 @@ class TipTask(ABC):
         return Stepped(now, rewards, lost, ~lost & (count >= self.steps), failures)
 
     def episodes(self, fleet: FleetState, count: NDArray[np.int64], targets: Array) -> Episodes:
-        """Where the arms are, in some state."""
+        """Return the episodes of the arms in a given state."""
         return Episodes(fleet, count, targets, self.fleet.observe(fleet)[:, -1, self._axes])
 
     def observations(self, episodes: Episodes) -> Array:
-        """(B, 10), in space (B, 16), what is seen."""
+        """Return the observations (B, 10), in space (B, 16)."""
         q, v = episodes.fleet.chain[:2]
         rates = self._tips.velocities(q, v)[:, 0, self._axes]
         bends = [self._bent(rows) for rows in (q, v)]
@@ -193,7 +194,7 @@ class TipTask(ABC):
         return np.asarray(np.clip(seen, -self.highest, self.highest))
 
     def rest_tips(self, members: NDArray[np.intp], shares: Array) -> Array:
-        """(K, T, D) [m] where the tips of K arms rest under torques, as shares (K, T) of ``largest_torque``."""
+        """Return the equilibrium tip positions (K, T, D) [m] of K arms under torques (K, T), as shares of ``largest_torque``."""
         arms = self._nominal.members(members)
         poses = static_poses(arms, (shares * self.largest_torque[members, None]).T)
         tips = self._map(arms.arms).positions(poses)
@@ -201,10 +202,10 @@ class TipTask(ABC):
 
 
 class Reach(TipTask):
-    """Bring the tip to a place where it can rest, and hold it there."""
+    """Bring the tip to an equilibrium position, and hold it there."""
 
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """One each: the place where the tip can rest nearest to ``options["target"]`` (D,) [m], or a drawn one."""
+        """Return constant targets: the equilibrium tip position nearest to ``options["target"]`` (D,) [m], or a drawn one."""
         if "target" in options:
             point = options.pop("target")
             targets = np.array([self._nearest(int(b), point) for b in members])[:, None]
@@ -217,7 +218,7 @@ class Reach(TipTask):
         return rest_at_tip(ArmDynamics(self.arms.specification(member)), point, (-bound, bound)).tip[self._axes]
 
     def _drawn(self, random: np.random.Generator) -> Array:
-        """(1,) share of the largest torque; in space to any side, evenly over the disc."""
+        """Draw a share (1,) of the largest torque; in space uniformly over the disc of all directions."""
         if not self.space:
             return np.asarray(random.uniform(-0.9, 0.9, 1))
         size, side = 0.9 * np.sqrt(random.uniform()), random.uniform(-np.pi, np.pi)
@@ -225,10 +226,10 @@ class Reach(TipTask):
 
 
 class Follow(TipTask):
-    """Follow a target that wanders along the places where the tip can rest: three sines of up to 1 Hz, from rest."""
+    """Follow a target that moves along equilibrium positions of the tip: three sines of up to 1 Hz, starting at rest."""
 
     def targets(self, random: Sequence[np.random.Generator], members: NDArray[np.intp], options: dict[str, Any]) -> Array:
-        """``options["path"]`` (steps + 1, D) [m] as it is, or drawn ones."""
+        """Return ``options["path"]`` (steps + 1, D) [m], or drawn paths."""
         if "path" in options:
             path = np.asarray(options.pop("path"), dtype=float)
             shape = (self.steps + 1, len(self._axes))
@@ -239,7 +240,7 @@ class Follow(TipTask):
         return self.rest_tips(members, 0.9 * np.array([self._drawn(own) for own in random]))
 
     def _drawn(self, random: np.random.Generator) -> Array:
-        """(steps + 1,) shares of the largest torque, of a size of 1 at most."""
+        """Draw shares (steps + 1,) of the largest torque, with a magnitude of at most 1."""
         if not self.space:
             return self._wave(random)
         return np.asarray((self._wave(random) + 1j * self._wave(random)) / np.sqrt(2))

@@ -1,4 +1,4 @@
-"""A thousand arms as one vector environment of Gymnasium, stepped in one call of the compiled loop. Needs the group ``gym``.
+"""Many arms as one vector environment of Gymnasium, advanced in one call of the compiled loop; requires the group ``gym``.
 
 ::
 
@@ -8,7 +8,7 @@
     envs = gymnasium.make_vec("hsr_pin/ReachTip-v0", num_envs=1000)
     envs = gymnasium.make_vec("hsr_pin/ReachTip-v0", num_envs=2, arm=[ArmSpecification(mass=0.15), ArmSpecification(mass=0.2)])
 
-Each arm is what its environment (:mod:`hsr_pin.control.environment`) is alone, to rounding. Seeds and infos are those of
+Each arm behaves like its single environment (:mod:`hsr_pin.control.environment`), to rounding. Seeds and infos are those of
 Gymnasium's ``SyncVectorEnv``; autoreset is "next step": an arm whose episode has ended is reset by the next step, whatever its
 action.
 """
@@ -39,15 +39,15 @@ _Flags = NDArray[np.bool_]
 
 
 class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
-    """What both vector environments share.
+    """Base class of both vector environments.
 
     Args:
-        num_envs: how many arms.
-        arm: the same for all, or one for each with the same links, placement, mount and bending.
-        effects: the same for all, or a sequence for each with the same types and options.
-        largest_torque: what an action of 1 gives [N m], for all or for each; default: what bends an arm by one radian.
-        dt: [s] that an action is held.
-        duration: of an episode [s].
+        num_envs: number of arms.
+        arm: the same arm for all, or one for each with the same links, placement, mount and bending.
+        effects: the same effects for all, or a sequence for each with the same types and options.
+        largest_torque: torque of an action of 1, for all or for each [N m]; default: the torque that bends an arm by one radian.
+        dt: duration of an action [s].
+        duration: duration of an episode [s].
         integrator: a name from ``hsr_pin.simulation.integrator``.
     """
 
@@ -88,14 +88,14 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Settle the arms under no torque and draw new targets.
+        """Put the arms in equilibrium without torque and draw new targets.
 
         Args:
-            seed: of the targets: one for each, or the first of numbers in a row.
+            seed: seeds of the targets: one for each, or the first of consecutive numbers.
             options: as for the single environment, the same for all; "reset_mask" (num_envs,): the arms to reset.
 
         Raises:
-            InputError: an unknown option, or a value that cannot be used.
+            InputError: an option is unknown, or its value is invalid.
         """
         if isinstance(seed, int):
             seed = range(seed, seed + self.num_envs)
@@ -115,12 +115,12 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         return self.task.observations(self._at), self._facts(mask)
 
     def step(self, actions: Array) -> tuple[Array, Array, _Flags, _Flags, dict[str, Any]]:
-        """Hold torques (num_envs, 1), as shares of ``largest_torque``, for ``dt``; reset the arms whose episodes have ended.
+        """Hold torques (num_envs, 1), as shares of ``largest_torque``, for ``dt``, and reset the arms whose episodes have ended.
 
         In space the torques are (num_envs, 2).
 
         Raises:
-            InputError: actions of another shape, not numbers, or out of range; or no reset came before.
+            InputError: the actions have another shape, are not numbers or are out of range; or the environments were not reset.
         """
         if not self._begun:
             raise InputError("step", expected="a reset before the first", received="none")
@@ -141,7 +141,7 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
 
     @property  # type: ignore[misc]  # as Gymnasium's SyncVectorEnv has it
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
-        """(num_envs,) of each arm."""
+        """Random generators of the arms (num_envs,)."""
         return tuple(self._generator(i) for i in range(self.num_envs))
 
     def _generator(self, place: int) -> np.random.Generator:
@@ -150,7 +150,7 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         return found
 
     def _renewed(self, mask: _Flags, fresh: FleetState, options: dict[str, Any]) -> Episodes:
-        """Where the arms are when those in the mask have begun anew; what is left of the options is not known."""
+        """Return the episodes after those in the mask have begun anew; raise an error for unknown options."""
         members, at = np.flatnonzero(mask), self._at
         targets = at.targets.copy()
         targets[mask] = self.task.targets([self._generator(i) for i in members.tolist()], members, options)
@@ -159,19 +159,19 @@ class TipVector(VectorEnv[Array, Array, NDArray[Any]]):
         return self.task.episodes(self.task.fleet.renewed(mask, fresh, at.fleet), np.where(mask, 0, at.count), targets)
 
     def _facts(self, mask: _Flags) -> dict[str, Any]:
-        """As for the single environment, with the masks that Gymnasium asks for."""
+        """Return the infos of the single environment, with the masks that Gymnasium requires."""
         distance, time = self._at.distance, self._at.count * self.task.dt
         facts = {"distance": np.where(mask, distance, 0.0), "time": np.where(mask, time, 0.0)}
         return facts | {f"_{name}": mask.copy() for name in facts}
 
 
 class ReachTips(TipVector):
-    """Bring each tip to a place where it can rest, and hold it there."""
+    """Bring each tip to an equilibrium position, and hold it there."""
 
     kind = Reach
 
 
 class FollowTips(TipVector):
-    """Follow targets that wander along the places where the tips can rest: three sines of up to 1 Hz, from rest."""
+    """Follow targets that move along equilibrium positions of the tips: three sines of up to 1 Hz, starting at rest."""
 
     kind = Follow

@@ -1,8 +1,8 @@
-"""Whether the base moves, and how much of what is missing follows from that.
+"""The part of the gap that the motion of the base predicts.
 
-The model takes the base as fixed. What its markers did shortly before foretells the gap where it is not so: an impulse response
-of the arm to its base is learnt from all trials but one (ridge regression on lagged motion, a FIR model: L. Ljung, System
-Identification, Prentice Hall 1999, ch. 4), and judged on that one.
+The model assumes a fixed base. If the base moves, its recent motion predicts the gap. An impulse response of the arm to its base
+is learned from all trials but one (ridge regression on lagged motion, a FIR model: L. Ljung, System Identification, Prentice Hall
+1999, ch. 4) and tested on that trial.
 """
 
 from __future__ import annotations
@@ -16,36 +16,38 @@ from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.prepared import BASE
 from hsr_pin.trajectory import Array
 
-#: The base is what moves if this share of the squared gap follows from its motion.
+#: The base motion is significant if it predicts this share of the squared gap.
 MOST = 0.5
-#: [s] between lags; how many of them, the first shortly after: what is seen at once may be seen a sample late.
+#: Interval between lags [s], and their indices; a few are negative because markers may be recorded a sample late.
 _STEP, _LAGS = 0.02, range(-2, 30)
-#: Ridge, over the mean square of the motion.
+#: Ridge parameter relative to the mean square of the motion.
 _RIDGE = 1e-2
 
 
 @dataclass(frozen=True)
 class BaseMotion:
-    """Share of the squared gap that the motion of the base's markers foretells in trials that it was not learnt from."""
+    """Prediction of the gap by the motion of the base markers.
 
-    foretold: float
+    Attributes:
+        predicted: share of the squared gap that is predicted in held-out trials.
+    """
+
+    predicted: float
 
     @property
     def kind(self) -> str:
-        """Kind of physics that it tells; empty if none."""
-        return "measurement" if self.foretold >= MOST else ""
+        """Kind of physics that the base motion indicates; empty if it is not significant."""
+        return "measurement" if self.predicted >= MOST else ""
 
     @property
     def sentence(self) -> str:
-        """As a person would say it; empty where the base does not matter."""
-        told = (
-            f"the base moves, which the model takes as fixed: its markers foretell {100 * self.foretold:.0f} % of what is missing"
-        )
-        return told if self.kind else ""
+        """Conclusion as a clause; empty if the base motion is not significant."""
+        share = f"{100 * self.predicted:.0f} %"
+        return f"the base moves, although the model assumes it fixed: its markers predict {share} of the gap" if self.kind else ""
 
 
 def base_motion(experiment: Experiment, missed: Sequence[Array]) -> BaseMotion | None:
-    """From the gap of each run (T, M, A) [m]; None without markers at the base, or with one run."""
+    """Return how well the base motion predicts the gaps (T, M, A) [m]; None without base markers or with a single run."""
     dataset = experiment.dataset
     base = [index for index, marker in enumerate(dataset.markers) if marker.arc_length <= BASE * dataset.length]
     if not base or len(experiment.runs) < 2:
@@ -69,7 +71,7 @@ def base_motion(experiment: Experiment, missed: Sequence[Array]) -> BaseMotion |
 
 
 def _centred(values: Array) -> Array:
-    """(T, K) about their medians; 0 in gaps."""
+    """Return values (T, K) minus their medians; 0 in gaps."""
     seen = np.isfinite(values).any(axis=0)
     middle = np.zeros(values.shape[1])
     middle[seen] = np.nanmedian(values[:, seen], axis=0)
@@ -77,5 +79,5 @@ def _centred(values: Array) -> Array:
 
 
 def _late(values: Array, samples: int) -> Array:
-    """(T, K) moved by some samples; at the ends the outermost goes on."""
+    """Return values (T, K) shifted by a number of samples; the first or last value fills the end."""
     return values[np.clip(np.arange(len(values)) - samples, 0, len(values) - 1)]

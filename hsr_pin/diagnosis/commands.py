@@ -1,4 +1,4 @@
-"""What a command is made of: stretches in which it is held, and the steps between them."""
+"""Plateaus of a command, and the steps between them."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ import numpy as np
 from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
-#: A command is held while it changes by less than this share of its largest size, for at least so long [s] and so many samples.
+#: A command is constant while it changes by less than this share of its largest size, for at least this time [s] and number of
+#: samples.
 _HELD, _LEAST, _FEWEST = 0.01, 0.2, 5
 
 
 @dataclass(frozen=True)
 class Plateau:
-    """A stretch in which the command is held.
+    """A period in which the command is constant.
 
     Attributes:
-        first, last: its samples.
-        torque: [N m]; in space complex. Of an arm of sections the mean along it.
-        command: (S,) that of each section.
+        first, last: indices of its first and last sample.
+        torque: commanded torque [N m]; complex for an arm in space; the mean along an arm of sections.
+        command: (S,) command of each section.
     """
 
     first: int
@@ -33,12 +34,11 @@ class Plateau:
 
 @dataclass(frozen=True)
 class Step:
-    """From one plateau to the next.
+    """A step of the command from one plateau to the next.
 
     Attributes:
         before, after: the plateaus.
-        instant: [s] at which a step at once would have brought as much command as was given: what flickers in between is
-            averaged.
+        instant: equivalent time of the step [s]: an ideal step at this time has the same integral as the recorded transition.
     """
 
     before: Plateau
@@ -47,12 +47,12 @@ class Step:
 
     @property
     def size(self) -> Any:
-        """[N m], signed; in space complex."""
+        """Signed size of the step [N m]; complex for an arm in space."""
         return self.after.torque - self.before.torque
 
 
 def plateaus(run: Run) -> tuple[Plateau, ...]:
-    """Where the command of a run is held, in order; a run without input holds it throughout."""
+    """Return the plateaus of a run in order; a run without input is one plateau."""
     size = _HELD * max(float(np.max(np.abs(run.command))), 1e-12)
     breaks = np.flatnonzero((np.abs(np.diff(run.command, axis=0)) > size).any(axis=1)) + 1
     bounds = [0, *breaks.tolist(), len(run.torque)]
@@ -67,18 +67,18 @@ def plateaus(run: Run) -> tuple[Plateau, ...]:
 
 
 def _spread(command: Array) -> float:
-    """Of the section whose command (T, S) spreads most."""
+    """Return the largest spread of the command (T, S) of any section."""
     return float(np.hypot(np.ptp(command.real, axis=0), np.ptp(command.imag, axis=0)).max())
 
 
 def _middle(command: Array) -> Array:
-    """(S,) of (T, S)."""
+    """Return the median command (S,) of (T, S)."""
     middle = np.median(command.real, axis=0)
     return np.asarray(middle + 1j * np.median(command.imag, axis=0) if np.iscomplexobj(command) else middle)
 
 
 def _merged(found: list[Plateau], size: float) -> list[Plateau]:
-    """Plateaus at the same command that nothing but a flicker parts are one."""
+    """Return the plateaus with neighbours of equal command merged, which are separated only by noise."""
     merged: list[Plateau] = []
     for plateau in found:
         if merged and np.abs(merged[-1].command - plateau.command).max() <= size:
@@ -89,12 +89,12 @@ def _merged(found: list[Plateau], size: float) -> list[Plateau]:
 
 
 def steps(run: Run) -> tuple[Step, ...]:
-    """The steps between plateaus of a run: what lies between must be shorter than a plateau."""
+    """Return the steps between plateaus of a run, where the transition is shorter than a plateau."""
     held = plateaus(run)
     found = []
     for before, after in pairwise(held):
         change = after.command - before.command
-        most = int(np.argmax(np.abs(change)))  # of the sections
+        most = int(np.argmax(np.abs(change)))  # the section with the largest step
         between = run.command[before.last + 1 : after.first, most] - before.command[most]
         if len(between) * run.step >= max(_LEAST, _FEWEST * run.step):
             continue

@@ -1,4 +1,4 @@
-"""Where the sim-to-real gap lies, which effect causes it, how far it shrinks: from a dataset to a diagnosis."""
+"""Diagnosis of a dataset: where the sim-to-real gap lies, which effects cause it, and how much each effect explains."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from hsr_pin.diagnosis.fingerprint.fingerprint import fingerprint
-from hsr_pin.diagnosis.fingerprint.out_of_plane import OutOfPlane
+from hsr_pin.diagnosis.indicators.indicators import indicators
+from hsr_pin.diagnosis.indicators.out_of_plane import OutOfPlane
 from hsr_pin.diagnosis.next_experiment import propose
-from hsr_pin.diagnosis.repeats import repeats
+from hsr_pin.diagnosis.repeatability import repeatability
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.verdict import WORDS, turned_plane
 from hsr_pin.diagnosis.where import Where, local_defect, locate
@@ -24,9 +24,9 @@ from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.experiment import Experiment, moves, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.identify import simulated, split
-from hsr_pin.identification.input_form import as_it_fits, form_of, otherwise, taken
-from hsr_pin.identification.part import ACTING, PLAIN, SESSION, TRIALS, Part, readings
-from hsr_pin.identification.plane import Plane, in_its_plane
+from hsr_pin.identification.input_form import alternative_forms, best_form, form_of, with_form
+from hsr_pin.identification.part import ACTING, PLAIN, SESSION, TRIALS, Part, part_variants
+from hsr_pin.identification.plane import Plane, with_plane_corrected
 from hsr_pin.identification.prepared import TRUEST
 from hsr_pin.inference import Cause, Loss, Model
 from hsr_pin.inference.calibration import calibrated
@@ -36,15 +36,15 @@ from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.inference.ladder import ladder
 from hsr_pin.inference.resampling import squares
 from hsr_pin.inference.residuals import lasting_square
-from hsr_pin.inference.search import Search, judged, search, without
+from hsr_pin.inference.search import Search, judged, search, with_detection_limits, without
 from hsr_pin.inference.verdict import Limits, Verdict, predicted_no_better, verdict_of
-from hsr_pin.parallel import beforehand, workers
+from hsr_pin.parallel import open_executor, prepare_workers
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.specification import Placement
-from hsr_pin.simulation.compiled import ready
+from hsr_pin.simulation.compiled import precompile
 from hsr_pin.trajectory import Array, Dataset
 
-#: Models that are fitted again where commands may be taken another way: the most probable few.
+#: Number of the most probable models that are fitted again with another interpolation of the commands.
 _AGAIN = 3
 
 
@@ -70,27 +70,27 @@ def diagnose(
     """Diagnose the sim-to-real gap of a dataset.
 
     Args:
-        dataset: at least two trials in which the arm moves; or the folder that holds it.
-        effects: names of the candidates; default: the whole catalogue.
-        max_effects: at most this many together.
-        links: of the chain that is fitted; default: 16, or as many as simulated the dataset.
-        placement: of its joints; default: in the middle of each element, or as in the simulation.
-        declared_links: of the declared model, with joints at the links' ends as in the paper.
-        delay: trials that start from a pose are followed only from so long after their declared start [s].
-        train: names or patterns of the trials that the evidence comes from; default: all that are not set aside.
-        test: of the trials set aside, on which the ladder is told; default: those not among ``train``. Without any, each trial is
-            predicted by a fit to the others.
-        jobs: processes; default: one per core.
-        cluster: address of a Dask scheduler whose workers do it instead.
-        executor: in place of both.
-        loss: what each report gains where it is right and loses where it is not; default: the table of :class:`Loss`.
-        seed: of the resampling.
-        tell: called with a line at each stage.
+        dataset: a dataset with at least two trials in which the arm moves, or its folder.
+        effects: names of the candidate effects; default: the whole catalogue.
+        max_effects: largest number of effects in one model.
+        links: number of links of the fitted chain; default: 16, or that of the simulation that made the dataset.
+        placement: joint placement of the fitted chain; default: in the middle of each element, or as in that simulation.
+        declared_links: number of links of the declared model, with joints at the ends of the links as in the paper.
+        delay: trials that start from a pose are used only from this time after their declared start [s].
+        train: names or patterns of the trials that are fitted; default: all trials that are not held out.
+        test: names or patterns of the held-out trials, which are used for the ladder; default: those not in ``train``. If there
+            are none, each trial is predicted by a fit to the others.
+        jobs: number of processes; default: one per core.
+        cluster: address of a Dask scheduler to use instead of local processes.
+        executor: executor to use instead of both.
+        loss: gains and losses of a report; default: the table of :class:`Loss`.
+        seed: seed of the resampling.
+        tell: function that receives a progress message at each stage.
         advance: called after each fit.
 
     Raises:
         IdentificationError: nothing in the dataset can be compared with a model, or an argument is out of range.
-        EffectError: an unknown effect.
+        EffectError: an effect is unknown.
     """
     if not isinstance(dataset, Dataset):
         dataset = read_dataset(dataset)
@@ -99,24 +99,24 @@ def diagnose(
     if max_effects < 0:
         raise IdentificationError("max_effects", expected="zero or more", received=max_effects)
     tell("reading the recordings")
-    whole, plane = in_its_plane(prepare(dataset, delay=delay))
-    experiment, aside = split(whole, train, test)
-    if aside:
-        named = ", ".join(run.trial.name for run in aside.runs)
-        experiment = _noted(experiment, f"the ladder uses trials to which nothing was fitted: {named}")
+    whole, plane = with_plane_corrected(prepare(dataset, delay=delay))
+    experiment, heldout = split(whole, train, test)
+    if heldout:
+        named = ", ".join(run.trial.name for run in heldout.runs)
+        experiment = _noted(experiment, f"the ladder uses held-out trials, to which nothing was fitted: {named}")
     if effects is not None:
-        refuse_formless(kinds, space=space)
+        refuse_unsupported(kinds, space=space)
     parts = catalogue(kinds, experiment, tuple(PLAIN) if effects is None else ())
-    ready(kinds, space=space)
+    precompile(kinds, space=space)
     if executor is not None:
-        beforehand(executor, ready, kinds, space)
-    with workers(jobs, cluster, executor) as executor:
+        prepare_workers(executor, precompile, kinds, space)
+    with open_executor(jobs, cluster, executor) as executor:
         study = _Study(
             parts,
             Hypothesis(**chain_of(dataset, links, placement)),
             declared_links,
             max_effects,
-            aside,
+            heldout,
             plane,
             executor,
             loss or Loss(),
@@ -129,20 +129,20 @@ def diagnose(
 
 @dataclass(frozen=True, eq=False)
 class _Study:
-    """How recordings are diagnosed: arguments as of :func:`diagnose`.
+    """Settings of a diagnosis; other fields are the arguments of :func:`diagnose`.
 
     Attributes:
-        parts: the candidates.
-        hypothesis: the arm alone.
-        aside: the trials set aside.
-        plane: that was turned back.
+        parts: the candidate effects in all variants.
+        hypothesis: the model without effects.
+        heldout: the held-out trials.
+        plane: the plane of bending that was corrected, if any.
     """
 
     parts: Sequence[Part]
     hypothesis: Hypothesis
     declared_links: int
     max_effects: int
-    aside: Experiment | None
+    heldout: Experiment | None
     plane: Plane | None
     executor: Executor
     loss: Loss
@@ -151,11 +151,11 @@ class _Study:
     advance: Callable[[], None]
 
     def of(self, experiment: Experiment) -> Diagnosis:
-        """The diagnosis."""
-        prints, own = fingerprint(experiment), repeats(experiment)
-        prints = prints.with_print(OutOfPlane(self.plane)) if self.plane else prints
-        experiment = replace(experiment, notes=(*experiment.notes, *prints.notes))
-        length, scatter = experiment.dataset.length, own.floor if own else None
+        """Return the diagnosis of recordings."""
+        shown, repeated = indicators(experiment), repeatability(experiment)
+        shown = shown.with_indicator(OutOfPlane(self.plane)) if self.plane else shown
+        experiment = replace(experiment, notes=(*experiment.notes, *shown.notes))
+        length, scatter = experiment.dataset.length, repeated.floor if repeated else None
         limits = Limits.of(experiment.noise_rms, TRUEST * length)
         paper = replace(self.hypothesis, links=self.declared_links, placement="base")
         lacking = _insufficient(experiment)
@@ -165,16 +165,18 @@ class _Study:
             lower = ladder(self._declared(experiment, paper), limits.noise, self.seed)
             nominal = tuple(_simulated(experiment, paper))
             verdict = Verdict("insufficient", (), (), lacking)
-            return Diagnosis(experiment, verdict, lower, None, limits, nominal, None, propose(experiment, rivals), prints, own)
-        self.tell("stiffness and damping")
-        experiment, base_fit = as_it_fits(experiment, fit(experiment, self.hypothesis))
+            return Diagnosis(
+                experiment, verdict, lower, None, limits, nominal, None, propose(experiment, rivals), shown, repeated
+            )
+        self.tell("fitting stiffness and damping")
+        experiment, base_fit = best_form(experiment, fit(experiment, self.hypothesis))
         experiment = _able(experiment, base_fit)
         experiment, found, located = self._searched(experiment, base_fit, limits)
         declared = lasting_square(_simulated(experiment, self.hypothesis))
         verdict = verdict_of(found, limits, declared, WORDS, length=length, scatter=scatter, loss=self.loss)
-        self.tell("where the gap lies")
+        self.tell("locating the gap")
         rungs = self._rungs(found, experiment)
-        if self.aside:
+        if self.heldout:
             alone, best = (squares(rungs[k][2]).mean ** 0.5 for k in (0, -1))
             verdict = predicted_no_better(verdict, alone, best, found.best.names, WORDS)
         verdict = turned_plane(verdict, self.plane)
@@ -188,18 +190,18 @@ class _Study:
             tuple(_simulated(experiment, paper)),
             where,
             propose(experiment, _fitted(found, verdict.alternatives)) if verdict.status == "ambiguous" else (),
-            prints,
-            own,
+            shown,
+            repeated,
             self.loss,
         )
 
     def _searched(self, experiment: Experiment, base_fit: Fit, limits: Limits) -> tuple[Experiment, Search, Where]:
-        """The recordings with open commands as the best model takes them, the models that were fitted, and where the gap lies."""
+        """Return the recordings with the best interpolation of their commands, the fitted models, and the maps of the gap."""
         variants = Counter(part.name for part in self.parts)
         data, numbers = data_of(experiment), calibrated()
         pool = FitPool(experiment, self.executor, variants, self.advance)
         base = candidate(experiment, base_fit, variants)
-        located = pool.beside(locate, base, self.seed)
+        located = pool.submit(locate, base, self.seed)
         starts = [base, *pool.full(_by_level(experiment, base_fit))]
         gap = len(experiment.axes) * base.model.misfit
         most = self.max_effects if gap > limits.closed**2 else 0
@@ -209,8 +211,8 @@ class _Study:
 
         candidates = searched(starts, pool)
         found = judged(candidates, data, numbers)
-        for other in otherwise(experiment) if most else ():
-            self.tell("the commands taken another way")
+        for other in alternative_forms(experiment) if most else ():
+            self.tell("trying another interpolation of the commands")
             others = FitPool(other, self.executor, variants, self.advance)
             again = others.full(_again(found))
             both = judged((*candidates, *again), data, numbers)
@@ -218,25 +220,27 @@ class _Study:
                 again = list(searched(again, others))
                 both = judged((*candidates, *again), data, numbers)
             if both.best in again:
-                experiment = other
+                experiment, pool = other, others
             candidates, found = both.candidates, both
         where = located()
-        return experiment, judged(candidates, data, numbers, unfitted(base, where)), where
+        found = judged(candidates, data, numbers, unfitted(base, where))
+        closed = limits.closed**2 / len(experiment.axes)
+        return experiment, with_detection_limits(found, experiment, self.parts, pool, numbers, closed), where
 
     def _declared(self, experiment: Experiment, paper: Hypothesis) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-        """The upper rows of the ladder: the declared model as in the paper, and finely discretised."""
-        aside = taken(self.aside, form_of(experiment)) if self.aside else experiment
+        """Return the first rows of the ladder: the declared model of the paper, and the same with a finer discretisation."""
+        test = with_form(self.heldout, form_of(experiment)) if self.heldout else experiment
         return [
-            ("declared model", (), _simulated(aside, paper)),
-            ("finer discretisation", (), _simulated(aside, self.hypothesis)),
+            ("declared model", (), _simulated(test, paper)),
+            ("finer discretisation", (), _simulated(test, self.hypothesis)),
         ]
 
     def _rungs(self, found: Search, experiment: Experiment) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-        """Name, effects and held-out residuals of the models on the way to the best; on the trials set aside, if any."""
-        aside = taken(self.aside, form_of(experiment)) if self.aside else None
+        """Return name, effects and held-out residuals of the models from the base model to the best one."""
+        test = with_form(self.heldout, form_of(experiment)) if self.heldout else None
 
         def heldout(model: Candidate) -> Sequence[Array]:
-            return model.heldout if aside is None else simulated(aside, model.fit.hypothesis, model.fit.values)
+            return model.heldout if test is None else simulated(test, model.fit.hypothesis, model.fit.values)
 
         path = found.path
         rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = [("stiffness and damping", (), heldout(path[0]))]
@@ -247,10 +251,10 @@ class _Study:
 
 
 def _able(experiment: Experiment, base: Fit) -> Experiment:
-    """The recordings, with a note on those that the arm alone cannot be simulated in.
+    """Return the recordings with a note on the trials that the base model cannot simulate.
 
     Raises:
-        IdentificationError: it can be simulated in none.
+        IdentificationError: no trial can be simulated.
     """
     if not any(slopes.any() for slopes in base.slopes):
         raise IdentificationError(
@@ -259,16 +263,16 @@ def _able(experiment: Experiment, base: Fit) -> Experiment:
             received="one that fails in every trial",
         )
     if base.failed:
-        return _noted(experiment, f"cannot be simulated, is the input right? {', '.join(base.failed)}")
+        return _noted(experiment, f"trials that cannot be simulated (check their input): {', '.join(base.failed)}")
     return experiment
 
 
 def unfitted(base: Candidate, where: Where) -> list[Model]:
-    """Causes that show without a law that could be fitted: a base that moves, and what pulsates by a clock of its own.
+    """Return summaries of causes without a law that could be fitted: base motion and periodic disturbances.
 
-    Each stands for its kind and leaves what it does not predict of the gap, in trials from which it was not learnt.
+    Each of them stands for its kind of physics. Its misfit is the part of the gap that it does not predict in held-out trials.
     """
-    shares = {} if where.base is None else {("base_motion", "measurement"): where.base.foretold}
+    shares = {} if where.base is None else {("base_motion", "measurement"): where.base.predicted}
     if where.pulsation is not None:
         shares["pulsating_torque", "actuation_map"] = where.pulsation.added
         shares["pulsating_stiffness", "elastic"] = where.pulsation.elastic
@@ -279,7 +283,7 @@ def unfitted(base: Candidate, where: Where) -> list[Model]:
 
 
 def _again(found: Search) -> list[Fit]:
-    """Where to start the most probable models with the commands taken another way, and these without what makes them late."""
+    """Return the starts for fits with another interpolation of the commands: the best models, also without their delays."""
     leaders = found.leaders(list(found.posterior.sets)[:_AGAIN])
     models: dict[object, Fit] = {found.base.key: found.base.fit}
     for each in leaders:
@@ -292,7 +296,7 @@ def _again(found: Search) -> list[Fit]:
 
 
 def _by_level(experiment: Experiment, base: Fit) -> list[Fit]:
-    """Where to start a stiffness and a damping for each declared Keq; nothing where there is only one."""
+    """Return the start of a fit with one stiffness and damping for each declared Keq; empty if there is only one Keq."""
     levels = sorted({run.trial.keq for run in experiment.runs})
     if len(levels) < 2:
         return []
@@ -301,32 +305,33 @@ def _by_level(experiment: Experiment, base: Fit) -> list[Fit]:
 
 
 def _fitted(found: Search, sets: Sequence[tuple[str, ...]]) -> list[tuple[Hypothesis, Array]]:
-    """The best fit with each set of effects."""
+    """Return the best fit with each set of effects."""
     return [(each.fit.hypothesis, each.fit.values) for each in found.leaders(sets)]
 
 
 def catalogue(kinds: Sequence[type[Effect]], experiment: Experiment, plain: Sequence[str] = ACTING) -> list[Part]:
-    """Every variant of some effects that these recordings could tell apart, and the arm's numbers that may be open.
+    """Return all variants of some effects that these recordings can distinguish, and the model's own parameters that may be free.
 
-    Of an arm that was weighed no other mass along the arm is among them.
+    If the mass of the arm is known, no other mass along the arm is included.
     """
     parts = [Part(name) for name in plain if name not in SESSION or len(experiment.runs) >= TRIALS]
     driven, space = any(run.span > 0 or run.torque[0] != 0 for run in experiment.runs), len(experiment.directions) > 1
     levels = experiment.levels
-    told = len(levels) > 1 and all(sum(run.trial.keq == keq for run in experiment.runs) > 1 for keq in levels)  # held out, too
+    # several runs of each level, so that a fit without one of them still determines a size for each level
+    determined = len(levels) > 1 and all(sum(run.trial.keq == keq for run in experiment.runs) > 1 for keq in levels)
     for kind in kinds:
-        parts += readings(kind, space=space, levels=len(levels), each=levels if told else ())
+        parts += part_variants(kind, space=space, levels=len(levels), each=levels if determined else ())
     known = {"mass_scale", "added_mass"} if experiment.dataset.weighed else set()
     return [part for part in parts if part.name not in known and (driven or part.kind not in ("actuation_time", "actuation_map"))]
 
 
-def refuse_formless(kinds: Sequence[type[Effect]], *, space: bool) -> None:
-    """Refuse effects that were asked for and have no form for arms in space, or for those in a plane.
+def refuse_unsupported(kinds: Sequence[type[Effect]], *, space: bool) -> None:
+    """Refuse requested effects that have no form for arms in space, or for arms in a plane.
 
     Raises:
-        IdentificationError: naming them.
+        IdentificationError: an effect has no such form; the message names it.
     """
-    if wrong := [kind.name for kind in kinds if not readings(kind, space=space)]:
+    if wrong := [kind.name for kind in kinds if not part_variants(kind, space=space)]:
         expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
         raise IdentificationError("effects", expected=expected, received=", ".join(wrong))
 
@@ -340,11 +345,11 @@ def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
 
 
 def _insufficient(experiment: Experiment) -> str:
-    """What is lacking, and what to record; empty if nothing is."""
+    """Return the reason why the recordings are insufficient and what to record; empty if they are sufficient."""
     moving = [run for run in experiment.runs if moves(run, experiment.noise)]
     if len(moving) < 2:
         return (
             f"In {len(moving)} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
-            "on data it was not fitted to. Record steps to three or more torques, at two stiffness levels."
+            "on held-out data. Record steps to three or more torques, at two stiffness levels."
         )
     return ""

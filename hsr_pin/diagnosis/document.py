@@ -1,7 +1,7 @@
-"""A diagnosis as one JSON document, for programs.
+"""A diagnosis as one JSON document.
 
-Lengths are in mm (but for ``arm``: SI units) and shares from 0 to 1; what is not known is null. Schema 2 has ``posterior`` and
-``limits`` in place of the ``support``, ``thresholds`` and ``damping_held`` of schema 1.
+Lengths are in mm (except for ``arm``, which is in SI units), shares range from 0 to 1, and unknown values are null. Schema 2 has
+``posterior`` and ``limits`` in place of the ``support``, ``thresholds`` and ``damping_held`` of schema 1.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.document import (
     candidates_to_json,
+    detection_to_json,
     estimates_to_json,
     number_or_null,
     posterior_to_json,
     verdict_to_json,
 )
 from hsr_pin.inference.ladder import Rung
-from hsr_pin.inference.verdict import Left
+from hsr_pin.inference.verdict import Remainder
 
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
@@ -30,7 +31,7 @@ SCHEMA = 2
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The document: plain numbers, texts, lists and dictionaries, as ``json.dumps(..., allow_nan=False)`` takes them."""
+    """Return the document as plain numbers, texts, lists and dictionaries for ``json.dumps(..., allow_nan=False)``."""
     verdict, length = diagnosis.verdict, diagnosis.experiment.dataset.length
     return {
         "schema": SCHEMA,
@@ -46,13 +47,14 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             {"name": each.name, "separation": number_or_null(each.separation)} for each in diagnosis.next_experiment
         ],
         "limits": {"closed_mm": _mm(diagnosis.limits.closed), "share": number_or_null(diagnosis.limits.share)},
-        "fingerprint": None if diagnosis.fingerprint is None else diagnosis.fingerprint.to_json(),
-        "repeats": None if diagnosis.repeats is None else diagnosis.repeats.to_json(),
+        "fingerprint": None if diagnosis.indicators is None else diagnosis.indicators.to_json(),
+        "repeats": None if diagnosis.repeatability is None else diagnosis.repeatability.to_json(),
+        "detection_limits": [] if diagnosis.search is None else detection_to_json(diagnosis.search),
         "notes": list(diagnosis.experiment.notes),
     }
 
 
-def _left(left: Left | None) -> dict[str, float | None] | None:
+def _left(left: Remainder | None) -> dict[str, float | None] | None:
     if left is None:
         return None
     return {
@@ -108,7 +110,7 @@ def _where(where: Where | None) -> dict[str, Any]:
         "sentence": where.sentence,
         "frequency_hz": None if where.frequency is None else number_or_null(where.frequency),
         "defect": None if where.defect is None else {"centre": centre, "ci95": interval},
-        "base": None if where.base is None else {"foretold": number_or_null(where.base.foretold)},
+        "base": None if where.base is None else {"foretold": number_or_null(where.base.predicted)},
         "pulsation": None if where.pulsation is None else {k: number_or_null(v) for k, v in asdict(where.pulsation).items()},
     }
 

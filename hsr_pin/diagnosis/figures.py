@@ -1,4 +1,4 @@
-"""The figures of a report: the ladder, the candidates, the maps, simulation against measurement."""
+"""Figures of the report: the ladder, the candidates, the maps of the gap, and simulated against measured motion."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hsr_pin.diagnosis.fingerprint.prints import Print
+from hsr_pin.diagnosis.indicators.indicator import Indicator
 from hsr_pin.diagnosis.where import Map, Where
 from hsr_pin.diagnosis.words import model_name, readable
 from hsr_pin.identification.prepared import Run
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 
 #: Width of a page [inch].
 _WIDTH = 7.4
-#: No more candidates than this in their figure.
+#: Largest number of candidates in their figure.
 MOST_CANDIDATES = 14
-#: No more dots than this for one measured curve.
+#: Largest number of dots of one measured curve.
 _DOTS = 300
 
 
 def ladder_figure(diagnosis: Diagnosis) -> Figure:
-    """Error on held-out trials from rung to rung, with its interval, down to the noise floor."""
+    """Return a figure of the held-out error of each row of the ladder with its interval, down to the noise floor."""
     from matplotlib.figure import Figure
 
     rungs = diagnosis.ladder
@@ -61,24 +61,24 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def candidates_figure(diagnosis: Diagnosis) -> Figure:
-    """The best models that were tried, by their error on held-out trials."""
+    """Return a figure of the best fitted models, ordered by their error on held-out trials."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
     assert diagnosis.search is not None
     shown = shown_candidates(diagnosis)
     best, noise = diagnosis.search.best.names, 1e3 * diagnosis.limits.noise
-    said = {best, *diagnosis.verdict.alternatives}
+    named = {best, *diagnosis.verdict.alternatives}
     values = [1e3 * candidate.heldout_square**0.5 for candidate in shown]
     with drawing():
         figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
         axes = figure.add_subplot()
-        start = max(noise, min(values) / 4)  # noise far below all candidates would leave them no room
-        said_of_noise = "noise" if start == noise else f"noise: {number(noise)}"
+        start = max(noise, min(values) / 4)  # very small noise would compress the candidates' axis
+        noise_label = "noise" if start == noise else f"noise: {number(noise)}"
         axes.axvline(noise, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
-        axes.annotate(said_of_noise, (start, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points")
+        axes.annotate(noise_label, (start, 1), (0, 2), xycoords=("data", "axes fraction"), textcoords="offset points")
         for y, (candidate, value) in enumerate(zip(shown, values, strict=True)):
-            chosen = candidate.names in said
+            chosen = candidate.names in named
             colour = ROLES["model"] if chosen else ROLES["faint"]
             axes.plot([start, value], [y, y], color=colour, lw=2.2 if chosen else 1.0)
             axes.plot(value, y, "o", color=colour, ms=6 if chosen else 4.5)
@@ -96,7 +96,7 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def shown_candidates(diagnosis: Diagnosis) -> tuple[Candidate, ...]:
-    """The best of what was tried, and in any case the model without effects."""
+    """Return the best fitted models, including the model without effects."""
     if diagnosis.search is None:
         return ()
     order = ranked(diagnosis.search.candidates)
@@ -105,7 +105,7 @@ def shown_candidates(diagnosis: Diagnosis) -> tuple[Candidate, ...]:
 
 
 def where_figure(where: Where) -> Figure:
-    """Every map as bars, with what noise alone would leave."""
+    """Return a figure of all maps of the gap as bars, with the level of noise."""
     from matplotlib.figure import Figure
 
     maps = [where.arc_length, where.time, where.trials, *where.operating_range]
@@ -135,7 +135,7 @@ def _draw_map(axes: Axes, chart: Map) -> None:
 
 
 def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
-    """Labels without the unit that all of them end in, and that unit for the title."""
+    """Return the labels without their common unit, and that unit for the title."""
     ends = {label.partition(" ")[2] for label in labels}
     if chart.quantity in ("time", "trial") or len(ends) != 1 or "" in ends:
         return [label.replace("trial_", "") if chart.quantity == "trial" else label for label in labels], ""
@@ -143,7 +143,7 @@ def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
 
 
 def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
-    """One run, by the declared model and by the best: path of the marker nearest to the tip, its motion, and the error."""
+    """Return a figure of one run with the declared and the best model: path, motion and error of the outermost marker."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatter
 
@@ -157,7 +157,7 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
     seen = run.compared[:: -(-len(run.instants) // _DOTS), tip]
     time = run.instants[:: -(-len(run.instants) // _DOTS)]
     axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
-    across = np.sort(np.argsort(np.ptp(paths[-1], axis=0))[-2:])  # the plane in which it goes farthest, or moves at all
+    across = np.sort(np.argsort(np.ptp(paths[-1], axis=0))[-2:])  # the plane with the largest motion
     with drawing():
         figure = Figure(figsize=(_WIDTH, 3.3), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.35))
@@ -199,21 +199,21 @@ def _label(figure: Figure, panels: tuple[Axes, Axes, Axes], axis: str) -> None:
 
 
 def farthest_seen(run: Run, diagnosis: Diagnosis) -> int:
-    """Index of the marker farthest from the base, of those that were seen for a good part of a run."""
+    """Return the index of the marker farthest from the base, among those that were visible for a good part of a run."""
     seen = np.isfinite(run.measured).all(axis=2).sum(axis=0)
     reach = [marker.arc_length for marker in diagnosis.experiment.markers]
     return int(np.argmax(np.where(seen >= seen.max() / 2, reach, -1.0)))
 
 
 def _gapless(run: Run, missed: Array, marker: int) -> Array:
-    """(T, A) [m] what a model predicts for one marker, drawn through the gaps of the measurement that it is told from."""
+    """Return the predicted path (T, A) of one marker [m], interpolated across gaps of the measurement."""
     path = run.compared[:, marker] + missed[:, marker]
     seen = np.isfinite(path).all(axis=1)
     return np.stack([np.interp(run.time, run.instants[seen], column[seen]) for column in path.T], axis=1)
 
 
-def print_figure(shown: Print) -> Figure:
-    """One print of the recordings."""
+def indicator_figure(shown: Indicator) -> Figure:
+    """Return the figure of one indicator."""
     from matplotlib.figure import Figure
 
     with drawing():

@@ -1,4 +1,4 @@
-"""What to record next: the standard experiment in which the rivals differ most, beside the noise."""
+"""Selection of the next experiment: the standard experiment in which the alternative models differ most, relative to noise."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ import numpy as np
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.prepared import Run
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.integrator import Integrator
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.trajectory import Array
 
 _STEP, _DURATION = 0.01, 4.0
-#: Payload [kg] and tilt of the base [rad] of the experiments that have one.
+#: Payload [kg] and tilt of the base [rad] of the experiments with a payload or a tilt.
 _PAYLOAD, _TILT = 0.05, 0.35
-#: Rivals that are nearer than this to each other in every experiment, over the noise floor, are the same.
-ALIKE = 0.1
+#: Alternatives whose distance is below this in every experiment [noise floors] count as one.
+INDISTINGUISHABLE = 0.1
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """One standard experiment.
+    """A standard experiment with its predicted separation of alternatives.
 
     Attributes:
         name: "steps", "steps aside", "staircase", "chirp", "release", "payload" or "tilted base".
-        separation: RMS distance between the markers that the two least different rivals predict, over the noise floor; of those
-            that some experiment tells apart.
+        separation: RMS distance between the markers predicted by the two closest alternatives, in noise floors; alternatives that
+            no experiment separates are not counted.
     """
 
     name: str
@@ -38,22 +38,24 @@ class Proposal:
 
 
 def propose(experiment: Experiment, rivals: Sequence[tuple[Hypothesis, Array]]) -> tuple[Proposal, ...]:
-    """The standard experiments, the most telling first, for fitted rivals (model, values (P,)); none for a single one.
+    """Return the standard experiments for fitted alternatives (model, values (P,)), the most informative first.
 
-    Rivals that none of them tells apart are one law in other words, and count as one; none where that is all there is.
+    Alternatives that no experiment separates count as one law. The result is empty if there are fewer than two different ones.
     """
     if len(rivals) < 2:
         return ()
-    apart: dict[str, Array] = {}  # (pairs of rivals,) over the noise floor
+    separations: dict[str, Array] = {}  # (pairs of alternatives,) in noise floors
     for name, changes in _programs(experiment):
         seen = [_predicted(experiment, model, values, changes) for model, values in rivals]
         if all(np.isfinite(positions).all() for positions in seen):
             pairs = itertools.combinations(seen, 2)
-            apart[name] = np.array([np.sqrt(((a - b) ** 2).sum(axis=2).mean()) for a, b in pairs]) / experiment.noise_rms
-    if not apart:
+            separations[name] = np.array([np.sqrt(((a - b) ** 2).sum(axis=2).mean()) for a, b in pairs]) / experiment.noise_rms
+    if not separations:
         return ()
-    unlike = np.max(list(apart.values()), axis=0) >= ALIKE
-    proposals = (Proposal(name, float(distances[unlike].min())) for name, distances in apart.items() if unlike.any())
+    distinguishable = np.max(list(separations.values()), axis=0) >= INDISTINGUISHABLE
+    proposals = [
+        Proposal(name, float(each[distinguishable].min())) for name, each in separations.items() if distinguishable.any()
+    ]
     return tuple(sorted(proposals, key=lambda proposal: -proposal.separation))
 
 
@@ -86,20 +88,20 @@ def _programs(experiment: Experiment) -> list[tuple[str, _Changes]]:
 
 
 def _predicted(experiment: Experiment, model: Hypothesis, values: Array, changes: _Changes) -> Array:
-    """(T, M, 3) [m] the markers in a standard experiment."""
+    """Return the marker positions (T, M, 3) in a standard experiment [m]."""
     template = experiment.runs[0]
     time: Array = _STEP * np.arange(len(changes.torque), dtype=float)
     torque = changes.torque.astype(template.torque.dtype)
     unseen = np.full((len(time), len(experiment.markers), 3), np.nan)
     run = Run(template.trial, time, torque, unseen, None, 0.0, axes=template.axes)
-    plain = model.columns(experiment, run, values[None])
+    plain = model.arm_batch(experiment, run, values[None])
     arms = replace(plain.nominal, tip_mass=plain.nominal.tip_mass + changes.payload, tilt=plain.nominal.tilt + changes.tilt)
-    columns = Columns(arms, plain.effects)
-    engine = Engine(columns, "compiled")
+    batch = ArmBatch(arms, plain.effects)
+    engine = Engine(batch, "compiled")
     command = engine.deliver(run.torque[:, None], run.torque[:1], _STEP)
-    q, found = columns.evenly(np.array([0.8])), np.ones(1, dtype=bool)
+    q, found = batch.evenly(np.array([0.8])), np.ones(1, dtype=bool)
     if not changes.released:
         q, found = engine.settled(command.initial, found, np.zeros_like(q))
     motion = engine.run(engine.loaded(q, np.zeros_like(q)), command, len(time), Integrator(tolerance=model.tolerance), found)
-    positions = experiment.cameras(columns).positions(motion.angles)[:, 0]
+    positions = experiment.cameras(batch).positions(motion.angles)[:, 0]
     return positions if np.isinf(motion.lost[0]) else np.full_like(positions, np.nan)

@@ -1,4 +1,4 @@
-"""A diagnosis as one HTML file that needs nothing else: no network, no scripts; for the screen and for paper."""
+"""A diagnosis as one self-contained HTML file for screen and print, without network access or scripts."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from hsr_pin.trajectory import Array
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.result import Diagnosis
 
-#: Rows of the table of probabilities, and the least probability that is listed.
+#: Largest number of rows in the table of probabilities, and least probability that is listed.
 _ROWS, _LISTED = 8, 0.01
 _COUNTED = re.compile(r"(\d+) of (\d+) samples")
 
 
 def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
-    """Write the report.
+    """Write the HTML report of a diagnosis to a file.
 
     Raises:
         OutputError: the file cannot be written.
@@ -43,10 +43,10 @@ def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
 
 
 def report(diagnosis: Diagnosis) -> str:
-    """The text of that file."""
-    surroundings = environment(Path(__file__).parent)
-    surroundings.filters |= {"readable": readable, "percent": _percent, "in_words": where_sentence}
-    return surroundings.get_template("report.html.jinja").render(
+    """Return the HTML report of a diagnosis as text."""
+    templates = environment(Path(__file__).parent)
+    templates.filters |= {"readable": readable, "percent": _percent, "in_words": where_sentence}
+    return templates.get_template("report.html.jinja").render(
         diagnosis=diagnosis,
         verdict=diagnosis.verdict,
         dataset=diagnosis.experiment.dataset,
@@ -69,15 +69,15 @@ def report(diagnosis: Diagnosis) -> str:
 
 @dataclass(frozen=True)
 class Model:
-    """A fitted model to show with its parameters.
+    """A fitted model that is shown with its parameters.
 
     Attributes:
-        name: of its effects, as text.
-        rms: [m] on held-out trials.
+        name: its effects, as text.
+        rms: RMS distance on held-out trials [m].
         estimates: its parameters.
-        scales: of stiffness and damping, as text.
-        options: of ``hsr-sim``, to simulate with its effects; by the Keq at which they hold, "" for any.
-        doubts: what the data hardly tell, a sentence each.
+        scales: factors on the declared parameters, as text.
+        options: options of ``hsr-sim`` that simulate its effects, by the Keq at which they hold; "" if they hold for any.
+        doubts: one sentence for each parameter combination that the data hardly determine.
     """
 
     name: str
@@ -88,38 +88,38 @@ class Model:
     doubts: tuple[str, ...]
 
 
-def telling(diagnosis: Diagnosis) -> list[tuple[int, str]]:
-    """The runs to look at, and why: where the gap shrinks most, and where most of it is left."""
+def shown_runs(diagnosis: Diagnosis) -> list[tuple[int, str]]:
+    """Return the runs that are shown, each with the reason: the largest improvement, and the largest remaining gap."""
     declared = np.array([_square(missed) for missed in diagnosis.nominal])
     if diagnosis.search is None:
-        return [(int(np.argmax(declared)), "where the declared model misses most")]
+        return [(int(np.argmax(declared)), "the trial with the largest error of the declared model")]
     left = np.array([_square(missed) for missed in diagnosis.search.best.heldout])
     shrinks, remains = int(np.argmax(declared - left)), int(np.argmax(left))
     if shrinks == remains:
-        return [(shrinks, "where the gap shrinks most, and most of it is left")]
-    return [(shrinks, "where the gap shrinks most"), (remains, "where most of the gap is left")]
+        return [(shrinks, "the trial with the largest improvement and the largest remaining gap")]
+    return [(shrinks, "the trial with the largest improvement"), (remains, "the trial with the largest remaining gap")]
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, Any]:
     runs = diagnosis.experiment.runs
     search, where = diagnosis.search, diagnosis.where
     motions = []
-    for index, why in telling(diagnosis):
+    for index, why in shown_runs(diagnosis):
         marker = diagnosis.experiment.markers[figures.farthest_seen(runs[index], diagnosis)].name
         caption = f"{runs[index].trial.name}, {why}: marker {marker}"
         svg = inline(figures.motion_figure(diagnosis, index), f"motion{index}", caption)
         motions.append((caption, Markup(svg)))
     drawn = {
-        "ladder_svg": (figures.ladder_figure(diagnosis), "ladder", "Error from rung to rung"),
+        "ladder_svg": (figures.ladder_figure(diagnosis), "ladder", "Error of each model in the ladder"),
         "candidates_svg": (search and figures.candidates_figure(diagnosis), "candidates", "Error of each candidate"),
         "where_svg": (where and figures.where_figure(where), "where", "Maps of the gap"),
     }
-    prints = [
-        (each, Markup(inline(figures.print_figure(each), f"print{k}", each.sentence)))
-        for k, each in enumerate(diagnosis.fingerprint.prints if diagnosis.fingerprint else ())
+    drawn_indicators = [
+        (each, Markup(inline(figures.indicator_figure(each), f"indicator{k}", each.sentence)))
+        for k, each in enumerate(diagnosis.indicators.items if diagnosis.indicators else ())
     ]
     svgs = {key: figure and Markup(inline(figure, *words)) for key, (figure, *words) in drawn.items()}
-    return svgs | {"motions": motions, "prints": prints}
+    return svgs | {"motions": motions, "indicators": drawn_indicators}
 
 
 def _rungs(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -135,14 +135,14 @@ def _rungs(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _sets(diagnosis: Diagnosis) -> list[tuple[tuple[str, ...], float]]:
-    """The most probable sets of causes, with their probabilities."""
+    """Return the most probable sets of causes with their probabilities."""
     if diagnosis.search is None:
         return []
     return [(names, p) for names, p in diagnosis.search.posterior.sets.items() if p >= _LISTED][:_ROWS]
 
 
 def _models(diagnosis: Diagnosis) -> list[Model]:
-    """The best model, and those that the recordings cannot tell from it."""
+    """Return the best model and the alternatives that the recordings cannot distinguish from it."""
     if diagnosis.search is None:
         return []
     best = diagnosis.search.best
@@ -158,7 +158,7 @@ def _model(candidate: Candidate, levels: Sequence[float]) -> Model:
 
 
 def _named(diagnosis: Diagnosis) -> list[type[Effect]]:
-    """Every effect that the verdict or the best model names, in the order of the catalogue."""
+    """Return the effects that the verdict or the best model names, in the order of the catalogue."""
     names = {*diagnosis.verdict.effects, *(name for names in diagnosis.verdict.alternatives for name in names)}
     if diagnosis.search is not None:
         names |= {*diagnosis.search.best.names}
@@ -183,7 +183,7 @@ def _recording(run: Run, diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _notes(diagnosis: Diagnosis) -> list[str]:
-    """What was left out, and what was done to the recordings: the same in several trials is said once, samples added up."""
+    """Return what was left out or corrected; equal notes of several trials are merged, with their sample counts added."""
     experiment = diagnosis.experiment
     said: dict[str, list[tuple[str, int, int]]] = {}
     for run in experiment.runs:
@@ -208,7 +208,7 @@ def _percent(share: float) -> str:
 
 
 def _span(torque: Array) -> str:
-    """From the lowest to the highest; in space up to which size."""
+    """Return the range of a torque as text; of an arm in space its largest magnitude."""
     if np.iscomplexobj(torque):
         return f"up to {round(float(np.abs(torque).max()), 2):g}"
     low, high = (round(float(bound), 2) + 0.0 for bound in (torque.min(), torque.max()))

@@ -1,4 +1,4 @@
-"""What a diagnosis found, and how it is shown in Python."""
+"""The result of a diagnosis, and its display in Python."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hsr_pin.diagnosis.fingerprint.fingerprint import Fingerprint
+from hsr_pin.diagnosis.indicators.indicators import Indicators
 from hsr_pin.diagnosis.next_experiment import Proposal
-from hsr_pin.diagnosis.repeats import Repeats
+from hsr_pin.diagnosis.repeatability import Repeatability
 from hsr_pin.diagnosis.where import Where
 from hsr_pin.diagnosis.words import sentence
 from hsr_pin.errors import MissingDependencyError
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """All that was found.
+    """Result of a diagnosis.
 
     Attributes:
         experiment: the recordings as they were used.
-        verdict: what may be said.
-        ladder: how far each step shrinks the gap.
-        search: every model that was tried; None where there was too little to try any.
-        limits: what is too small to report.
-        nominal: for each run (T, M, 3) [m] predicted minus measured by the model as declared.
-        where: maps of the gap that fitted stiffness and damping leave; None where there was too little to fit.
-        next_experiment: what to record next, the most telling first; empty where the verdict needs no more.
-        fingerprint: what the recordings show without a model.
-        repeats: trial-to-trial repeatability; None where no trials repeat one another.
-        loss: by which the report was chosen.
+        verdict: the conclusion.
+        ladder: how much each step explains of the gap.
+        search: all fitted models; None if the data were insufficient.
+        limits: thresholds below which a gap is not reported.
+        nominal: for each run (T, M, 3) predicted minus measured by the declared model [m].
+        where: maps of the gap that fitted stiffness and damping leave; None if the data were insufficient.
+        next_experiment: proposed experiments, the most informative first; empty if none is needed.
+        indicators: model-free indicators of the recordings.
+        repeatability: trial-to-trial repeatability; None if no trials repeat one another.
+        loss: gains and losses by which the report was chosen.
     """
 
     experiment: Experiment
@@ -51,8 +51,8 @@ class Diagnosis:
     nominal: tuple[Array, ...]
     where: Where | None = None
     next_experiment: tuple[Proposal, ...] = ()
-    fingerprint: Fingerprint | None = None
-    repeats: Repeats | None = None
+    indicators: Indicators | None = None
+    repeatability: Repeatability | None = None
     loss: Loss = field(default_factory=Loss)
 
     def __repr__(self) -> str:
@@ -69,7 +69,7 @@ class Diagnosis:
         write_report(self, path)
 
     def to_json(self) -> dict[str, Any]:
-        """The diagnosis in plain numbers and texts, as ``hsr-diagnose --json`` writes it."""
+        """Return the diagnosis as a dictionary of plain numbers and texts, which ``hsr-diagnose --json`` writes."""
         from hsr_pin.diagnosis.document import to_json
 
         return to_json(self)
@@ -80,12 +80,12 @@ class Diagnosis:
             for rung in self.ladder
         )
         title = html.escape(f"{self.experiment.dataset.name}: {headline(self.verdict)}")
-        said = html.escape(sentence(self.verdict.sentence))
+        conclusion = html.escape(sentence(self.verdict.sentence))
         columns = "<tr><th>model</th><th>RMS [mm]</th><th>share of the squared gap</th></tr>"
-        return f"<h4>{title}</h4><p>{said}</p><table>{columns}{rows}</table>"
+        return f"<h4>{title}</h4><p>{conclusion}</p><table>{columns}{rows}</table>"
 
     def plot(self) -> Figure:
-        """The error of each model on held-out trials, and the probability of each set of causes."""
+        """Return a figure with the held-out error of each model and the probability of each set of causes."""
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(9.0, 3.2), layout="constrained")
@@ -93,7 +93,7 @@ class Diagnosis:
         errors.barh([rung.name for rung in self.ladder], [1e3 * rung.rms for rung in self.ladder], color="#0072B2")
         errors.set_xlabel("RMS on held-out trials [mm]")
         sets = {} if self.search is None else self.search.posterior.sets
-        shown = [(" + ".join(names) or "none of these", p) for names, p in sets.items()][:6]
+        shown = [(" + ".join(names) or "no cause", p) for names, p in sets.items()][:6]
         causes.barh([name for name, _ in shown], [p for _, p in shown], color="#D55E00")
         causes.set_xlabel("probability")
         causes.set_xlim(0, 1)
@@ -104,9 +104,9 @@ class Diagnosis:
         return figure
 
     def to_dataframe(self) -> Any:
-        """A pandas ``DataFrame`` with a row for each fitted model.
+        """Return a pandas ``DataFrame`` with one row for each fitted model.
 
-        Columns: causes, probability, heldout_rms [m], and the value of each parameter by its name.
+        The columns are causes, probability, heldout_rms [m], and the value of each parameter by its name.
 
         Raises:
             MissingDependencyError: pandas is not installed.

@@ -1,4 +1,4 @@
-"""Measured motion smoothed and differentiated, and ranks: what SciPy has too, where loading it takes longer than a whole fit."""
+"""Smoothing, differentiation and rank correlation; SciPy has these too, but its modules take longer to load than a whole fit."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from hsr_pin.trajectory import Array
 
 
 def smoothed(values: Array, window: int, degree: int, deriv: int = 0, step: float = 1.0) -> Array:
-    """Values (T, ...), or their derivative in time, by a polynomial through the samples around each of them.
+    """Return values (T, ...), or their time derivative, smoothed by a local polynomial (Savitzky-Golay filter).
 
     A. Savitzky, M. J. E. Golay, Smoothing and differentiation of data by simplified least squares procedures, Anal. Chem. 36
-    (1964). Near the ends the polynomial through the first or last samples goes on.
+    (1964). Near the ends, the polynomial through the first or last samples is extended.
 
     Args:
-        values: at least ``window`` of them.
+        values: at least ``window`` values.
         window: odd number of samples.
-        degree: of the polynomial.
-        deriv: which derivative.
-        step: from sample to sample [s].
+        degree: degree of the polynomial.
+        deriv: order of the derivative.
+        step: sampling interval [s].
     """
     half, scale = window // 2, step**deriv
     powers = np.arange(half, -half - 1.0, -1.0) ** np.arange(degree + 1.0)[:, None]
@@ -37,7 +37,7 @@ def smoothed(values: Array, window: int, degree: int, deriv: int = 0, step: floa
 
 
 def rank_correlation(one: Array, other: Array) -> float:
-    """Of values (n,) (C. Spearman, Am. J. Psychol. 15, 1904); equal values share the mean of their ranks."""
+    """Return Spearman's rank correlation of values (n,) (Am. J. Psychol. 15, 1904); equal values share their mean rank."""
     return float(np.corrcoef(_ranks(one), _ranks(other))[0, 1])
 
 

@@ -1,4 +1,4 @@
-"""What is reported of an arm: the words of a verdict, and the plane in which the arm bends."""
+"""Vocabulary of verdicts on arms, and the verdict on a rotated plane of bending."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ def _mm(metres: float) -> str:
     return f"{1e3 * metres:.2f} mm"
 
 
-#: How verdicts on arms call what they speak of.
+#: Vocabulary of verdicts on arms.
 WORDS = Vocabulary(
     fitted="stiffness and damping",
     size=_mm,
     kinds=KINDS,
     numbers={
-        "torque_gain": "another gain of the torque (torque_gain)",
-        "mass_scale": "another mass (mass_scale)",
-        "keq_drift": "a stiffness that changes over the session (keq_drift)",
-        "gain_drift": "a gain of the torque that changes over the session (gain_drift)",
+        "torque_gain": "a different torque gain (torque_gain)",
+        "mass_scale": "a different mass (mass_scale)",
+        "keq_drift": "a stiffness drift over the session (keq_drift)",
+        "gain_drift": "a drift of the torque gain over the session (gain_drift)",
     },
     session=frozenset(SESSION),
 )
 
 
 def turned_plane(verdict: Verdict, plane: Plane | None) -> Verdict:
-    """A verdict with the plane that was turned back before any model was fitted."""
+    """Return a verdict with the rotated plane of bending that was corrected before the fits, if any."""
     if plane is None or not plane.kind:
         return verdict
     nothing = verdict.status in ("no_gap", "parameters", "unexplained")
@@ -38,5 +38,5 @@ def turned_plane(verdict: Verdict, plane: Plane | None) -> Verdict:
         verdict,
         status="partly_identified" if nothing else verdict.status,
         kinds=tuple(sorted({*verdict.kinds, plane.kind})),
-        sentence=f"{verdict.sentence} Besides, of the kind {plane.kind}: {plane.sentence}.",
+        sentence=f"{verdict.sentence} In addition, of the kind {plane.kind}: {plane.sentence}.",
     )

@@ -1,4 +1,4 @@
-"""Where the gap lies: along the arm, along time, over the operating range, by trial."""
+"""Maps of the gap: along the arm, over time, over the operating range, and by trial."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
 
 _BINS = 4
-#: Sides of the base to which an arm in space bends, and the share of the largest bending from which on it has one.
+#: Directions of bending of an arm in space, and least bending, as a share of the largest, that has a direction.
 SIDES, _BENT = ("+x", "+y", "-x", "-y"), 0.1
-#: A part of the arm or of time that holds this share of the squared gap is where it sits.
+#: A part of the arm or of time with at least this share of the squared gap is named.
 _MOST = 0.5
-#: Rank correlation from which the gap is said to grow with something.
+#: Least rank correlation with a quantity with which the gap is said to grow.
 _GROWS = 0.3
 
 
 @dataclass(frozen=True)
 class Bin:
-    """One piece of a map.
+    """One part of a map.
 
     Attributes:
-        label: what it is.
-        value: RMS there, in the map's unit.
-        share: of the whole squared gap beyond noise, 0 to 1.
-        noise: what noise alone would give there, in the map's unit.
+        label: name of the part.
+        value: RMS value in the part, in the map's unit.
+        share: share of the whole squared gap beyond noise, 0 to 1.
+        noise: RMS value that noise alone would cause, in the map's unit.
     """
 
     label: str
@@ -48,12 +48,12 @@ class Bin:
 
 @dataclass(frozen=True)
 class Map:
-    """RMS of the gap over one quantity.
+    """RMS gap as a function of one quantity.
 
     Attributes:
         quantity: "arc length", "time", "bending angle", ...
-        unit: of the values.
-        bins: in order.
+        unit: unit of the values.
+        bins: the parts in order.
     """
 
     quantity: str
@@ -63,18 +63,18 @@ class Map:
 
 @dataclass(frozen=True)
 class Where:
-    """All maps of the gap that is left when stiffness and damping are fitted.
+    """All maps of the gap that remains with fitted stiffness and damping.
 
     Attributes:
-        arc_length: residual torque [N m] along the arm.
-        time: marker distance [mm] by phase.
-        operating_range: marker distance [mm] over bending angle, rate and torque; in space over the side to which it bends too.
-        trials: marker distance [mm] by trial.
-        frequency: [Hz] at which the residual is strongest; None if it is flat.
-        base: how much of it follows from the base's motion; None where that is not seen.
-        pulsation: how much of it a wave of one frequency predicts; None where that cannot be sought.
-        sentence: as a person would say it.
-        defect: centre of a local change of stiffness and its 95 % interval, over L; None where none was found.
+        arc_length: residual torque along the arm [N m].
+        time: marker distance by phase of the motion [mm].
+        operating_range: marker distance over bending angle, rate and torque [mm]; in space also over the direction of bending.
+        trials: marker distance by trial [mm].
+        frequency: frequency at which the residual is strongest [Hz]; None if there is none.
+        base: part of the gap that the base motion predicts; None without base markers.
+        pulsation: part of the gap that a wave of one frequency predicts; None if it cannot be determined.
+        sentence: conclusion as one sentence.
+        defect: centre of a local change of stiffness and its 95 % interval, over L; None if none was found.
     """
 
     arc_length: Map
@@ -89,12 +89,12 @@ class Where:
 
 
 def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
-    """Map what the model with fitted stiffness and damping misses on held-out trials.
+    """Return the maps of the gap that the model with fitted stiffness and damping leaves on held-out trials.
 
     Args:
         experiment: the recordings.
-        base: stiffness and damping fitted, no effects.
-        seed: of the noise draws.
+        base: the model with fitted stiffness and damping, without effects.
+        seed: seed of the noise samples.
     """
     gaps = [_distance(residual) for residual in base.heldout]
     noise = experiment.noise_rms
@@ -114,14 +114,14 @@ def locate(experiment: Experiment, base: Candidate, seed: int) -> Where:
 
 
 def _phases(run: Run, gap: Array) -> NDArray[np.int_]:
-    """(R,) in which phase of a run each of its samples is, of which ``gap`` (R, M, A) [m] is predicted minus measured."""
+    """Return the phase (R,) of each sample of a run; ``gap`` (R, M, A) is predicted minus measured [m]."""
     path = np.full(run.tracked.shape, np.nan)
     path[run.looked_at] = run.compared + gap
     return np.asarray(phases(run, _filled(path))[run.looked_at])
 
 
 def _distance(residual: Array) -> Array:
-    """(T,) [m] RMS over the markers that were seen; NaN where none was."""
+    """Return the RMS distance (T,) of the visible markers [m]; NaN where none was visible."""
     square = (residual**2).sum(axis=2)
     seen = np.isfinite(square)
     count = seen.sum(axis=1)
@@ -130,7 +130,7 @@ def _distance(residual: Array) -> Array:
 
 
 def _filled(positions: Array) -> Array:
-    """Positions (T, M, 3) with gaps bridged by straight lines."""
+    """Return positions (T, M, 3) with gaps interpolated linearly."""
     columns = positions.reshape(len(positions), -1).copy()
     sample = np.arange(len(columns))
     for column in columns.T:
@@ -176,11 +176,11 @@ def _operating_range(
     experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array], noise: float
 ) -> tuple[Map, ...]:
     gap = np.concatenate(gaps)
-    bending = _looked_at(experiment, [t.bending for t in torques])
+    bending = _used_samples(experiment, [t.bending for t in torques])
     quantities = (
         ("bending angle", "rad", np.abs(bending)),
-        ("bending rate", "rad/s", np.abs(_looked_at(experiment, [t.rate for t in torques]))),
-        ("torque", "N m", np.abs(_looked_at(experiment, [run.torque for run in experiment.runs]))),
+        ("bending rate", "rad/s", np.abs(_used_samples(experiment, [t.rate for t in torques]))),
+        ("torque", "N m", np.abs(_used_samples(experiment, [run.torque for run in experiment.runs]))),
     )
     maps = []
     for quantity, unit, values in quantities:
@@ -195,13 +195,13 @@ def _operating_range(
     return tuple(maps)
 
 
-def _looked_at(experiment: Experiment, values: Sequence[Array]) -> Array:
-    """(n,) of values (T,) of each run, one after the other, those at the samples that are looked at."""
+def _used_samples(experiment: Experiment, values: Sequence[Array]) -> Array:
+    """Return (n,) values (T,) of all runs at the samples that are used, concatenated."""
     return np.concatenate([each[run.looked_at] for run, each in zip(experiment.runs, values, strict=True)])
 
 
 def _direction(bending: Array, gap: Array, noise: float) -> Map:
-    """Over the side to which an arm in space bends (T,), in the axes of its base, where it is bent by enough to tell."""
+    """Return the map over the direction of bending (T,) of an arm in space, in the axes of its base, for large bending only."""
     size = np.abs(bending)
     side = np.round(np.angle(bending) / (np.pi / 2)).astype(int) % 4
     index = np.where(size > _BENT * size.max(), side, -1)
@@ -209,7 +209,7 @@ def _direction(bending: Array, gap: Array, noise: float) -> Map:
 
 
 def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None:
-    """The frequency [Hz] with the most residual power; None if it hardly stands out, or lasts less than three periods."""
+    """Return the frequency [Hz] with the largest residual power; None if it is not distinct or lasts less than three periods."""
     spectra: dict[float, float] = {}
     for run, residual in zip(experiment.runs, heldout, strict=True):
         signal = np.nan_to_num(residual.reshape(len(residual), -1))
@@ -224,12 +224,12 @@ def _frequency(experiment: Experiment, heldout: Sequence[Array]) -> float | None
 
 
 def _pace(run: Run) -> float:
-    """Time [s] from one sample that is looked at to the next, in the mean."""
+    """Return the mean interval between the samples that are used [s]."""
     return float(run.instants[-1] - run.instants[0]) / (len(run.instants) - 1)
 
 
 def local_defect(best: Candidate) -> tuple[float, float, float] | None:
-    """Where the best model has a local change of stiffness: its centre and the 95 % interval, over L; None: it has none."""
+    """Return the centre of a local change of stiffness in the best model and its 95 % interval, over L; None without one."""
     facts = [fact.name for fact in best.fit.hypothesis.parameters]
     if "soft_spot.centre" not in facts:
         return None
@@ -251,7 +251,7 @@ def _sentence(
         "rest": "while the arm is at rest",
         "command change": "just after the command changes",
         "transient": "while the arm moves",
-        "settled": "where the arm has settled",
+        "settled": "after the arm has settled",
     }[phase.label]
     if phase.share < _MOST:
         when = "in all parts of the motion"
@@ -259,11 +259,11 @@ def _sentence(
     at = (np.arange(len(thirds)) + 0.5) / len(thirds)
     held = [float(thirds[(at >= k / 3) & (at < (k + 1) / 3)].sum()) for k in range(3)]
     names = ("inner third", "middle third", "outer third")
-    place = f"in the {names[int(np.argmax(held))]} of the arm" if max(held) >= _MOST else "all along the arm"
+    place = f"in the {names[int(np.argmax(held))]} of the arm" if max(held) >= _MOST else "along the whole arm"
     sides = [part for chart in ranges if chart.quantity == "direction of bending" for part in chart.bins]
     most = max(sides, key=lambda part: part.share, default=None)
     side = f", most where it bends towards {most.label}" if most and most.share >= _MOST else ""
-    return f"The gap sits {when}, {place}{_growth(experiment, torques, gaps)}{side}."
+    return f"The gap occurs {when}, {place}{_growth(experiment, torques, gaps)}{side}."
 
 
 def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Sequence[Array]) -> str:
@@ -277,7 +277,7 @@ def _growth(experiment: Experiment, torques: Sequence[ResidualTorque], gaps: Seq
         ("the rate of bending", [np.abs(t.rate) for t in torques]),
         ("torque", [np.abs(run.torque) for run in experiment.runs]),
     ):
-        value = _looked_at(experiment, values)[seen]
+        value = _used_samples(experiment, values)[seen]
         if np.ptp(value) > 0:
             ranks[name] = rank_correlation(value, gap[seen])
     name, rank = max(ranks.items(), key=lambda item: item[1], default=("", 0.0))

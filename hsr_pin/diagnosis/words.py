@@ -1,4 +1,4 @@
-"""What a diagnosis means and what to do with it, in words: the same on the screen and in the report."""
+"""Sentences on a diagnosis and on what to do next, used on the screen and in the report."""
 
 from __future__ import annotations
 
@@ -21,70 +21,75 @@ if TYPE_CHECKING:
 EXPERIMENTS = {
     "steps": "steps from rest to the largest torque",
     "steps aside": "the same steps towards y of the base",
-    "staircase": "up to the largest torque in four stairs, and down again",
-    "chirp": "swing between no torque and the largest, slowly at first, then ever faster",
-    "release": "hold the arm bent, with no torque, and let it go",
+    "staircase": "four equal steps up to the largest torque, and down again",
+    "chirp": "a chirp between zero and the largest torque, with rising frequency",
+    "release": "hold the arm bent without torque, and release it",
     "payload": "the same steps with 50 g at the tip",
     "tilted base": "the same steps with the base tilted by 20 degrees",
 }
 
 
 def readable(names: Sequence[str]) -> str:
-    """Names of effects as text: ``dry friction + tip mass``."""
+    """Return names of effects as text: ``dry friction + tip mass``."""
     return " + ".join(name.replace("_", " ") for name in names)
 
 
 def sentence(text: str) -> str:
-    """A sentence for people, from one that calls effects and kinds of physics by their names in code."""
+    """Return a sentence in which the names of effects and kinds of physics are readable, not those in the code."""
     for name in (*EFFECTS, *SPATIAL, *FLEXIBLE, *KINDS):
         text = text.replace(name, name.replace("_", " "))
     return text[:1].upper() + text[1:]
 
 
 def model_name(candidate: Candidate) -> str:
-    """A fitted model in a few words."""
+    """Return the name of a fitted model as text."""
     return readable(candidate.names) or "stiffness and damping only"
 
 
 def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """What to do next, a sentence each."""
+    """Return what to do next, one sentence for each item."""
     status, search = diagnosis.verdict.status, diagnosis.search
     sentences = []
     if diagnosis.next_experiment:
         first = diagnosis.next_experiment[0]
         what = EXPERIMENTS.get(first.name, first.name)
-        separates = "tells the explanations apart best" if status == "ambiguous" else "would tell most"
-        sentences.append(f"Record next: {what}; it {separates} (by {number(first.separation)} times the noise).")
+        separates = "separates the explanations best" if status == "ambiguous" else "is the most informative one"
+        sentences.append(f"Record next: {what}; this experiment {separates} (by {number(first.separation)} times the noise).")
     elif status == "ambiguous":
-        sentences.append("No standard experiment tells these apart: to this arm they are the same. Weigh it, or measure.")
+        sentences.append(
+            "No standard experiment separates these explanations on this arm. Measure one of them directly, for example the mass."
+        )
     if status in ("identified", "parameters") and search is not None:
-        sentences.append(f"Simulate with {scales(search.best.fit)}{', and the effects found' * (status == 'identified')}.")
+        sentences.append(f"Simulate with {scales(search.best.fit)}{', and the identified effects' * (status == 'identified')}.")
     if status == "unexplained":
-        sentences.append("Do not trust the values of a model that does not explain the gap; the maps say where and when it lies.")
+        sentences.append(
+            "Do not trust the values of a model that does not explain the gap; the maps show where and when it occurs."
+        )
     if status == "partly_identified":
-        sentences.append("Simulate with what is reported; its values hold as far as what is left lets them.")
+        sentences.append("Simulate with the reported effects; the gap that remains makes their values less certain.")
     if search is not None and (bounds := search.best.fit.on_bound()):
-        sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond, or something else stands behind it.")
+        sentences.append(f"{', '.join(bounds)} ended on a bound: the true value lies beyond it, or another effect is the cause.")
     if status == "no_gap":
         sentences.append("Use the declared model, discretised finely enough (joints in the middle of the elements).")
     return tuple(sentences)
 
 
 def where_sentence(where: Where) -> str:
-    """Where the gap lies, and how often it swings."""
-    return where.sentence if where.frequency is None else f"{where.sentence} It is strongest at {where.frequency:g} Hz."
+    """Return where the gap lies, and its frequency if it oscillates."""
+    return where.sentence if where.frequency is None else f"{where.sentence} The residual is strongest at {where.frequency:g} Hz."
 
 
 def scales(fit: Fit) -> str:
-    """The fitted factors on what was declared of the arm: ``Keq times 1.07, C times 1.1``."""
+    """Return the fitted factors on declared parameters of the arm: ``Keq times 1.07, C times 1.1``."""
     counterparts = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass", "torque_gain": "the torque"}
     return ", ".join(f"{what} times {number(fit.named[name])}" for name, what in counterparts.items() if name in fit.named)
 
 
 def effect_options(fit: Fit, levels: Sequence[float]) -> dict[str, str]:
-    """The fitted effects as ``hsr-sim`` takes them, ``--effect dry_friction:level=0.05``, by the Keq at which they are so.
+    """Return the fitted effects as options of ``hsr-sim`` (``--effect dry_friction:level=0.05``), by the Keq at which they hold.
 
-    Where one has another size at each of the declared levels [Nm/rad], "1.11 Nm/rad" and so on; else "" alone.
+    If an effect has another size at each declared level [Nm/rad], the keys are "1.11 Nm/rad" and so on; otherwise the only key is
+    "".
     """
     if not any(part.levels or part.resized for part in fit.hypothesis.parts):
         return {"": _options(fit, levels[0], 1.0)}

@@ -1,4 +1,4 @@
-"""The effects that the nominal model may lack: one file per law, and the table of them all."""
+"""Effects that the nominal model may lack: one file per law, and a catalogue of all effects."""
 
 from hsr_pin.effects.catalogue import EFFECTS, effect_named, parse_effect
 from hsr_pin.effects.effect import Effect

@@ -1,4 +1,4 @@
-"""Muscles that fill slowly."""
+"""Lag of actuators that fill slowly."""
 
 from __future__ import annotations
 
@@ -10,33 +10,35 @@ import numpy as np
 from hsr_pin.effects.effect import Effect, option
 from hsr_pin.parameters import parameter
 
-#: In the order of the option.
+#: Indices of the option ``order``.
 FIRST, SECOND = 0, 1
 
 
 @dataclass(frozen=True)
 class ActuatorLag(Effect):
-    """T dy/dt = u - y. Over a step h with u held: y' = u + (y - u) exp(-h/T), and the mean of y is u - (T/h) (y' - y).
+    """Lag of the torque behind the command, of first or second order or as through an orifice: T dy/dt = u - y.
 
-    Of second order, as of a chamber behind a tube: two of them with half of T, the second of which takes the mean of the first's
-    step. Through an orifice the flow goes with the root of the difference (ISO 6358): T dy/dt = sqrt(Keq |u - y|) towards u,
-    which is reached after 2 T sqrt(|u - y| / Keq).
+    Over a step h with constant u, y' = u + (y - u) exp(-h/T), and the mean of y is u - (T/h) (y' - y).
+
+    The lag of second order, as of a chamber behind a tube, consists of two such lags with half of T; the second one gets the mean
+    of the first over the step. Through an orifice the flow is proportional to the square root of the pressure difference (ISO
+    6358): T dy/dt = sqrt(Keq |u - y|) towards u, which is reached after 2 T sqrt(|u - y| / Keq).
     """
 
     name = "actuator_lag"
-    lacks = "the torque follows the command as a lag of first or second order, or as through an orifice"
+    lacks = "the torque follows the command with a lag of first or second order, or as through an orifice"
     cause = "filling of the muscles, regulators"
     memories = 2
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
     kind = "actuation_time"
 
     time_constant: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, resizes=1, description="of the lag"
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, level_exponent=1, description="time constant of the lag"
     )
-    order: str = option("first", "second", "orifice", description="of the lag; how the muscles fill")
+    order: str = option("first", "second", "orifice", description="order of the lag, or filling through an orifice")
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         if p.order > SECOND:
             gap, time = memory[0] - torque, 2 * p.time_constant / np.sqrt(keq)
             root, way = np.sqrt(np.abs(gap)), gap / np.maximum(np.abs(gap), 1e-300)

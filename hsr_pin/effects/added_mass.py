@@ -1,4 +1,4 @@
-"""More mass along the arm."""
+"""Additional mass along the arm."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 @dataclass(frozen=True)
 class AddedMass(Effect):
-    """Mass spread evenly over the arm, beside its own."""
+    """Mass distributed uniformly along the arm, in addition to the arm's own."""
 
     name = "added_mass"
     lacks = "extra mass along the arm"
@@ -20,7 +20,9 @@ class AddedMass(Effect):
     kind = "mass_gravity"
     passive = True
 
-    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.1, amplitude=True, description="spread over the arm")
+    mass: float = parameter(
+        0.0, lower=0.0, upper=0.5, unit="kg", scale=0.1, amplitude=True, description="mass, distributed along the arm"
+    )
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         return replace(specification, mass=specification.mass + self.mass)

@@ -12,7 +12,10 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class Backlash(Effect):
-    """m = -k clip(angle, -gap/2, gap/2): together with the spring, a dead zone."""
+    """Play without restoring torque: m = -k clip(angle, -gap/2, gap/2).
+
+    Together with the spring, this moment makes a dead zone.
+    """
 
     name = "backlash"
     lacks = "no restoring torque inside a gap"
@@ -28,7 +31,7 @@ class Backlash(Effect):
         unit="rad",
         scale=0.05,
         amplitude=True,
-        description="bending of the whole arm, from end to end of the play",
+        description="width of the play, as bending of the whole arm",
     )
 
     @staticmethod

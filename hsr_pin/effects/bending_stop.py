@@ -1,4 +1,4 @@
-"""Stiffness that jumps beyond an angle."""
+"""Stiffness that increases abruptly beyond an angle."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Sides in the order of the option.
+#: Indices of the option ``side``.
 BOTH, POSITIVE = 0, 1
 
 
 @dataclass(frozen=True)
 class BendingStop(Effect):
-    """m = Keq ratio sign(angle) max(|angle| - stop, 0), to both sides or to one."""
+    """Stop that stiffens the arm beyond an angle, on both sides or on one: m = Keq ratio sign(angle) max(|angle| - stop, 0)."""
 
     name = "bending_stop"
-    lacks = "stiffness jumps beyond an angle"
+    lacks = "the stiffness increases abruptly beyond an angle"
     cause = "the cable carrier's links lock"
     citation = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)"
     kind = "elastic"
@@ -34,11 +34,13 @@ class BendingStop(Effect):
         unit="1",
         scale=0.3,
         amplitude=True,
-        resizes=-1,
-        description="stiffness added beyond the stop, over Keq",
+        level_exponent=-1,
+        description="additional stiffness beyond the stop, relative to Keq",
     )
-    angle: float = parameter(0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at the stop")
-    side: str = option("both", "positive", "negative", description="towards which bending the links lock")
+    angle: float = parameter(
+        0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at which the stop begins"
+    )
+    side: str = option("both", "positive", "negative", description="side on which the links lock")
 
     @property
     def in_space(self) -> bool:

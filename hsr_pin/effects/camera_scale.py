@@ -1,4 +1,4 @@
-"""Cameras that see everything larger or smaller than it is."""
+"""Cameras with a wrong length scale."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class CameraScale(Effect):
-    """p_seen = (1 + scale) p."""
+    """Measured positions that are scaled by a constant factor: p_measured = (1 + scale) p."""
 
     name = "camera_scale"
-    lacks = "the cameras see lengths by a factor too large or too small"
+    lacks = "the cameras measure all lengths too large or too small by one factor"
     cause = "a calibration with a wand of another length"
     citation = "L. Chiari et al., Human movement analysis using stereophotogrammetry. Part 2, Gait Posture 21 (2005)"
     kind = "measurement"
     passive = True
 
     scale: float = parameter(
-        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="of lengths, beyond one"
+        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="relative error of measured lengths"
     )
 
     def observe(self, view: View) -> Array:

@@ -1,4 +1,4 @@
-"""Every effect there is, by name."""
+"""The catalogue of all effects, by name."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from hsr_pin.effects.unequal_lag import UnequalLag
 from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.errors import EffectError
 
-#: In the order of reports: along the arm, with bending, with time, the drive, the surroundings.
+#: In the order of reports: properties along the arm, with bending, with time, of the drive, of the surroundings.
 EFFECTS: dict[str, type[Effect]] = {
     effect.name: effect
     for effect in (
@@ -77,9 +77,9 @@ EFFECTS: dict[str, type[Effect]] = {
 
 
 def laws(*, space: bool) -> tuple[type[Effect], ...]:
-    """What an arm in a plane, or in space, may lack: causes, then the flexible laws.
+    """Return the laws that a planar arm, or an arm in space, may lack: effects first, then flexible laws.
 
-    In space a law that has one direction in the plane gives way to that which goes to any side.
+    In space, laws that have a fixed direction in the plane are replaced by their spatial versions.
     """
     if not space:
         return (*EFFECTS.values(), *FLEXIBLE.values())
@@ -88,10 +88,10 @@ def laws(*, space: bool) -> tuple[type[Effect], ...]:
 
 
 def effect_named(name: str) -> type[Effect]:
-    """An effect by its name, or the flexible law of a kind, or an effect that only an arm in space has.
+    """Return an effect by its name: of the catalogue, a flexible law, or an effect of arms in space only.
 
     Raises:
-        EffectError: listing the names there are, and the nearest.
+        EffectError: there is no such effect; the message lists the existing names and the most similar one.
     """
     every = EFFECTS | FLEXIBLE | SPATIAL
     if name not in every:
@@ -102,10 +102,10 @@ def effect_named(name: str) -> type[Effect]:
 
 
 def parse_effect(text: str) -> Effect:
-    """An effect as written on the command line: ``name:parameter=value,option=choice``. What is not given stays neutral.
+    """Parse an effect from the command line: ``name:parameter=value,option=choice``; other parameters stay neutral.
 
     Raises:
-        EffectError: unknown names, values that are none or out of bounds, or nothing that switches the effect on.
+        EffectError: a name is unknown, a value is invalid or out of bounds, or no value switches the effect on.
     """
     name, _, rest = text.partition(":")
     effect = effect_named(name.strip())

@@ -1,4 +1,4 @@
-"""Damping that changes along the arm."""
+"""Damping that varies along the arm."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class DampingGradient(Effect):
-    """c(s) / C = 1 + slope (s - 1/2): the mean stays C."""
+    """Linear variation of the damping along the arm with a constant mean C: c(s) / C = 1 + slope (s - 1/2)."""
 
     name = "damping_gradient"
     lacks = "damping varies from base to tip"
@@ -27,7 +27,7 @@ class DampingGradient(Effect):
         unit="1",
         scale=0.3,
         amplitude=True,
-        description="damping at the tip minus at the base, over the middle",
+        description="damping at the tip minus damping at the base, relative to the middle",
     )
 
     def damping(self, s: Array) -> Array:

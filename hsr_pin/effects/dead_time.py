@@ -1,4 +1,4 @@
-"""A torque that comes late."""
+"""A delay of the torque."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class DeadTime(Effect):
-    """y(t) = u(t - delay), the delay resolved within a step: the motion changes evenly with it."""
+    """Delay of the torque behind the command: y(t) = u(t - delay).
+
+    The delay is resolved within a step, so that the motion is a smooth function of it.
+    """
 
     name = "dead_time"
-    lacks = "the torque follows the command late"
+    lacks = "the torque follows the command with a delay"
     cause = "valves, sampling, clock offset"
     citation = "E. Richer, Y. Hurmuzlu, A high performance pneumatic force actuator system: Part I, J. Dyn. Syst. 122 (2000)"
     kind = "actuation_time"
 
-    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.02, amplitude=True, description="of the torque")
+    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.02, amplitude=True, description="delay of the torque")
 
-    def late(self) -> Any:
+    def command_delay(self) -> Any:
         return self.delay

@@ -1,4 +1,4 @@
-"""Coulomb friction that sticks."""
+"""Coulomb friction with sticking."""
 
 from __future__ import annotations
 
@@ -12,26 +12,27 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Stuck links deflect by SHORTEST [rad of the whole arm] and by level / CONTACT before they slide. Found by trial, as short as a
-#: step of 10 ms allows.
+#: Stuck links deflect by SHORTEST [rad of the whole arm] plus level / CONTACT before they slide. The values were found by trial;
+#: they are as small as a step of 10 ms allows.
 SHORTEST, CONTACT = 0.005, 25.0
-#: Bending [rad] whose load presses straight links together, where friction goes with the load.
+#: Bending [rad] that is equivalent to the contact load of straight links, for friction that grows with the load.
 PRELOAD = 0.2
-#: Index of the form that does.
+#: Index of the form "load".
 LOAD = 1
 
 
 def presliding(level: Any) -> Any:
-    """Bending angle d of the whole arm [rad] over which stuck links deflect before they slide."""
+    """Return the bending [rad] of the whole arm by which stuck links deflect before they slide."""
     return SHORTEST + level / CONTACT
 
 
 @dataclass(frozen=True)
 class DryFriction(Effect):
-    """m = level Keq z / d, z the elastic deflection: dz = dangle while |z| < d, none beyond; d = SHORTEST + level / CONTACT.
+    """Dry friction in the joints with elastic presliding: m = level Keq z / d.
 
-    An elastoplastic (Prandtl) element: it depends on the path, not on the rate, and holds a stuck pose exactly. load: |z| stays
-    below d (PRELOAD + |angle|), for what presses on the links grows with what bends them: ``level`` is the coefficient.
+    z is the elastic deflection: dz = dangle while |z| < d, constant beyond; d = SHORTEST + level / CONTACT. This elastoplastic
+    (Prandtl) element depends on the path, not on the rate, and holds a stuck pose exactly. In the form "load", |z| stays below d
+    (PRELOAD + |angle|), because the contact load grows with bending; ``level`` is then the coefficient.
     """
 
     name = "dry_friction"
@@ -52,11 +53,11 @@ class DryFriction(Effect):
         unit="rad",
         scale=0.05,
         amplitude=True,
-        resizes=-1,
-        description="friction moment over Keq; of the form load where the arm is bent by 0.8 rad",
+        level_exponent=-1,
+        description="friction moment relative to Keq; in the form load at a bending of 0.8 rad",
     )
 
-    form: str = option("even", "load", description="the same at every bending, or growing with it")
+    form: str = option("even", "load", description="constant friction, or friction that grows with bending")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

@@ -14,11 +14,11 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class GravityTilt(Effect):
-    """The base is turned in the plane, towards positive bending, against gravity.
+    """The base is rotated in the plane of bending, towards positive bending, relative to gravity.
 
-    ``frame`` says what the markers' frame is fixed to: "world", and the whole arm is seen turned; "base", turned with the
-    arm (the cameras were calibrated on it), and only gravity seems turned, p_seen = R(axis, -angle) p; or "cameras", which alone
-    are turned, by -angle, above a base that stands as declared: p_seen = R(axis, angle) p.
+    ``frame`` is the body that the markers' frame is fixed to. "world": the whole arm is measured as rotated. "base": the frame is
+    rotated with the arm (the cameras were calibrated on it), and only gravity appears rotated, p_measured = R(axis, -angle) p.
+    "cameras": only the cameras are rotated, by -angle, and the base is mounted as declared: p_measured = R(axis, angle) p.
     """
 
     name = "gravity_tilt"
@@ -29,9 +29,9 @@ class GravityTilt(Effect):
     passive = True
 
     angle: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base in the plane"
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base in the plane"
     )
-    frame: str = option("world", "base", "cameras", description="what the markers' frame is fixed to")
+    frame: str = option("world", "base", "cameras", description="body that the markers' frame is fixed to")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         if self.frame == "cameras":

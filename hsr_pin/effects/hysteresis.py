@@ -1,4 +1,4 @@
-"""A smooth loop with memory."""
+"""A smooth hysteresis loop."""
 
 from __future__ import annotations
 
@@ -12,20 +12,22 @@ from hsr_pin.effects.vector import limited, unit
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Where the sliders slip, over the yield angle.
+#: Slip of each slider, relative to the yield angle.
 SLIDERS = np.array([0.2, 0.6, 1.0, 1.4, 1.8])
-#: Index of the first form.
+#: Index of the form "dahl".
 DAHL = 0
 
 
 @dataclass(frozen=True)
 class Hysteresis(Effect):
-    """m = amplitude Keq z.
+    """Smooth rate-independent hysteresis: m = amplitude Keq z.
 
-    dahl: dz = (1 - z sign(dangle)) dangle / yield_angle, which is Bouc-Wen with n = 1, beta = 1, gamma = 0: along a path without
-    reversal z is exponential in the angle. maxwell_slip: z is the mean of five sliders that follow dangle / yield_angle and slip
-    at 0.2, 0.6 ... 1.8, so that the loop closes where it began (Iwan's law with evenly spread sliders). Both updates are exact
-    for an angle that does not turn back within a step, and do not depend on the rate.
+    - dahl: dz = (1 - z sign(dangle)) dangle / yield_angle, which is Bouc-Wen with n = 1, beta = 1, gamma = 0. Along a path
+      without reversal, z is exponential in the angle.
+    - maxwell_slip: z is the mean of five sliders that follow dangle / yield_angle and slip at 0.2, 0.6 ... 1.8, so that the loop
+      closes where it began (Iwan's law with evenly distributed sliders).
+
+    Both updates are exact for an angle that does not reverse within a step, and do not depend on the rate.
     """
 
     name = "hysteresis"
@@ -46,14 +48,16 @@ class Hysteresis(Effect):
         unit="rad",
         scale=0.05,
         amplitude=True,
-        resizes=-1,
-        description="moment of the saturated loop over Keq",
+        level_exponent=-1,
+        description="moment of the saturated loop relative to Keq",
     )
     yield_angle: float = parameter(
-        0.3, lower=0.05, upper=1.5, unit="rad", scale=0.1, description="bending of the whole arm over which the loop turns"
+        0.3, lower=0.05, upper=1.5, unit="rad", scale=0.1, description="bending of the whole arm over which the loop saturates"
     )
 
-    form: str = option("dahl", "maxwell_slip", description="exponential approach to the loop, or sliders that slip one by one")
+    form: str = option(
+        "dahl", "maxwell_slip", description="exponential approach to the loop, or sliders that slip one after another"
+    )
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

@@ -1,4 +1,4 @@
-"""An arm that grows longer as it bends."""
+"""An arm that becomes longer as it bends."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class LengthChange(Effect):
-    """p_seen = p (1 + depth |theta(s)| / s): the line of markers is strained by depth |kappa|; exact for even curvature.
+    """Elongation of the line of markers with bending: p_measured = p (1 + depth |theta(s)| / s).
 
-    The side that keeps its length lies ``depth`` beside the line: the chamber that is filled grows, the one across does not. What
-    the growth does to the arm's inertia is left out.
+    The line of markers is strained by depth |kappa|; this is exact for uniform curvature. The side of the arm that keeps its
+    length is at the distance ``depth`` from the line: the chamber that is filled becomes longer, the opposite one does not. The
+    effect of the elongation on the inertia of the arm is neglected.
     """
 
     name = "length_change"
@@ -35,7 +36,7 @@ class LengthChange(Effect):
         unit="m",
         scale=0.002,
         amplitude=True,
-        description="from the line of markers to the one that keeps its length, away from the bend where positive",
+        description="distance from the line of markers to the side of constant length, positive away from the bend",
     )
 
     def observe(self, view: View) -> Array:

@@ -1,4 +1,4 @@
-"""Markers beside the backbone."""
+"""Markers off the backbone."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class MarkerOffset(Effect):
-    """p_seen = p + offset n, n across the backbone towards positive bending.
+    """Offset of the markers across the backbone, towards positive bending: p_measured = p + offset n.
 
-    ``base`` "kept": not the marker at s = 0; "zeroed": the cameras were zeroed with the arm as it is first seen, and only what
-    changes from there on shows: p + offset (n - n_first).
+    ``base`` "kept": the marker at s = 0 has no offset. "zeroed": the cameras were zeroed with the arm in its first pose, and only
+    later changes are visible: p + offset (n - n_first).
     """
 
     name = "marker_offset"
@@ -33,9 +33,9 @@ class MarkerOffset(Effect):
         unit="m",
         scale=0.002,
         amplitude=True,
-        description="from the neutral line, towards positive bending",
+        description="distance from the neutral line, towards positive bending",
     )
-    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base is off the line too")
+    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base has the offset too")
 
     def observe(self, view: View) -> Array:
         if self.base == "zeroed":

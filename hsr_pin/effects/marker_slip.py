@@ -1,4 +1,4 @@
-"""Markers that are nearer to the base, or to the tip, than declared."""
+"""Markers closer to the base, or to the tip, than declared."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class MarkerSlip(Effect):
-    """p_seen = p + slip w(s) t, t along the backbone towards the tip: to first order in the slip, exact on a straight link.
+    """Displacement of the markers along the backbone, towards the tip: p_measured = p + slip w(s) t.
 
-    ``which`` "outward": w = s, a marker's share of the way to the outermost one, as if a sleeve that carries them had slid;
-    "between": w = 4 s (1 - s), the outermost is where it should be, as if the others had been read off wrongly; "all": w = 1, as
-    if all had been measured from another place than the base.
+    It is of first order in the slip, and exact on a straight link. ``which`` "outward": w = s, the relative arc length with
+    respect to the outermost marker, as if a sleeve that carries the markers had slid. "between": w = 4 s (1 - s), the outermost
+    marker is correct, as if the others had been misread. "all": w = 1, as if all had been measured from a point other than the
+    base.
     """
 
     name = "marker_slip"
-    lacks = "markers are not as far along the backbone as declared"
-    cause = "a sleeve that slid, arc lengths that were misread"
+    lacks = "markers are not at their declared arc lengths"
+    cause = "a sleeve that has slid, arc lengths that were misread"
     citation = "U. Della Croce et al., Human movement analysis using stereophotogrammetry. Part 4, Gait Posture 21 (2005)"
     kind = "measurement"
     passive = True
@@ -34,9 +35,9 @@ class MarkerSlip(Effect):
         unit="m",
         scale=0.005,
         amplitude=True,
-        description="towards the tip, of the outermost marker, of one in the middle, or of all",
+        description="displacement towards the tip, of the outermost marker, of one in the middle, or of all",
     )
-    which: str = option("outward", "between", "all", description="which markers are off")
+    which: str = option("outward", "between", "all", description="markers that are displaced")
 
     def observe(self, view: View) -> Array:
         share = view.arc_lengths / np.max(view.arc_lengths, axis=-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""A torque of which a share comes at once, and the rest slowly."""
+"""A torque of which a share arrives at once, and the rest with a lag."""
 
 from __future__ import annotations
 
@@ -13,20 +13,25 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class PartialLag(Effect):
-    """y = at_once u + (1 - at_once) x, T dx/dt = u - x: a lead and a lag, (1 + at_once T s) / (1 + T s). Exact for a held u."""
+    """Lead and lag of the torque: y = at_once u + (1 - at_once) x, T dx/dt = u - x.
+
+    The transfer function is (1 + at_once T s) / (1 + T s); the update is exact for a constant u.
+    """
 
     name = "partial_lag"
-    lacks = "a share of the torque comes at once, the rest as a lag"
+    lacks = "a share of the torque arrives at once, the rest with a lag"
     cause = "a command that was filtered before it was logged, a second volume behind a muscle"
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
     kind = "actuation_time"
     memories = 1
     contains = ("actuator_lag",)
 
-    time_constant: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of the rest")
-    at_once: float = parameter(0.3, lower=0.0, upper=0.95, unit="1", scale=0.1, description="share that comes at once")
+    time_constant: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the lagging share"
+    )
+    at_once: float = parameter(0.3, lower=0.0, upper=0.95, unit="1", scale=0.1, description="share that arrives at once")
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         x = torque + (memory[0] - torque) * np.exp(-step / np.maximum(p.time_constant, 1e-3 * step))
         return torque - (1 - p.at_once) * p.time_constant / step * (x - memory[0]), (x,)

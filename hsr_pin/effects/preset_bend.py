@@ -1,4 +1,4 @@
-"""An arm that is bent where no torque acts."""
+"""An arm that is bent without torque."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class PresetBend(Effect):
-    """m = -k angle0: the springs are at ease when the whole arm is bent by angle0."""
+    """Bending of the relaxed arm by angle0: m = -k angle0."""
 
     name = "preset_bend"
-    lacks = "the arm at ease is bent"
+    lacks = "the relaxed arm is bent"
     cause = "moulding, creep under its own weight, tubes that pull"
     citation = "D. Trivedi, A. Lotfi, C. D. Rahn, Geometrically exact models for soft robotic manipulators, IEEE TRO 24 (2008)"
     kind = "elastic"
     passive = True
 
     angle: float = parameter(
-        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="of the whole arm at ease"
+        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="bending of the whole relaxed arm"
     )
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Damping that grows with rate."""
+"""Damping that increases with the rate."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Rate of bending of the whole arm [rad/s] beyond which the law goes on as a straight line, so that its tangent has a bound.
+#: Rate of bending of the whole arm [rad/s] beyond which the law is continued along its tangent, so that its slope is bounded.
 FASTEST = 15.0
 
 
 @dataclass(frozen=True)
 class QuadraticDamping(Effect):
-    """m = coefficient |rate| rate, continued along its tangent beyond 15 rad/s.
+    """Damping moment proportional to the squared rate: m = coefficient |rate| rate, continued along its tangent beyond 15 rad/s.
 
-    Only the outermost link goes faster, in the first instant after a step.
+    Only the outermost link is faster, in the first instant after a step.
     """
 
     name = "quadratic_damping"
-    lacks = "damping grows with rate"
+    lacks = "damping increases with the rate"
     cause = "air, fluid in the muscles"
     citation = "J. R. Morison et al., The force exerted by surface waves on piles, J. Pet. Technol. 2 (1950)"
     kind = "damping"
@@ -37,8 +37,8 @@ class QuadraticDamping(Effect):
         unit="Nm s^2/rad^2",
         scale=0.005,
         amplitude=True,
-        resizes=1,
-        description="of the whole arm, per rate squared",
+        level_exponent=1,
+        description="damping moment of the whole arm per squared rate",
     )
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""A drive that rings."""
+"""A drive that oscillates."""
 
 from __future__ import annotations
 
@@ -13,26 +13,29 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class RingingDrive(Effect):
-    """y'' + 2 zeta w y' + w^2 y = w^2 u with w = 2 pi / period: a motor with inertia behind a servo. Exact for a held u.
+    """Drive that oscillates about the command: y'' + 2 zeta w y' + w^2 y = w^2 u, w = 2 pi / period.
 
-    Of damping ratio 1 it is a lag of second order; below that the torque overshoots.
+    This describes a motor with inertia behind a servo; the update is exact for a constant u. With a damping ratio of 1 it is a
+    lag of second order; with less, the torque overshoots.
     """
 
     name = "ringing_drive"
-    lacks = "the torque rings about the command before it settles"
-    cause = "a motor with inertia behind its servo, a regulator that is tuned too hard"
+    lacks = "the torque oscillates about the command before it settles"
+    cause = "a motor with inertia behind its servo, a regulator with too high a gain"
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
     kind = "actuation_time"
     memories = 3
 
-    period: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.1, amplitude=True, description="of a free swing")
-    damping_ratio: float = parameter(0.3, lower=0.02, upper=0.98, unit="1", scale=0.2, description="of the drive")
+    period: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.1, amplitude=True, description="period of the free oscillation"
+    )
+    damping_ratio: float = parameter(0.3, lower=0.02, upper=0.98, unit="1", scale=0.2, description="damping ratio of the drive")
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         swing = 2 * np.pi / np.maximum(p.period, 1e-3 * step)
         decay, turn = p.damping_ratio * swing, swing * np.sqrt(1 - p.damping_ratio**2)
-        # memory: the torque, its rate, and the command of the last step, from which a first step starts at rest
+        # memory: the torque, its rate plus an offset, and this offset (the initial torque), so that the drive starts at rest
         gap, rate = memory[0] - torque, memory[1] - memory[2]
         kept, c, s = np.exp(-decay * step), np.cos(turn * step), np.sin(turn * step)
         side = (rate + decay * gap) / turn

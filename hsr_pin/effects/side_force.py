@@ -11,7 +11,7 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class SideForce(Effect):
-    """f = force at the arc length ``at``, across the straight arm and towards positive bending, whatever the arm does."""
+    """Constant force at the arc length ``at``, normal to the straight arm, towards positive bending."""
 
     name = "side_force"
     lacks = "a constant force acts on the arm at one place"
@@ -19,15 +19,17 @@ class SideForce(Effect):
     citation = "D. C. Rucker, R. J. Webster, Statics and dynamics of continuum robots with external loading, IEEE T-RO 27 (2011)"
     kind = "contact"
 
-    force: float = parameter(0.0, lower=-20.0, upper=20.0, unit="N", scale=0.2, amplitude=True, description="across the arm")
-    at: float = parameter(1.0, lower=0.2, upper=1.0, unit="1", scale=0.1, description="arc length over L of where it acts")
+    force: float = parameter(
+        0.0, lower=-20.0, upper=20.0, unit="N", scale=0.2, amplitude=True, description="force across the arm"
+    )
+    at: float = parameter(1.0, lower=0.2, upper=1.0, unit="1", scale=0.1, description="relative arc length at which it acts")
 
     @property
     def in_space(self) -> bool:
         return False
 
     @staticmethod
-    def touch(p: Any, aside: Any) -> Any:
+    def contact_force(p: Any, aside: Any) -> Any:
         return p.force + 0.0 * aside
 
     @staticmethod

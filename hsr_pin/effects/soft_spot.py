@@ -1,4 +1,4 @@
-"""One stretch of the arm that is softer or stiffer than the rest."""
+"""A part of the arm that is softer or stiffer than the rest."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class SoftSpot(Effect):
-    """k(s) / Keq = 1 - depth exp(-((s - centre) / width)^2 / 2)."""
+    """Local change of the stiffness: k(s) / Keq = 1 - depth exp(-((s - centre) / width)^2 / 2)."""
 
     name = "soft_spot"
-    lacks = "one stretch of the arm is softer or stiffer"
+    lacks = "one part of the arm is softer or stiffer"
     cause = "a worn or cracked backbone link"
     citation = (
         "S. Christides, A. D. S. Barr, One-dimensional theory of cracked Bernoulli-Euler beams, Int. J. Mech. Sci. 26 (1984)"
@@ -31,10 +31,12 @@ class SoftSpot(Effect):
         unit="1",
         scale=0.3,
         amplitude=True,
-        description="stiffness missing at the centre (negative: added)",
+        description="relative loss of stiffness at the centre (negative: gain)",
     )
-    centre: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="arc length over L")
-    width: float = parameter(0.1, lower=0.02, upper=0.4, unit="1", scale=0.05, description="standard width over L")
+    centre: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="relative arc length of the centre")
+    width: float = parameter(
+        0.1, lower=0.02, upper=0.4, unit="1", scale=0.05, description="standard deviation of the profile, relative to L"
+    )
 
     def stiffness(self, s: Array) -> Array:
         return np.asarray(1 - self.depth * np.exp(-(((s - self.centre) / self.width) ** 2) / 2))

@@ -1,4 +1,4 @@
-"""Stiffness that grows or falls with bending."""
+"""Stiffness that increases or decreases with bending."""
 
 from __future__ import annotations
 
@@ -12,25 +12,35 @@ from hsr_pin.effects.vector import chosen, limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Range of the tangent stiffness added, relative to the arm's; beyond it the law goes on as a straight line.
+#: Range of the additional tangent stiffness, relative to that of the arm; beyond it the law is continued as a straight line.
 SOFTEST, STIFFEST = 0.8, 20.0
-#: The integrator's implicit part covers half of the tangent up to REACH [rad], and less far in a stiff arm, which bends less.
+#: Bending [rad] up to which the integrator's implicit part covers half of the tangent; a stiff arm bends less, so less is
+#: covered.
 REACH = 2.0
 
 
 @dataclass(frozen=True)
 class Stiffening(Effect):
-    """m = k cubic angle^3, continued along its tangent where that reaches -0.8 k or 20 k: some stiffness is always left."""
+    """Cubic stiffness: m = k cubic angle^3, continued along its tangent where that reaches -0.8 k or 20 k.
+
+    The total stiffness therefore stays positive.
+    """
 
     name = "stiffening"
-    lacks = "stiffness grows (or falls) with bending"
+    lacks = "stiffness increases (or decreases) with bending"
     cause = "braid geometry, silicone"
     citation = "I. Kovacic, M. J. Brennan (eds.), The Duffing Equation, Wiley (2011)"
     kind = "elastic"
     passive = True
 
     cubic: float = parameter(
-        0.0, lower=-1.0, upper=5.0, unit="1/rad^2", scale=0.1, amplitude=True, description="relative gain of stiffness at 1 rad"
+        0.0,
+        lower=-1.0,
+        upper=5.0,
+        unit="1/rad^2",
+        scale=0.1,
+        amplitude=True,
+        description="relative change of the secant stiffness at 1 rad",
     )
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Bending stiffness that changes along the arm."""
+"""Bending stiffness that varies along the arm."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class StiffnessGradient(Effect):
-    """k(s) / Keq = c (1 + slope (s - 1/2)), with c = 2 artanh(slope / 2) / slope.
+    """Linear variation of the stiffness along the arm: k(s) / Keq = c (1 + slope (s - 1/2)), c = 2 artanh(slope / 2) / slope.
 
-    The factor c is the mean of 1 / (1 + slope (s - 1/2)) over the arm: the stiffness of all springs in series stays Keq.
+    The factor c is the mean of 1 / (1 + slope (s - 1/2)) over the arm, so that the stiffness of all springs in series stays Keq.
     """
 
     name = "stiffness_gradient"
@@ -32,7 +32,7 @@ class StiffnessGradient(Effect):
         unit="1",
         scale=0.3,
         amplitude=True,
-        description="stiffness at the tip minus at the base, over the middle",
+        description="stiffness at the tip minus stiffness at the base, relative to the middle",
     )
 
     def stiffness(self, s: Array) -> Array:

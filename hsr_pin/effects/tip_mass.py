@@ -1,4 +1,4 @@
-"""A mass at the tip."""
+"""An additional mass at the tip."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 @dataclass(frozen=True)
 class TipMass(Effect):
-    """A point mass at s = 1, beside the one that was declared."""
+    """Point mass at s = 1, in addition to the declared one."""
 
     name = "tip_mass"
     lacks = "an extra mass at the tip"
@@ -20,7 +20,9 @@ class TipMass(Effect):
     kind = "mass_gravity"
     passive = True
 
-    mass: float = parameter(0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="at the tip")
+    mass: float = parameter(
+        0.0, lower=0.0, upper=0.5, unit="kg", scale=0.02, amplitude=True, description="additional mass at the tip"
+    )
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         return replace(specification, tip_mass=specification.tip_mass + self.mass)

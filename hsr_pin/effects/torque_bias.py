@@ -1,4 +1,4 @@
-"""A constant torque beside the command."""
+"""A constant torque in addition to the command."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class TorqueBias(Effect):
-    """y = u + bias, also before the first step."""
+    """Constant torque in addition to the command, also before the first step: y = u + bias."""
 
     name = "torque_bias"
     lacks = "a constant torque is added"
@@ -20,9 +20,9 @@ class TorqueBias(Effect):
     kind = "actuation_map"
 
     bias: float = parameter(
-        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, level_exponent=1, description="additional torque"
     )
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         return torque + p.bias, memory

@@ -1,4 +1,4 @@
-"""Actuation that falls or grows along the arm."""
+"""Actuation that decreases or increases along the arm."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class TorqueDecay(Effect):
-    """tau(s) / tau = 1 - decay s."""
+    """Linear decrease of the torque along the arm: tau(s) / tau = 1 - decay s."""
 
     name = "torque_decay"
-    lacks = "actuation falls (or grows) along the arm"
+    lacks = "actuation decreases (or increases) along the arm"
     cause = "friction of the muscle along the backbone"
     citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
     kind = "actuation_map"
@@ -26,7 +26,7 @@ class TorqueDecay(Effect):
         unit="1",
         scale=0.1,
         amplitude=True,
-        description="share of the torque lost on the way to the tip",
+        description="share of the torque that is lost at the tip",
     )
 
     def actuation(self, s: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Bending as a vector: of one component in the plane (a real number), of two in space (a complex number)."""
+"""Bending as a vector: a real number in the plane, a complex number for the two components in space."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-#: Lengths below this count as none.
+#: Length below which a vector is treated as zero.
 _NOTHING = 1e-300
 
 
 def limited(vector: Any, longest: Any) -> Any:
-    """The vector itself, or shortened to the length ``longest``."""
+    """Return a vector shortened to at most the length ``longest``."""
     return vector * np.minimum(1.0, longest / np.maximum(np.abs(vector), _NOTHING))
 
 
 def unit(vector: Any) -> Any:
-    """The vector over its length; zero stays zero."""
+    """Return the unit vector of a vector; zero stays zero."""
     return vector / np.maximum(np.abs(vector), _NOTHING)
 
 
 def chosen(condition: Any, one: Any, other: Any) -> Any:
-    """One where a condition holds, the other elsewhere; for a single number a branch in machine code, without an array."""
+    """Return ``one`` where a condition holds and ``other`` elsewhere; compiled code uses a branch for single numbers."""
     return np.where(condition, one, other)

@@ -14,9 +14,9 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class Viscoelastic(Effect):
-    """m = ratio Keq e, de/dt = dangle/dt - e / time_constant: a Maxwell branch beside the spring (standard linear solid).
+    """Maxwell branch parallel to the spring (standard linear solid): m = ratio Keq e, de/dt = dangle/dt - e / time_constant.
 
-    e is the stretch of the branch's spring; the update is exact for an angle that changes evenly.
+    e is the elongation of the branch's spring; the update is exact for an angle that changes uniformly.
     """
 
     name = "viscoelastic"
@@ -28,9 +28,16 @@ class Viscoelastic(Effect):
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=3.0, unit="1", scale=0.2, amplitude=True, resizes=-1, description="stiffness of the branch over Keq"
+        0.0,
+        lower=0.0,
+        upper=3.0,
+        unit="1",
+        scale=0.2,
+        amplitude=True,
+        level_exponent=-1,
+        description="stiffness of the branch relative to Keq",
     )
-    time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="of relaxation")
+    time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="time constant of relaxation")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

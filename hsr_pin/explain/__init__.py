@@ -1,14 +1,14 @@
-"""Causes named for a model of your own: any function from parameter values and a trial to what was measured.
+"""Explanation of the gap of a user-defined model: any function from parameter values and a trial to measured channels.
 
-- ``change``: by how much two sessions differ, as a model of its own
+- ``change``: the difference between two sessions as a model
 - ``document``: an explanation as JSON
-- ``explain``: explain and explain_change: model, trials -> Explanation
-- ``model``: Model, Cause, Trial, and the parameters that they have
-- ``mujoco``: a MuJoCo model whose numbers are opened by name
-- ``recordings``: trials beside a model, as the search asks for them
+- ``explain``: the functions ``explain`` and ``explain_change``
+- ``model``: Model, Cause and Trial, and the definition of their parameters
+- ``mujoco``: a MuJoCo model with parameters that are chosen by name
+- ``recordings``: trials together with a model, in the form that the search needs
 - ``report``: an explanation as one HTML page
-- ``result``: what was found, and how it is shown in Python
-- ``where``: which channel, time and label holds the gap
+- ``result``: the explanation and its display in Python
+- ``where``: the gap by channel, time, trial and label
 """
 
 from hsr_pin.explain.explain import explain, explain_change

@@ -1,4 +1,4 @@
-"""By how much two sessions differ, as a model of its own: its causes are changes of the numbers of another model."""
+"""The difference between two sessions as a model, whose causes are changes of the parameters of another model."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from hsr_pin.explain.recordings import Recordings
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: What the cause is called that a number of the model differs, and the kind of it.
+#: Suffix of the name of a cause that is a changed parameter, and its kind.
 _CHANGED, _KIND = "_changed", "parameter"
 
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """Predicts by how much trials of a later session differ from those of an earlier one.
+    """Model of the difference between the trials of a later session and those of an earlier one.
 
     Attributes:
-        model: of both sessions.
-        known: values of all its parameters in the earlier one.
-        early: that one, which tells what noise and the truest of models leave of a difference.
+        model: the model of both sessions.
+        known: values of all its parameters in the earlier session.
+        early: recordings of the earlier session, which determine the floors of the difference.
     """
 
     model: Model
@@ -32,7 +32,7 @@ class Change:
 
     @property
     def as_model(self) -> Model:
-        """It as a model: the inputs of each of its trials are the later and the earlier trial."""
+        """The difference as a :class:`Model`; the inputs of each of its trials are the later and the earlier trial."""
         return replace(
             self.model,
             predict=self.predict,
@@ -42,20 +42,20 @@ class Change:
             causes=(*map(self._of_number, self.model.parameters), *self.model.causes),
             noise=self._of_two(self.early.noise),
             least=self._of_two(np.sqrt(np.maximum(1 - self.early.noise**2, 0.0))),
-            name=f"{self.model.name}, the later session beside the earlier",
+            name=f"{self.model.name}, later session compared with the earlier one",
         )
 
     def _of_two(self, floors: Array) -> dict[str, float]:
-        """In the unit of each channel, for the difference of two recordings."""
+        """Return the floor of the difference of two recordings for each channel, in its unit."""
         both = 2**0.5 * floors * self.early.units
         return {channel: float(each) for channel, each in zip(self.early.channels, both, strict=True)}
 
     def predict(self, values: Mapping[str, float], trial: Trial) -> Mapping[str, Array]:
-        """The difference that some changes make in one pair of trials."""
+        """Return the predicted difference of one pair of trials for the given changes."""
         return self.predict_many([(values, trial)])[0]
 
     def predict_many(self, cases: Sequence[tuple[Mapping[str, float], Trial]]) -> list[Mapping[str, Array]]:
-        """Likewise for many at once."""
+        """Return the predicted differences of many pairs of trials."""
         own = [{name: values.get(name, 0.0) for name in trial.own} for values, trial in cases]
         later = [(self.changed(values) | more, trial.inputs[0]) for (values, trial), more in zip(cases, own, strict=True)]
         earlier = [(self.known, trial.inputs[1]) for _, trial in cases]
@@ -64,7 +64,7 @@ class Change:
         return [{channel: one[channel] - other[channel] for channel in one} for one, other in halves]
 
     def changed(self, values: Mapping[str, float]) -> dict[str, float]:
-        """The model's values in the later session: sizes of causes are added, and the shapes of those that are there stay."""
+        """Return the parameter values of the later session: amplitudes are added, and shapes of present causes stay unchanged."""
         new = dict(self.known)
         for fact in self.model.parameters:
             change = values.get(f"{fact.name}{_CHANGED}.{fact.name}", _neutral(fact))
@@ -81,7 +81,7 @@ class Change:
         return new
 
     def _of_number(self, fact: Parameter) -> Cause:
-        """That a number of the model differs, as a cause: by a factor, or by so much."""
+        """Return the change of a parameter as a cause: by a factor or by an amount."""
         changed = (
             fact
             if fact.ratio_width is not None

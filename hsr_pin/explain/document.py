@@ -1,4 +1,4 @@
-"""An explanation as one JSON document, for programs: distances over the floor, shares from 0 to 1, null for what is not known."""
+"""An explanation as one JSON document: distances in floors, shares from 0 to 1, null for unknown values."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.document import (
     candidates_to_json,
+    detection_to_json,
     estimates_to_json,
     number_or_null,
     posterior_to_json,
@@ -21,7 +22,7 @@ SCHEMA = 1
 
 
 def to_json(found: Explanation) -> dict[str, Any]:
-    """The document, as ``json.dumps(..., allow_nan=False)`` takes it."""
+    """Return the document for ``json.dumps(..., allow_nan=False)``."""
     recordings, verdict = found.recordings, found.verdict
     left = verdict.left and {name: number_or_null(getattr(verdict.left, name)) for name in ("rms", "share")}
     return {
@@ -47,6 +48,7 @@ def to_json(found: Explanation) -> dict[str, Any]:
         "where": {each.quantity: [asdict(part) for part in each.parts] for each in found.where},
         "next_experiment": [{"name": name, "separation": number_or_null(size)} for name, size in found.next_experiment],
         "limits": {"closed": number_or_null(found.limits.closed), "share": number_or_null(found.limits.share)},
+        "detection_limits": detection_to_json(found.search),
         "notes": list(found.notes),
     }
 

@@ -1,4 +1,4 @@
-"""Which cause a model of your own lacks, where the gap lies, and how far it shrinks: from trials to an explanation."""
+"""Explanation of a model's gap: the causes that are missing, where the gap lies, and how much each cause explains."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from hsr_pin.errors import InputError
 from hsr_pin.explain.change import Change
 from hsr_pin.explain.model import Model, Trial
-from hsr_pin.explain.recordings import Missing, Recordings, Variant
+from hsr_pin.explain.recordings import CauseVariant, ExtendedModel, Recordings
 from hsr_pin.explain.result import Explanation
 from hsr_pin.explain.where import locate
 from hsr_pin.inference.calibration import calibrated
@@ -26,18 +26,18 @@ from hsr_pin.inference.ladder import ladder
 from hsr_pin.inference.misfit import Misfit
 from hsr_pin.inference.resampling import squares
 from hsr_pin.inference.residuals import lasting_square
-from hsr_pin.inference.search import Search, judged, search
+from hsr_pin.inference.search import Search, judged, search, with_detection_limits
 from hsr_pin.inference.verdict import Limits, Vocabulary, predicted_no_better, verdict_of
-from hsr_pin.parallel import workers
+from hsr_pin.parallel import open_executor
 from hsr_pin.trajectory import Array
 
 
 def floors(distance: float) -> str:
-    """A distance as text."""
+    """Return a distance as text, in floors."""
     return f"{distance:.2g} floors"
 
 
-#: How a verdict on two sessions calls what it speaks of.
+#: Vocabulary of a verdict on two sessions.
 CHANGE = Vocabulary(
     fitted="unchanged numbers",
     size=floors,
@@ -48,8 +48,8 @@ CHANGE = Vocabulary(
     headlines={
         "identified": "What has changed is identified",
         "partly_identified": "What has changed is identified in part",
-        "ambiguous": "More than one change explains it",
-        "unexplained": "Something has changed, and nothing known explains it",
+        "ambiguous": "More than one change explains the difference",
+        "unexplained": "Something has changed, and no known change explains it",
         "unchanged": "Nothing has changed",
     },
 )
@@ -71,48 +71,49 @@ def explain(
     tell: Callable[[str], None] = lambda line: None,
     advance: Callable[[], None] = lambda: None,
 ) -> Explanation:
-    """Say which of its causes a model lacks, with evidence.
+    """Find out which of its causes a model lacks, and return the explanation with its evidence.
 
     Args:
-        model: your own.
-        trials: what was recorded; two at least, so that each can be predicted by a fit to the others.
-        causes: names of those that are tried; default: all of the model's.
-        max_causes: at most this many together.
-        test: names of trials that are set aside: nothing is fitted to them, and the ladder is told on them.
-        experiments: trials that could be recorded next (what is measured in them counts for nothing): the one in which the
-            alternatives are farthest apart is proposed.
-        jobs: processes; None: one per core. With more than one, the model's functions must be importable by name.
-        executor: in place of processes here.
-        loss: what each report gains where it is right and loses where it is not.
-        seed: of the resampling.
-        words: how the verdict calls what it speaks of.
-        tell: called with a line at each stage.
+        model: the user's model.
+        trials: recorded trials; at least two, so that each can be predicted by a fit to the others.
+        causes: names of the causes that are tried; default: all causes of the model.
+        max_causes: largest number of causes in one model.
+        test: names of held-out trials: nothing is fitted to them, and they are used for the ladder.
+        experiments: trials that could be recorded next (their measured values are ignored); the one that separates the
+            alternatives best is proposed.
+        jobs: number of processes; None: one per core. With more than one, the model's functions must be importable by name.
+        executor: executor to use instead of local processes.
+        loss: gains and losses of a report.
+        seed: seed of the resampling.
+        words: vocabulary of the verdict.
+        tell: function that receives a progress message at each stage.
         advance: called after each fit.
 
     Raises:
-        InputError: too few trials, an unknown cause, or predictions that do not belong to the trials.
+        InputError: there are too few trials, a cause is unknown, or the predictions do not fit the trials.
     """
     if executor is not None or jobs != 1:
         _check_importable(model)
     whole = Recordings(model, trials)
-    aside, used = _split(whole, test)
+    heldout, used = _split(whole, test)
     chosen = model.causes if causes is None else [model.cause(name) for name in dict.fromkeys(causes)]
-    parts = [variant for cause in chosen for variant in Missing.variants(cause)]
+    parts = [variant for cause in chosen for variant in CauseVariant.variants(cause)]
     variants = Counter(part.name for part in parts)
     limits = Limits.of(float(np.sqrt(np.mean(used.noise**2))), float(np.sqrt(np.mean(1 - np.minimum(used.noise, 1.0) ** 2))))
     words = words or Vocabulary("the fitted parameters" if model.parameters else "the declared numbers", floors, {})
-    nominal = _missed(used, Variant(model))
-    with workers(jobs, None, executor) as executor:
-        tell("the model without causes")
+    nominal = _residuals(used, ExtendedModel(model))
+    with open_executor(jobs, None, executor) as executor:
+        tell("fitting the model without causes")
         pool = FitPool(used, executor, variants, advance)
-        base = candidate(used, fit(used, Variant(model)), variants)
+        base = candidate(used, fit(used, ExtendedModel(model)), variants)
         most = max_causes if np.sqrt(base.model.misfit) > limits.closed else 0
         found_models = search([base], parts, pool, data_of(used), calibrated(), max_effects=most, tell=tell)
-    found = judged(found_models, data_of(used), calibrated())
+        found = judged(found_models, data_of(used), calibrated())
+        found = with_detection_limits(found, used, parts, pool, calibrated(), limits.closed**2)
     verdict = verdict_of(found, limits, lasting_square(nominal), words, loss=loss)
-    declared = (words.declared, (), _missed(aside or used, Variant(model)))
-    rungs = [declared, *_rungs(found, aside)]
-    if aside:
+    declared = (words.declared, (), _residuals(heldout or used, ExtendedModel(model)))
+    rungs = [declared, *_rungs(found, heldout)]
+    if heldout:
         alone, best = (squares(rungs[k][2]).mean ** 0.5 for k in (bool(model.parameters), -1))
         verdict = predicted_no_better(verdict, alone, best, found.best.names, words)
     return Explanation(
@@ -138,21 +139,22 @@ def explain_change(
     words: Vocabulary | None = None,
     **options: Any,
 ) -> Explanation:
-    """Say which number of a model, or which of its causes, differs between two sessions.
+    """Find out which parameter of a model, or which of its causes, differs between two sessions.
 
-    The earlier session is explained first. What its best model misses in both sessions alike says nothing of a change: trials of
-    the same name are compared with one another, and the difference between them with the difference that each change would make.
+    The earlier session is explained first. An error of its best model that is equal in both sessions is no evidence of a change.
+    Therefore trials of the same name are compared, and their difference is compared with the predicted difference of each change.
 
     Args:
-        model: your own.
+        model: the user's model.
         new: trials of the later session.
-        old: those of the earlier one, with the same inputs under the same names.
-        known: values of the earlier session, as :attr:`Explanation.values` of its explanation has them; default: it is explained.
-        words: how the verdict calls what it speaks of.
-        options: as of :func:`explain`.
+        old: trials of the earlier session, with the same inputs under the same names.
+        known: parameter values of the earlier session (:attr:`Explanation.values` of its explanation); default: it is explained
+            first.
+        words: vocabulary of the verdict.
+        options: further arguments of :func:`explain`.
 
     Raises:
-        InputError: fewer than two trials of the one session have a counterpart of as many samples in the other.
+        InputError: fewer than two trials have a counterpart with the same number of samples in the other session.
     """
     earlier = {trial.name: trial for trial in old}
     pairs = [(each, earlier[each.name]) for each in new if each.name in earlier]
@@ -164,17 +166,17 @@ def explain_change(
 
 
 def _difference(late: Trial, early: Trial) -> Trial:
-    """What was measured later minus what was measured earlier."""
+    """Return a trial with the later measurement minus the earlier one."""
     measured = {channel: np.asarray(late.measured[channel]) - np.asarray(early.measured[channel]) for channel in late.measured}
-    own = {name: size * 2**0.5 for name, size in late.own.items()}  # of both
+    own = {name: size * 2**0.5 for name, size in late.own.items()}  # the variances of both trials add up
     return Trial(late.name, late.time, measured, (late, early), late.labels, own)
 
 
 def _check_importable(model: Model) -> None:
-    """Refuse functions that other processes cannot have.
+    """Check that a model can be sent to other processes.
 
     Raises:
-        InputError: one that cannot be pickled.
+        InputError: one of its functions cannot be pickled.
     """
     try:
         pickle.dumps(model)
@@ -184,28 +186,28 @@ def _check_importable(model: Model) -> None:
 
 
 def _split(whole: Recordings, test: Sequence[str]) -> tuple[Recordings | None, Recordings]:
-    """The trials set aside, if any, and the others."""
+    """Return the held-out trials, if any, and the other trials."""
     names = {run.name for run in whole.runs}
     if unknown := [name for name in test if name not in names]:
         raise InputError("test", expected=f"names among {', '.join(sorted(names))}", received=unknown[0])
     used = [run for run in whole.runs if run.name not in test]
     if len(used) < 2:
         raise InputError("trials", expected="two or more to fit to", received=len(used))
-    aside = [run for run in whole.runs if run.name in test]
-    return (whole.of_runs(aside) if aside else None), whole.of_runs(used)
+    heldout = [run for run in whole.runs if run.name in test]
+    return (whole.of_runs(heldout) if heldout else None), whole.of_runs(used)
 
 
-def _missed(recordings: Recordings, variant: Variant, values: Array | None = None) -> list[Array]:
-    """For each run (T, M, 1) predicted minus measured, without what the numbers of the trial explain."""
+def _residuals(recordings: Recordings, variant: ExtendedModel, values: Array | None = None) -> list[Array]:
+    """Return for each run (T, M, 1) predicted minus measured, with the trial parameters eliminated."""
     misfit = Misfit(recordings, variant)
-    return misfit.left((variant.start if values is None else values) / misfit.scale)
+    return misfit.reduced_residuals((variant.start if values is None else values) / misfit.scale)
 
 
-def _rungs(found: Search, aside: Recordings | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
-    """Name, causes and residuals on held-out trials of the models on the way to the best; on the trials set aside, if any."""
+def _rungs(found: Search, test: Recordings | None) -> list[tuple[str, tuple[str, ...], Sequence[Array]]]:
+    """Return name, causes and held-out residuals of the models from the base model to the best one."""
 
     def heldout(each: Candidate) -> Sequence[Array]:
-        return each.heldout if aside is None else _missed(aside, each.fit.hypothesis, each.fit.values)
+        return each.heldout if test is None else _residuals(test, each.fit.hypothesis, each.fit.values)
 
     path = found.path
     rungs: list[tuple[str, tuple[str, ...], Sequence[Array]]] = []
@@ -219,7 +221,7 @@ def _rungs(found: Search, aside: Recordings | None) -> list[tuple[str, tuple[str
 def _next(
     model: Model, found: Search, alternatives: Sequence[tuple[str, ...]], experiments: Sequence[Trial], used: Recordings
 ) -> tuple[tuple[str, float], ...]:
-    """The experiments in which the two nearest alternatives are farthest apart, over the noise."""
+    """Return the proposed experiments with the smallest distance between any two alternatives [floors], the largest first."""
     rivals = found.leaders(alternatives)
     if len(rivals) < 2:
         return ()
@@ -227,6 +229,6 @@ def _next(
     for trial in experiments:
         cases = [(each.fit.hypothesis.named(each.fit.values), trial) for each in rivals]
         seen = [np.stack([each[channel] for channel in used.channels], axis=1) / used.units for each in model.outputs(cases)]
-        apart = [float(np.sqrt(np.nanmean((one - other) ** 2))) for one, other in itertools.combinations(seen, 2)]
-        separations.append((trial.name, min(apart)))
+        distances = [float(np.sqrt(np.nanmean((one - other) ** 2))) for one, other in itertools.combinations(seen, 2)]
+        separations.append((trial.name, min(distances)))
     return tuple(sorted(separations, key=lambda each: -each[1]))

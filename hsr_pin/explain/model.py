@@ -1,4 +1,4 @@
-"""A model of your own: a function, the numbers that are open in it, and the causes that it may lack."""
+"""A user-defined model: a prediction function, its free parameters and the causes that it may lack."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from hsr_pin.errors import InputError, quoted
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Bounds of a factor on a declared number, unless others are given.
+#: Default bounds of a factor on a declared number.
 _FACTOR = (0.1, 10.0)
-#: Amplitudes are looked for within so many of their scales, unless bounds are given.
+#: Default bound of an amplitude, in its scales.
 _REACH = 20.0
-#: What is predicted: an array (N,) for each channel.
+#: A prediction: an array (N,) for each channel.
 Outputs = Mapping[str, ArrayLike]
 
 
 def factor(
     name: str, width: float = 0.3, *, lower: float = _FACTOR[0], upper: float = _FACTOR[1], description: str = ""
 ) -> Parameter:
-    """A factor on a number that was declared; 1 leaves it as it is.
+    """Return a factor on a declared number; 1 leaves the number unchanged.
 
     Args:
-        name: of the parameter.
-        width: standard deviation of its logarithm beforehand: 0.3 for what was measured, 1 for what was guessed.
-        lower: bound.
-        upper: bound.
+        name: name of the parameter.
+        width: prior standard deviation of its logarithm: 0.3 for a measured number, 1 for a guess.
+        lower: lower bound.
+        upper: upper bound.
         description: one line.
     """
     return Parameter(name, "1", 1.0, lower, upper, 0.1, False, description, ratio_width=width)
@@ -41,14 +41,14 @@ def factor(
 def amplitude(
     name: str, scale: float, unit: str = "1", *, lower: float = -math.inf, upper: float = math.inf, description: str = ""
 ) -> Parameter:
-    """The size of a cause; 0 switches it off.
+    """Return the amplitude of a cause; 0 switches the cause off.
 
     Args:
-        name: of the parameter.
-        scale: a change of practical size [unit]; sizes up to some five of them are expected.
-        unit: of the value.
-        lower: bound; default: twenty scales below 0. A size that cannot be negative has 0.
-        upper: bound; default: twenty scales above 0.
+        name: name of the parameter.
+        scale: a change of practical size [unit]; the prior standard deviation is five of these.
+        unit: unit of the value.
+        lower: lower bound; default: twenty scales below 0; use 0 for an amplitude that cannot be negative.
+        upper: upper bound; default: twenty scales above 0.
         description: one line.
     """
     reach = _REACH * scale
@@ -58,15 +58,15 @@ def amplitude(
 def shape(
     name: str, start: float, lower: float, upper: float, unit: str = "1", *, scale: float = 0.0, description: str = ""
 ) -> Parameter:
-    """A number that shapes a cause (a time constant, a threshold), and means nothing while the cause has no size.
+    """Return a shape parameter of a cause (a time constant, a threshold), which has no influence while the amplitude is 0.
 
     Args:
-        name: of the parameter.
-        start: where a fit begins.
-        lower: bound.
-        upper: bound.
-        unit: of the value.
-        scale: a change of practical size; default: a tenth of the way between the bounds.
+        name: name of the parameter.
+        start: initial value of a fit.
+        lower: lower bound.
+        upper: upper bound.
+        unit: unit of the value.
+        scale: a change of practical size; default: a tenth of the range between the bounds.
         description: one line.
     """
     return Parameter(name, unit, start, lower, upper, scale or (upper - lower) / 10, False, description)
@@ -74,17 +74,17 @@ def shape(
 
 @dataclass(frozen=True)
 class Cause:
-    """Something that the model may lack.
+    """A physical cause that the model may lack.
 
     Attributes:
-        name: as it is reported.
-        kind: of physics, in a word; causes of one kind are told together where they cannot be told apart.
-        parameters: its numbers. The model's function gets each as ``values["name.parameter"]``.
+        name: name in reports.
+        kind: kind of physics, in one word; causes of one kind are reported together if the data cannot distinguish them.
+        parameters: its parameters; the model's function receives each of them as ``values["name.parameter"]``.
         description: one line.
-        apart: groups of names of parameters that may be open alone, as where a joint has friction and others have none; the
-            others then stay neutral. All of them open is always among the variants.
+        apart: groups of parameter names that may be free alone while the others stay neutral, for instance if only one joint has
+            friction; the variant with all parameters free is always included.
         contains: names of causes that are special cases of this one.
-        flexible: whether it stands for its kind only, and is never named.
+        flexible: whether the cause only stands for its kind of physics, and is never named.
     """
 
     name: str
@@ -98,16 +98,16 @@ class Cause:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One recording.
+    """One recorded trial.
 
     Attributes:
-        name: of the trial.
-        time: (N,) [s], rising; anything that becomes an array.
-        measured: for each channel (N,) what was measured; NaN in gaps.
-        inputs: whatever the model's function needs to know of the trial; it must be possible to pickle it.
-        labels: of the trial (a payload, an operator, a day), by which the gap is shown too.
-        own: numbers that belong to this trial alone, with their standard deviation beforehand, as where it started; they are
-            about 0, and the function gets each as ``values[name]``.
+        name: name of the trial.
+        time: (N,) increasing sampling times [s]; anything that can be converted to an array.
+        measured: for each channel the measured values (N,); NaN in gaps.
+        inputs: any picklable data about the trial that the model's function needs.
+        labels: labels of the trial (a payload, an operator, a day), by which the gap is shown too.
+        own: prior standard deviations of parameters of this trial alone, such as an error of the initial state; they have mean 0,
+            and the function receives each of them as ``values[name]``.
     """
 
     name: str
@@ -120,7 +120,7 @@ class Trial:
     def __post_init__(self) -> None:
         time = np.asarray(self.time, dtype=float)
         if time.ndim != 1 or len(time) < 2 or not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
-            raise InputError(f"time of {self.name}", expected="at least two rising numbers", received=f"shape {time.shape}")
+            raise InputError(f"time of {self.name}", expected="at least two increasing numbers", received=f"shape {time.shape}")
         if not self.measured:
             raise InputError(f"channels of {self.name}", expected="at least one", received="none")
         for channel, values in self.measured.items():
@@ -133,22 +133,23 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A model of your own.
+    """A user-defined model.
 
     Attributes:
-        predict: from values of all parameters and a trial to what is measured: ``predict(values, trial)`` gives an array (N,) for
-            each channel. Where a simulation fails, it gives NaN. It must be importable by name to be used in several processes.
-        parameters: the numbers that are fitted in any case; all causes absent.
-        causes: what the model may lack. Their values are neutral, unless the cause is tried.
-        name: of what is modelled.
-        units: of the channels; default: none is shown.
-        noise: standard deviation of each channel's noise; default: as the recordings show it.
-        truest: no model is truer than this share of what a channel moves: what is seen with less noise counts no more.
-        least: the same for single channels, in their units.
-        predict_many: the same for many at once, where that is quicker: from a list of pairs (values, trial) to a list of
+        predict: ``predict(values, trial)`` returns an array (N,) for each channel, from the values of all parameters and a trial.
+            It returns NaN where a simulation fails. To be used in several processes, it must be importable by name.
+        parameters: parameters that are always fitted, also without any cause.
+        causes: causes that the model may lack; their values are neutral unless the cause is tried.
+        name: name of the modelled system.
+        units: units of the channels; default: no unit is shown.
+        noise: standard deviation of the noise of each channel; default: estimated from the recordings.
+        truest: relative accuracy of the best possible model, as a share of the standard deviation of a channel; a smaller noise
+            is not weighted more.
+        least: absolute accuracy of the best possible model for single channels, in their units.
+        predict_many: function for many predictions at once, if that is faster: from a list of pairs (values, trial) to a list of
             predictions.
-        slopes: derivatives, where they are known: ``slopes(values, trial)`` gives for each channel and name of a parameter an
-            array (N,). What is not among them is found by differences.
+        slopes: known derivatives: ``slopes(values, trial)`` returns for each channel and parameter name an array (N,); missing
+            derivatives are computed by finite differences.
     """
 
     predict: Callable[[Mapping[str, float], Trial], Outputs]
@@ -165,7 +166,7 @@ class Model:
     def __post_init__(self) -> None:
         names = [*(fact.name for fact in self.parameters), *(cause.name for cause in self.causes)]
         if twice := sorted({name for name in names if names.count(name) > 1}):
-            raise InputError("model", expected="parameters and causes with names of their own", received=f"{twice[0]} twice")
+            raise InputError("model", expected="parameters and causes with different names", received=f"{twice[0]} twice")
         if wrong := [name for name in names if "." in name]:
             raise InputError("model", expected="names without a dot", received=quoted(wrong[0]))
         if empty := [cause.name for cause in self.causes if not cause.parameters]:
@@ -173,16 +174,16 @@ class Model:
 
     @property
     def neutral(self) -> dict[str, float]:
-        """Values of all parameters that leave the model as it is."""
+        """Neutral values of all parameters, which leave the model unchanged."""
         own = ((fact.name, fact.neutral) for fact in self.parameters)
         others = ((f"{cause.name}.{fact.name}", fact.neutral) for cause in self.causes for fact in cause.parameters)
         return dict(chain(own, others))
 
     def cause(self, name: str) -> Cause:
-        """The cause of that name.
+        """Return the cause with a name.
 
         Raises:
-            InputError: there is none.
+            InputError: there is no such cause.
         """
         for cause in self.causes:
             if cause.name == name:
@@ -191,19 +192,19 @@ class Model:
         raise InputError("cause", expected=f"one of {known}", received=quoted(name))
 
     def outputs(self, cases: Sequence[tuple[Mapping[str, float], Trial]]) -> list[dict[str, Array]]:
-        """What is predicted for each of some values and trials.
+        """Return the prediction for each pair of values and trial.
 
         Raises:
-            InputError: a channel is missing, or has another length than the trial.
+            InputError: a channel is missing, or its length differs from that of the trial.
         """
-        with np.errstate(all="ignore"):  # a fit may ask for what cannot be simulated
+        with np.errstate(all="ignore"):  # a fit may try values that cannot be simulated
             many = self.predict_many(cases) if self.predict_many else [self.predict(values, trial) for values, trial in cases]
         return [_checked(found, trial) for found, (_, trial) in zip(many, cases, strict=True)]
 
 
 def _checked(found: Outputs, trial: Trial) -> dict[str, Array]:
-    """What was predicted for a trial, as arrays."""
-    shown = {}
+    """Return the prediction for a trial as arrays, after checking channels and lengths."""
+    arrays = {}
     for channel, measured in trial.measured.items():
         if channel not in found:
             raise InputError(
@@ -213,5 +214,5 @@ def _checked(found: Outputs, trial: Trial) -> dict[str, Array]:
         if values.shape != np.shape(measured):
             expected, received = f"{len(np.asarray(trial.time))} values", f"shape {values.shape}"
             raise InputError(f"prediction of {channel} for {trial.name}", expected=expected, received=received)
-        shown[channel] = values
-    return shown
+        arrays[channel] = values
+    return arrays

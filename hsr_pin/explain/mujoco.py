@@ -1,4 +1,4 @@
-"""A MuJoCo model as a model whose missing causes can be explained: its numbers are opened by name."""
+"""A MuJoCo model as a user-defined model, with causes that change named elements of its fields."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from hsr_pin.explain.model import Cause, Model, Trial
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: What a number of MuJoCo belongs to, by how the name of its field begins.
+#: Prefix of an ``MjModel`` field -> type of object that it describes.
 _OBJECTS = {"dof": "joint", "jnt": "joint", "body": "body", "geom": "geom", "actuator": "actuator", "tendon": "tendon"}
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A cause that is a change of numbers of an ``MjModel``, or a force of your own.
+    """A cause that changes elements of a field of an ``MjModel``, delays the controls, or applies a user-defined force.
 
     Attributes:
-        cause: its name, kind and parameters: one for each of ``elements``, or those that the functions below know.
-        field: of the ``MjModel``, as "dof_frictionloss", "dof_damping", "dof_armature", "body_mass", "actuator_gear".
-        elements: names of the joints, bodies or actuators whose numbers are opened.
-        relative: whether a value is a share of what the model declares, and not an amount.
-        delay: whether the (only) parameter is a time by which controls come later [s].
-        force: called before each step with the ``MjModel``, the ``MjData`` and the values of the cause by name: it may set
-            ``qfrc_applied`` or ``xfrc_applied``.
+        cause: name, kind and parameters of the cause: one parameter for each of ``elements``, or those used by ``force``.
+        field: field of the ``MjModel``, such as "dof_frictionloss", "dof_damping", "dof_armature", "body_mass", "actuator_gear".
+        elements: names of the joints, bodies or actuators that are changed.
+        relative: whether a value is a share of the declared number instead of an amount.
+        delay: whether the only parameter is a delay of the controls [s].
+        force: function called before each step with the ``MjModel``, the ``MjData`` and the values of the cause by name; it may
+            set ``qfrc_applied`` or ``xfrc_applied``.
     """
 
     cause: Cause
@@ -42,12 +42,12 @@ class Opened:
 
 @dataclass(frozen=True, eq=False)
 class MujocoInputs:
-    """How a trial of a MuJoCo model is driven.
+    """Inputs of a trial of a MuJoCo model.
 
     Attributes:
-        controls: (N, nu) at the times of the trial, each held until the next.
-        qpos: (nq,) at the start.
-        qvel: (nv,) at the start.
+        controls: (N, nu) controls at the sampling times of the trial, each held until the next.
+        qpos: (nq,) initial positions.
+        qvel: (nv,) initial velocities.
     """
 
     controls: Array
@@ -57,15 +57,15 @@ class MujocoInputs:
 
 @dataclass(frozen=True, eq=False)
 class MujocoModel:
-    """Predicts trials by MuJoCo; it can be sent to other processes.
+    """Picklable model that predicts trials with MuJoCo.
 
     Attributes:
-        xml: of the model (MJCF or URDF).
-        channels: what is measured: for each channel the name of a sensor with one number, or of a joint with one angle.
-        causes: what the model may lack.
-        parameters: numbers that are fitted in any case, as ``Opened`` with one parameter each.
-        name: of what is modelled.
-        units: of the channels.
+        xml: the model as text (MJCF or URDF).
+        channels: for each measured channel the name of a scalar sensor, or of a joint with one angle.
+        causes: causes that the model may lack.
+        parameters: parameters that are always fitted, each as an ``Opened`` with one parameter.
+        name: name of the modelled system.
+        units: units of the channels.
     """
 
     xml: str
@@ -77,10 +77,10 @@ class MujocoModel:
 
     @property
     def as_model(self) -> Model:
-        """It as a model of its causes.
+        """The same as a :class:`Model`.
 
         Raises:
-            InputError: a field, an element or a channel that the model has not.
+            InputError: a field, an element or a channel does not exist in the model.
             MissingDependencyError: MuJoCo is not installed.
         """
         for opened in (*self.parameters, *self.causes):
@@ -97,11 +97,11 @@ class MujocoModel:
 
     @cached_property
     def declared(self) -> Any:
-        """The ``MjModel`` as declared."""
+        """The ``MjModel`` with its declared parameters."""
         return _mujoco().MjModel.from_xml_string(self.xml)
 
     def predict(self, values: Mapping[str, float], trial: Trial) -> Mapping[str, Array]:
-        """What the channels show in one trial."""
+        """Return the channels of one trial as predicted by MuJoCo."""
         import copy
 
         mujoco, model = _mujoco(), copy.copy(self.declared)
@@ -125,7 +125,7 @@ class MujocoModel:
         sensors = any(array == "sensordata" for array, _ in places)
         for n in range(len(time)):
             if sensors:
-                mujoco.mj_forward(model, data)  # a step leaves them as they were before it
+                mujoco.mj_forward(model, data)  # mj_step leaves the sensor values of the previous state
             seen[n] = [getattr(data, array)[place] for array, place in places]
             while n + 1 < len(time) and data.time < time[n + 1] - model.opt.timestep / 2:
                 data.ctrl[:] = inputs.controls[max(0, int(np.searchsorted(time, data.time - lag, side="right")) - 1)]
@@ -137,21 +137,21 @@ class MujocoModel:
         return dict(zip(self.channels, seen.T, strict=True))
 
     def _fact(self, opened: Opened, element: str) -> Parameter:
-        """Of an element."""
+        """Return the parameter of an element."""
         return opened.cause.parameters[opened.elements.index(element)]
 
     def _index(self, name: str, element: str) -> Any:
-        """Where the number of an element stands in a field."""
+        """Return the index of an element in a field."""
         mujoco, kind = _mujoco(), _OBJECTS.get(name.partition("_")[0], "")
         if not kind or not hasattr(self.declared, name):
-            raise InputError("field", expected="one of an MjModel, as dof_damping or body_mass", received=quoted(name))
+            raise InputError("field", expected="a field of an MjModel, such as dof_damping or body_mass", received=quoted(name))
         index = mujoco.mj_name2id(self.declared, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), element)
         if index < 0:
             raise InputError(name, expected=f"a {kind} of the model", received=quoted(element))
         return int(self.declared.jnt_dofadr[index]) if name.startswith("dof") else index
 
     def _place(self, channel: str) -> tuple[str, int]:
-        """Array of ``MjData`` and place in it that a channel shows."""
+        """Return the ``MjData`` array that holds a channel, and the index in it."""
         mujoco, name = _mujoco(), self.channels[channel]
         sensor = mujoco.mj_name2id(self.declared, mujoco.mjtObj.mjOBJ_SENSOR, name)
         joint = mujoco.mj_name2id(self.declared, mujoco.mjtObj.mjOBJ_JOINT, name)
@@ -163,7 +163,7 @@ class MujocoModel:
 
 
 def _changed(declared: Any, value: float, opened: Opened, fact: Parameter) -> Any:
-    """A number of the model with a change: times a factor, by a share, or by an amount."""
+    """Return a number of the model after a change by a factor, by a share or by an amount."""
     if fact.ratio_width is not None:
         return declared * value
     return declared * (1 + value) if opened.relative else declared + value
@@ -172,7 +172,7 @@ def _changed(declared: Any, value: float, opened: Opened, fact: Parameter) -> An
 def opened(
     name: str, kind: str, field: str, parameters: Sequence[Parameter], description: str = "", *, relative: bool = False
 ) -> Opened:
-    """A cause that changes one field of an ``MjModel``, with a parameter for each element, named after it."""
+    """Return a cause that changes one field of an ``MjModel``, with one parameter for each element, named after the element."""
     facts = tuple(parameters)
     single = tuple((fact.name,) for fact in facts) if len(facts) > 1 else ()
     cause = Cause(name, kind, facts, description, apart=single)

@@ -1,7 +1,7 @@
-"""Trials beside a model of your own, as fits and the search over causes ask for them.
+"""Trials together with a user-defined model, in the form that fits and the search over causes need.
 
-What is measured is divided by its floor: what noise, and the truest of models, leave of a channel. So channels of any unit count
-alike, and a distance of 1 is one floor.
+Measured values are divided by the floor of their channel, which combines its noise with the accuracy of the best possible model.
+Channels of different units thus have equal weights, and a distance of 1 is one floor.
 """
 
 from __future__ import annotations
@@ -23,138 +23,138 @@ from hsr_pin.parameters import Parameter
 from hsr_pin.recordings.noise import white_noise
 from hsr_pin.trajectory import Array
 
-#: Difference for derivatives, over a parameter's scale, and over a number's standard deviation.
+#: Finite-difference steps: in scales of a parameter, and in prior standard deviations of a trial parameter.
 _FRACTION, _OWN = 0.02, 0.5
-#: What a simulation that failed counts as, over what was measured moves, or should.
+#: Residual of a failed simulation, as a multiple of the typical motion.
 _FAILED = 3.0
-#: A prediction larger than this many times that is a failure too.
+#: A prediction above this multiple of that residual counts as a failure too.
 _LOST = 100.0
-#: Numbers of predictions that are kept: 80 MB.
+#: Capacity of the cache of predictions, in numbers (80 MB).
 _KEPT = 10_000_000
-#: Factors on the amplitudes of an initial estimate at which it is tried too.
+#: Factors on the amplitudes of an initial estimate that are tried as start points.
 _SIZES = (1.0, 0.5, 2.0, 6.0)
 
 
 @dataclass(frozen=True)
-class Missing:
-    """A cause with all of its parameters open, or some of them.
+class CauseVariant:
+    """A cause with all of its parameters free, or with some of them.
 
     Attributes:
-        cause: what may be missing.
-        opens: names of the parameters that are open.
+        cause: the cause that may be missing.
+        opens: names of the free parameters.
     """
 
     cause: Cause
     opens: tuple[str, ...]
 
     @classmethod
-    def variants(cls, cause: Cause) -> list[Missing]:
-        """All open, and each group that may be open alone."""
+    def variants(cls, cause: Cause) -> list[CauseVariant]:
+        """Return the variant with all parameters free, and one for each group that may be free alone."""
         every = tuple(fact.name for fact in cause.parameters)
         return [cls(cause, opens) for opens in dict.fromkeys((every, *cause.apart))]
 
     @property
     def name(self) -> str:
-        """Of the cause."""
+        """Name of the cause."""
         return self.cause.name
 
     @property
     def kind(self) -> str:
-        """Of physics."""
+        """Kind of physics."""
         return self.cause.kind
 
     @property
     def flexible(self) -> bool:
-        """Whether it stands for its kind only."""
+        """Whether the cause only stands for its kind of physics."""
         return self.cause.flexible
 
     @property
-    def reading(self) -> tuple[object, ...]:
-        """What tells this variant from others."""
+    def variant(self) -> tuple[object, ...]:
+        """Key that distinguishes this variant from others."""
         return self.cause.name, self.opens
 
     @property
-    def plain(self) -> Missing:
-        """Itself: each variant is probed."""
+    def base_variant(self) -> CauseVariant:
+        """The variant itself, because each variant has probe simulations of its own."""
         return self
 
     @property
     def special_cases(self) -> tuple[str, ...]:
-        """Names of simpler causes that this one contains."""
+        """Names of simpler causes that this cause contains."""
         return self.cause.contains
 
-    def contains(self, other: Missing) -> bool:
-        """Whether the other is a special case."""
+    def contains(self, other: CauseVariant) -> bool:
+        """Return whether another variant is a special case of this one."""
         if self.name == other.name:
             return set(other.opens) < set(self.opens)
         return other.name in self.cause.contains or (self.flexible and not other.flexible and self.kind == other.kind)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Those that are open, named as in the values."""
+        """The free parameters, with their names in the values of the model."""
         return tuple(replace(f, name=f"{self.name}.{f.name}") for f in self.cause.parameters if f.name in self.opens)
 
 
 @dataclass(frozen=True, eq=False)
-class Variant:
-    """The model with some causes, and what is open in it.
+class ExtendedModel:
+    """The user's model with some of its causes, as a hypothesis with free parameters.
 
     Attributes:
-        model: your own.
-        parts: the causes.
+        model: the user's model.
+        parts: the added causes.
     """
 
     model: Model
-    parts: tuple[Missing, ...] = ()
+    parts: tuple[CauseVariant, ...] = ()
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The model's own, then those of each cause."""
+        """The model's own free parameters, then those of each cause."""
         return (*self.model.parameters, *(fact for part in self.parts for fact in part.parameters))
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Names of the open parameters."""
+        """Names of the free parameters."""
         return tuple(fact.name for fact in self.parameters)
 
     @property
     def start(self) -> Array:
-        """(P,) values to start from."""
+        """Initial values (P,) of the free parameters."""
         return np.array([fact.neutral for fact in self.parameters])
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from other variants."""
-        return tuple(sorted((part.reading for part in self.parts), key=repr))
+        """Key that distinguishes this model from others."""
+        return tuple(sorted((part.variant for part in self.parts), key=repr))
 
     @property
-    def labour(self) -> tuple[()]:
-        """Nothing is known of what a function costs."""
+    def cost(self) -> tuple[()]:
+        """Empty, because the cost of a user's function is unknown."""
         return ()
 
     @property
-    def rough(self) -> Variant:
-        """The same: a function is what it is."""
+    def rough(self) -> ExtendedModel:
+        """The model itself, because a user's function has no coarser simulation."""
         return self
 
-    def with_part(self, part: Missing) -> Variant:
-        """With one cause more."""
+    def with_part(self, part: CauseVariant) -> ExtendedModel:
+        """Return the model with one more cause."""
         return replace(self, parts=(*self.parts, part))
 
-    def without_part(self, name: str) -> tuple[Variant, list[int]]:
-        """With one cause less, and which of the open parameters are left."""
+    def without_part(self, name: str) -> tuple[ExtendedModel, list[int]]:
+        """Return the model without one cause, and the indices of the free parameters that remain."""
         kept = [k for k, free in enumerate(self.free) if not free.startswith(f"{name}.")]
         return replace(self, parts=tuple(part for part in self.parts if part.name != name)), kept
 
-    def tried_from(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
-        """The proposed values, these with other sizes of the last cause, and with the declared numbers of the model."""
+    def start_points(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
+        """Return the proposed points, variations with other amplitudes of the last cause, and points with the declared values."""
         last, own = len(self.parts[-1].parameters), len(self.model.parameters)
         found = [(k, self._sized(start, last, size)) for k, start in enumerate(starts) for size in _SIZES]
         declared = [(ALWAYS, np.concatenate([self.start[:own], values[own:]])) for _, values in found[: len(_SIZES)]]
         return found + (declared if own else [])
 
     def _sized(self, values: Array, last: int, size: float) -> Array:
-        """Values (P,) with the amplitudes of the last cause times a factor."""
+        """Return the values (P,) with the amplitudes of the last cause multiplied by a factor."""
         facts, moved = self.parameters[-last:], values.copy()
         for k, fact in enumerate(facts, len(values) - last):
             away = size if fact.amplitude else 1.0
@@ -162,18 +162,18 @@ class Variant:
         return moved
 
     def named(self, values: Array) -> dict[str, float]:
-        """All values by name; those that are not open are neutral."""
+        """Return all parameter values by name; parameters that are not free are neutral."""
         return self.model.neutral | dict(zip(self.free, map(float, values), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A trial as the model must reproduce it.
+    """A trial in scaled form.
 
     Attributes:
-        trial: where it comes from.
-        scaled: (N, M, 1) measured over the floors; NaN in gaps.
-        every: one in so many samples is looked at.
+        trial: the recorded trial.
+        scaled: (N, M, 1) measured values in floors; NaN in gaps.
+        every: sampling ratio: one in this many samples is used.
     """
 
     trial: Trial
@@ -182,32 +182,32 @@ class Recording:
 
     @property
     def name(self) -> str:
-        """Of the trial."""
+        """Name of the trial."""
         return self.trial.name
 
     @property
     def time(self) -> Array:
-        """(N,) [s]."""
+        """Sampling times (N,) [s]."""
         return np.asarray(self.trial.time)
 
     @property
     def compared(self) -> Array:
-        """(T, M, 1) what was measured, of the samples that are looked at."""
+        """Measured values (T, M, 1) of the samples that are used, in floors."""
         return self.scaled[:: self.every]
 
     @cached_property
     def moved(self) -> float:
-        """Root mean square about the mean, of the channel that goes farthest."""
+        """Largest standard deviation of any channel, in floors."""
         return float(np.nanmax(np.nanstd(self.scaled, axis=0), initial=0.0))
 
 
 class _Known(OrderedDict[object, Array]):
-    """Predictions that were made, the latest of them."""
+    """Cache of the latest predictions."""
 
     size = 0
 
     def keep(self, new: Mapping[object, Array]) -> None:
-        """Add some, and forget the oldest."""
+        """Add predictions, and remove the oldest ones beyond the size limit."""
         self.update(new)
         self.size += sum(each.size for each in new.values())
         while self.size > _KEPT:
@@ -215,23 +215,23 @@ class _Known(OrderedDict[object, Array]):
 
 
 class Recordings:
-    """Trials, and the model that is to reproduce them.
+    """Trials together with the model that predicts them.
 
     Args:
-        model: your own.
-        trials: at least one.
+        model: the user's model.
+        trials: at least one trial.
 
     Raises:
-        InputError: no trials, two of one name, or trials of other channels than the first.
+        InputError: there are no trials, two trials have the same name, or a trial has other channels than the first one.
     """
 
-    lasting = 0
+    systematic = 0
 
     def __init__(self, model: Model, trials: Sequence[Trial]) -> None:
         names = [trial.name for trial in trials]
         if not names or len(set(names)) < len(names):
             twice = next((name for name in names if names.count(name) > 1), "none")
-            raise InputError("trials", expected="at least one, each with a name of its own", received=twice)
+            raise InputError("trials", expected="at least one, each with a different name", received=twice)
         self.model, self.channels = model, tuple(trials[0].measured)
         for trial in trials:
             if tuple(trial.measured) != self.channels:
@@ -245,13 +245,14 @@ class Recordings:
         self._known = _Known()
 
     def _noise(self, channel: str, trials: Sequence[Trial]) -> float:
+        """Return the standard deviation of a channel's noise, in its unit."""
         if channel in self.model.noise:
             return self.model.noise[channel]
         found = [white_noise(np.asarray(trial.measured[channel])) for trial in trials]
         return float(np.nanmedian(found)) if np.isfinite(found).any() else 0.0
 
     def _floor(self, channel: str, trials: Sequence[Trial]) -> float:
-        """What noise and the truest of models leave of a channel, in its unit."""
+        """Return the floor of a channel in its unit: its noise combined with the accuracy of the best possible model."""
         spread = float(np.nanstd(np.concatenate([np.asarray(trial.measured[channel]) for trial in trials])))
         least = self.model.least.get(channel, self.model.truest * spread)
         return math.hypot(self._noise(channel, trials), least) or 1.0
@@ -260,49 +261,49 @@ class Recordings:
         return self.__dict__ | {"_known": _Known()}
 
     @property
-    def seen(self) -> int:
-        """How many numbers of its own a run has at most."""
+    def unconditional(self) -> int:
+        """Largest number of trial parameters of any run."""
         return max((self.own(run) for run in self.runs), default=0)
 
     @property
-    def doubted(self) -> NDArray[np.bool_]:
-        """(K,) none: how a trial started is seen in it."""
-        return np.zeros(self.seen, dtype=bool)
+    def confounded(self) -> NDArray[np.bool_]:
+        """All false (K,): trial parameters declared by the user are not confounded with a discrepancy of the model."""
+        return np.zeros(self.unconditional, dtype=bool)
 
     def own(self, run: Recording) -> int:
-        """How many numbers belong to a run."""
+        """Return the number of trial parameters of a run."""
         return len(run.trial.own)
 
-    def shown(self, run: Recording) -> bool:
-        """Never: all numbers of a trial are declared."""
+    def has_conditional(self, run: Recording) -> bool:
+        """Return False: all trial parameters are declared."""
         return False
 
     def of_runs(self, runs: Sequence[Recording]) -> Recordings:
-        """These runs alone; what is known of them is shared."""
+        """Return the recordings with some of the runs; caches are shared."""
         other: Recordings = object.__new__(type(self))
         other.__dict__ |= self.__dict__ | {"runs": tuple(runs)}
         return other
 
     def some(self, kept: Sequence[int], samples: int) -> Recordings:
-        """These runs alone, with hardly more than so many samples of each."""
+        """Return the recordings with some of the runs, and with about ``samples`` samples of each."""
         runs = (self.runs[k] for k in kept)
         return self.of_runs([replace(run, every=max(1, len(run.time) // samples)) for run in runs])
 
-    def predict(self, hypothesis: Variant, cases: Sequence[tuple[Recording, Array]]) -> list[Prediction]:
-        """For each run with its own values (P,)."""
+    def predict(self, hypothesis: ExtendedModel, cases: Sequence[tuple[Recording, Array]]) -> list[Prediction]:
+        """Return the prediction for each pair of a run and parameter values (P,)."""
         answers = self._outputs([(run, hypothesis.named(values)) for run, values in cases])
         return [Prediction(answer) for answer in answers]
 
     def predict_with_slopes(
         self,
-        hypothesis: Variant,
+        hypothesis: ExtendedModel,
         values: Array,
         *,
         central: bool = False,
-        shown: Sequence[bool] | None = None,
+        conditional: Sequence[bool] | None = None,
         own: bool = True,
     ) -> list[Prediction]:
-        """For every run at values (P,), with derivatives and what belongs to the trials."""
+        """Return the prediction of every run at values (P,), with derivatives and the effect of trial parameters."""
         sides = _steps(hypothesis.parameters, values, central)
         here = hypothesis.named(values)
         points = [hypothesis.named(values + side) for side in sides]
@@ -322,18 +323,18 @@ class Recordings:
             predictions.append(Prediction(centre, np.nan_to_num(slopes), np.nan_to_num(nuisance) if own else None))
         return predictions
 
-    def probe(self, hypothesis: Variant, points: Array) -> list[Array]:
-        """For each run (T, C, M, 1) what is predicted at each of the points (C, P)."""
+    def probe(self, hypothesis: ExtendedModel, points: Array) -> list[Array]:
+        """Return for each run the prediction (T, C, M, 1) at each of the points (C, P)."""
         named = [hypothesis.named(point) for point in points]
         answers = iter(self._outputs([(run, values) for run in self.runs for values in named]))
         return [np.stack([next(answers) for _ in named], axis=1) for _ in self.runs]
 
-    def as_read(self, hypothesis: Variant, new: Sequence[Parameter], run: Recording, changes: Array) -> Array:
-        """The changes as they are: each variant is probed."""
+    def changes_of_variant(self, hypothesis: ExtendedModel, new: Sequence[Parameter], run: Recording, changes: Array) -> Array:
+        """Return the changes unchanged, because each variant has probe simulations of its own."""
         return changes
 
     def _known_slopes(self, values: Mapping[str, float], run: Recording, free: Sequence[str]) -> dict[str, Array]:
-        """(T, M, 1) derivatives that the model knows, by the names of those of its open parameters."""
+        """Return the derivatives (T, M, 1) that the model provides, by the names of its free parameters."""
         if self.model.slopes is None:
             return {}
         found = self.model.slopes(values, run.trial)
@@ -342,7 +343,7 @@ class Recordings:
         return {name: self._scaled(each)[:: run.every] for name, each in shown.items()}
 
     def _outputs(self, cases: Sequence[tuple[Recording, Mapping[str, float]]]) -> list[Array]:
-        """(T, M, 1) what is predicted over the floors; none is asked for twice."""
+        """Return the predictions (T, M, 1) in floors; nothing is simulated twice."""
         keys = [(run.name, tuple(values.items())) for run, values in cases]
         new = {key: case for key, case in zip(keys, cases, strict=True) if key not in self._known}
         found = self.model.outputs([(values, run.trial) for run, values in new.values()])
@@ -352,18 +353,18 @@ class Recordings:
         return [answer[:: run.every] for answer, (run, _) in zip(answers, cases, strict=True)]
 
     def _scaled(self, outputs: Mapping[str, Any]) -> Array:
-        """(N, M, 1) over the floors; NaN for what is far from anything that was measured."""
+        """Return predictions (N, M, 1) in floors; NaN for values far from all measured ones."""
         scaled = _stacked(outputs, self.channels) / self.units[:, None]
         return np.where(np.abs(scaled) < _LOST * self.worst, scaled, np.nan)
 
 
 def _stacked(outputs: Mapping[str, Any], channels: Sequence[str]) -> Array:
-    """(N, M, 1) of the channels."""
+    """Return the channels as one array (N, M, 1)."""
     return np.stack([np.asarray(outputs[channel], dtype=float) for channel in channels], axis=1)[..., None]
 
 
 def _steps(facts: Sequence[Parameter], values: Array, central: bool) -> list[Array]:
-    """(P,) each: the differences for derivatives; one for each parameter, or two."""
+    """Return the finite-difference steps (P,): one for each parameter, or two."""
     steps = []
     for k, (fact, value) in enumerate(zip(facts, values, strict=True)):
         width = _FRACTION * (min(fact.scale, value) if fact.ratio_width is not None else fact.scale)
@@ -374,7 +375,7 @@ def _steps(facts: Sequence[Parameter], values: Array, central: bool) -> list[Arr
 
 
 def _slopes(centre: Array, ahead: Sequence[Array], sides: Sequence[Array], count: int) -> Array:
-    """(T, M, 1, P) derivatives from what is predicted a step aside, or two."""
+    """Return the derivatives (T, M, 1, P) from predictions at one or two steps for each parameter."""
     slopes, per = np.zeros((*centre.shape, count)), len(sides) // max(count, 1)
     for k in range(count):
         steps = [float(side[k]) for side in sides[per * k : per * k + per]]

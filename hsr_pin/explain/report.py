@@ -1,4 +1,4 @@
-"""An explanation as one HTML file that needs nothing else: no network, no scripts; for the screen and for paper."""
+"""An explanation as one self-contained HTML file, without network access or scripts."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
 
     from hsr_pin.explain.result import Explanation
 
-#: Rows of the table of probabilities, and the least probability that is listed.
+#: Largest number of rows in the table of probabilities, and least probability that is listed.
 _ROWS, _LISTED = 8, 0.01
-#: A map of more parts than this is left to the JSON.
+#: Largest number of parts of a map in the report; larger maps are in the JSON document only.
 _PARTS = 16
-#: Width of a figure [inch], and channels that are drawn.
+#: Width of a figure [inch], and largest number of channels that are drawn.
 _WIDTH, _DRAWN = 7.4, 4
 
 
 def write_report(found: Explanation, path: str | Path) -> None:
-    """Write the report.
+    """Write the HTML report of an explanation to a file.
 
     Raises:
         OutputError: the file cannot be written.
@@ -39,12 +39,12 @@ def write_report(found: Explanation, path: str | Path) -> None:
 
 
 def report(found: Explanation) -> str:
-    """The text of that file."""
+    """Return the HTML report of an explanation as text."""
     best = found.search.best
     sets = [(" + ".join(names), p) for names, p in found.search.posterior.sets.items() if p >= _LISTED][:_ROWS]
     index = int(np.argmax([_square(each) for each in found.nominal]))
     run = found.recordings.runs[index]
-    caption = f"{run.name}, where the declared model misses most"
+    caption = f"{run.name}, the trial with the largest error of the declared model"
     return (
         environment(Path(__file__).parent)
         .get_template("explanation.html.jinja")
@@ -54,7 +54,7 @@ def report(found: Explanation) -> str:
             verdict=found.verdict,
             headline=found.headline,
             sets=sets,
-            causes=[found.recordings.model.cause(name) for name in _spoken_of(found)],
+            causes=[found.recordings.model.cause(name) for name in _named_causes(found)],
             estimates=estimates(best.fit),
             doubts=uncertainty(best.fit).weak if len(best.fit.values) else (),
             where=sentence(found.where),
@@ -67,26 +67,26 @@ def report(found: Explanation) -> str:
     )
 
 
-def _spoken_of(found: Explanation) -> list[str]:
-    """Names of the causes that the verdict or the most probable model names, in the order of the model."""
-    said = {*found.verdict.effects, *found.search.best.names, *(name for names in found.verdict.alternatives for name in names)}
-    return [cause.name for cause in found.recordings.model.causes if cause.name in said]
+def _named_causes(found: Explanation) -> list[str]:
+    """Return the causes that the verdict or the most probable model names, in the order of the model."""
+    named = {*found.verdict.effects, *found.search.best.names, *(name for names in found.verdict.alternatives for name in names)}
+    return [cause.name for cause in found.recordings.model.causes if cause.name in named]
 
 
 def _channels(found: Explanation) -> list[dict[str, Any]]:
-    """Of each channel its error with the declared, the fitted and the most probable model, in its unit."""
+    """Return the errors of each channel with the declared, the fitted and the most probable model, in its unit."""
     recordings = found.recordings
     fitted = [found.search.base.heldout] if recordings.model.parameters else []
     shown = (found.nominal, *fitted, found.search.best.heldout)
     rows = []
     for m, (name, unit) in enumerate(zip(recordings.channels, recordings.units, strict=True)):
-        errors = [unit * _square([each[:, m] for each in missed]) ** 0.5 for missed in shown]
+        errors = [unit * _square([each[:, m] for each in residuals]) ** 0.5 for residuals in shown]
         rows.append({"name": name, "unit": recordings.model.units.get(name, ""), "errors": errors, "floor": unit})
     return rows
 
 
 def _motion(found: Explanation, index: int) -> Figure:
-    """What was measured in one trial, and what the declared and the most probable model predict there."""
+    """Return a figure of one trial: measured values and the predictions of the declared and the most probable model."""
     from matplotlib.figure import Figure
 
     recordings, run = found.recordings, found.recordings.runs[index]
@@ -108,6 +108,6 @@ def _motion(found: Explanation, index: int) -> Figure:
     return figure
 
 
-def _square(missed: Any) -> float:
-    parts: list[Array] = [np.ravel(each) for each in missed]
+def _square(residuals: Any) -> float:
+    parts: list[Array] = [np.ravel(each) for each in residuals]
     return float(np.nanmean(np.concatenate(parts) ** 2))

@@ -1,4 +1,4 @@
-"""What an explanation found, and how it is shown in Python."""
+"""The explanation of a model's gap, and its display in Python."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Explanation:
-    """What a model of your own misses of recordings, and why.
+    """Explanation of the gap between a user-defined model and recordings.
 
-    Distances are over the floor: what noise, and the truest of models, leave of a channel.
+    Distances are in floors; the floor of a channel combines its noise with the accuracy of the best possible model.
 
     Attributes:
-        recordings: the trials beside the model.
-        verdict: what may be said.
-        ladder: how far each step shrinks the gap, on trials that it was not fitted to.
-        search: every model that was tried.
-        limits: what is too small to report.
-        nominal: for each run (T, M, 1) predicted minus measured by the model as declared.
-        where: maps of the gap that the fitted numbers leave.
-        next_experiment: of the trials that were offered, the most telling first: name, and how far apart alternatives are in it.
-        notes: what a reader should know of the recordings.
-        loss: by which the report was chosen.
-        words: how the verdict calls what it speaks of.
+        recordings: the trials together with the model.
+        verdict: the conclusion.
+        ladder: how much each step explains of the gap, on held-out trials.
+        search: all models that were fitted.
+        limits: thresholds below which a gap is not reported.
+        nominal: for each run (T, M, 1) predicted minus measured by the declared model.
+        where: maps of the gap that the fitted parameters leave.
+        next_experiment: names of the proposed experiments and the distance between the alternatives in each, the largest first.
+        notes: remarks on the recordings.
+        loss: gains and losses by which the report was chosen.
+        words: vocabulary of the verdict.
     """
 
     recordings: Recordings
@@ -51,7 +51,7 @@ class Explanation:
 
     @property
     def headline(self) -> str:
-        """What the verdict comes down to."""
+        """Headline of the verdict."""
         return (self.words.headlines if self.words else HEADLINES)[self.verdict.status]
 
     def __repr__(self) -> str:
@@ -60,23 +60,23 @@ class Explanation:
     def __str__(self) -> str:
         rungs = [f"{rung.name:<44} {rung.rms:9.3g} {100 * rung.share:7.1f} %" for rung in self.ladder]
         lines = [f"{self.recordings.model.name}: {self.headline}", self.verdict.sentence, ""]
-        lines += [f"{'error on trials it was not fitted to':<44} {'[floors]':>9} {'of gap²':>9}", *rungs, ""]
+        lines += [f"{'error on held-out trials':<44} {'[floors]':>9} {'of gap²':>9}", *rungs, ""]
         return "\n".join([*lines, *map(str, self.estimates)])
 
     @property
     def estimates(self) -> tuple[Estimate, ...]:
-        """The numbers of the most probable model, with their 95 % intervals."""
+        """Parameters of the most probable model with their 95 % intervals."""
         return estimates(self.search.best.fit)
 
     @property
     def values(self) -> dict[str, float]:
-        """All values of the most probable model by name, as the model's function takes them."""
+        """All parameter values of the most probable model by name, as the model's function receives them."""
         best = self.search.best.fit
         named: dict[str, float] = best.hypothesis.named(best.values)
         return named
 
     def to_json(self) -> dict[str, Any]:
-        """The explanation in plain numbers and texts."""
+        """Return the explanation as a dictionary of plain numbers and texts."""
         from hsr_pin.explain.document import to_json
 
         return to_json(self)

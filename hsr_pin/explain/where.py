@@ -1,4 +1,4 @@
-"""Where the gap lies: by channel, by time, by trial, and by every label that the trials carry."""
+"""Maps of the gap: by channel, by time, by trial, and by every label of the trials."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import numpy as np
 from hsr_pin.explain.recordings import Recordings
 from hsr_pin.trajectory import Array
 
-#: Parts into which the time of a trial is cut.
+#: Number of parts into which the time of a trial is divided.
 _QUARTERS = 4
 
 
 @dataclass(frozen=True)
 class Part:
-    """One piece of a map.
+    """One part of a map.
 
     Attributes:
-        label: what it is.
-        rms: of the gap there, over the floor.
-        share: of the whole squared gap.
+        label: name of the part.
+        rms: RMS gap in this part [floors].
+        share: share of the whole squared gap.
     """
 
     label: str
@@ -31,11 +31,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Map:
-    """The gap over one quantity.
+    """The gap resolved by one quantity.
 
     Attributes:
         quantity: "channel", "time", "trial", or the name of a label.
-        parts: in order.
+        parts: the parts in order.
     """
 
     quantity: str
@@ -48,7 +48,7 @@ class Map:
 
 
 def locate(recordings: Recordings, heldout: Sequence[Array]) -> tuple[Map, ...]:
-    """Maps of what a model misses, (T, M, 1) for each run, over the floors."""
+    """Return maps of the residuals of a model, (T, M, 1) for each run, in floors."""
     squares = [np.nan_to_num(each[..., 0]) ** 2 for each in heldout]
     seen = [np.isfinite(each[..., 0]) for each in heldout]
     whole = sum(float(each.sum()) for each in squares) or 1.0
@@ -72,10 +72,10 @@ def locate(recordings: Recordings, heldout: Sequence[Array]) -> tuple[Map, ...]:
 
 
 def sentence(maps: Sequence[Map]) -> str:
-    """Where most of the gap lies, as a person would say it."""
+    """Return one sentence that says where most of the gap lies."""
     said = [
         f"{each.largest.label} ({100 * each.largest.share:.0f} %)"
         for each in maps
         if len(each.parts) > 1 and each.quantity != "trial" and each.largest.share > 1.5 / len(each.parts)
     ]
-    return f"Most of the squared gap lies in {' and in '.join(said)}." if said else "The gap is spread evenly."
+    return f"Most of the squared gap lies in {' and in '.join(said)}." if said else "The gap is distributed evenly."

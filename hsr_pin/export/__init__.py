@@ -1,17 +1,17 @@
-"""Handing the model on: to MuJoCo, and as URDF and SDF to everyone else.
+"""Export of the model to MuJoCo, URDF and SDF.
 
-- ``bodies``: links, joints and markers, as every target needs them
-- ``document``: a fit or a diagnosis, read from its JSON
-- ``elements``: which MuJoCo elements stand for which effect
-- ``file``: Exported: texts, what they hold and what they do not
-- ``law_text``: an effect's laws as a text of their own
-- ``mjcf``: to MuJoCo
-- ``model``: CorrectedModel: what is handed on
-- ``parts``: the effects, sorted by what becomes of them in MuJoCo
-- ``plain``: what URDF and SDF cannot say, in words
-- ``schema``: what a result must be to be read again
-- ``sdf``: to Gazebo and Drake
+- ``bodies``: links, joints and markers for all formats
+- ``document``: reading of a fit or a diagnosis from its JSON
+- ``elements``: MuJoCo elements that represent effects
+- ``file``: Exported: texts of an export, and lists of what they contain and lack
+- ``law_text``: source text of the laws of an effect
+- ``mjcf``: export to MuJoCo
+- ``model``: CorrectedModel: the model that is exported
+- ``parts``: assignment of effects to MuJoCo elements and a Python module
+- ``plain``: description of effects that URDF and SDF cannot express
+- ``schema``: validation of a result that is read again
+- ``sdf``: export to SDF for Gazebo and Drake
 - ``templating``: text from a template
-- ``timestep``: how long a step of MuJoCo may be
-- ``urdf``: to everything else
+- ``timestep``: largest time step in MuJoCo
+- ``urdf``: export to URDF for other programs
 """

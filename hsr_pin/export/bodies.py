@@ -1,9 +1,9 @@
-"""Links, joints and markers as every target needs them: the straight arm along +z of the base, bending towards +x about +y.
+"""Links, joints and markers for all formats: the straight arm is along +z of the base and bends towards +x about +y.
 
-In space a joint is two hinges in one place, towards x and towards y, and a third where the arm twists. Hinges one after the other
-are not a rotation vector: their order turns what follows by half the product of their angles. So from joint to joint the order is
-turned round, and what one does its neighbour takes back (G. Strang, SIAM J. Numer. Anal. 5, 1968): of the error of 1/N is left
-one of 1/N^2.
+In space a joint consists of two hinges at one point, towards x and towards y, and a third hinge if the arm twists. Hinges in
+series differ from a rotation vector: their order rotates the following links by half the product of their angles. The order
+therefore alternates from joint to joint, so that neighbouring joints cancel this rotation (G. Strang, SIAM J. Numer. Anal. 5,
+1968). This reduces the error from 1/N to 1/N^2.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from hsr_pin.robot.sections import inputs
 from hsr_pin.robot.space import base_rotations
 from hsr_pin.trajectory import Array
 
-#: Bending towards x and towards y, and twist: what each hinge turns about.
+#: Rotation axes of the hinges for bending towards x, bending towards y, and twist.
 _AXES = ("0 1 0", "-1 0 0", "0 0 1")
 _WAYS = ("x", "y", "twist")
-#: Below this cosine of the pitch only the sum of roll and yaw, or their difference, is known: beyond it they are rounding errors.
+#: Cosine of the pitch below which only the sum or the difference of roll and yaw is known within rounding.
 LOCKED = 1e-9
 
 
 @dataclass(frozen=True)
 class Hinge:
-    """One axis of a joint.
+    """Hinge about one axis of a joint.
 
     Attributes:
         name: ``joint_1``, in space ``joint_1_x``, ``joint_1_y`` and ``joint_1_twist``.
-        way: 0: towards x; 1: towards y; 2: twist.
-        parent, child: what it joins; between the hinges of one joint are links that hardly weigh anything.
-        start: [m] of the hinge along the parent.
-        spring, damper: [Nm/rad], [Nm s/rad].
-        slight: the child is one of those.
+        way: kind of rotation; 0: towards x; 1: towards y; 2: twist.
+        parent, child: links that it connects; links of negligible mass connect the hinges of one joint.
+        start: position of the hinge along the parent [m].
+        spring, damper: stiffness [Nm/rad] and damping [Nm s/rad].
+        slight: whether the child is a link of negligible mass.
     """
 
     name: str
@@ -53,26 +53,26 @@ class Hinge:
 
     @property
     def axis(self) -> str:
-        """As XML has it."""
+        """Axis of rotation as text for XML."""
         return _AXES[self.way]
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid link on its joint.
+    """Rigid link and its joint.
 
     Attributes:
         number: from 1, base to tip.
-        start: [m] of the joint along the link before it (the base for the first).
-        height: [m] of the joint above the base, in the straight arm.
-        length, radius: [m] of the cylinder.
-        mass: [kg], the payload not included.
-        centre: [m] of mass from the joint.
-        across, along: [kg m^2] inertia about it.
-        spring, damper: [Nm/rad], [Nm s/rad] of the joint against bending.
-        share: of the torque that arrives there; (S,) of each section's.
-        hinges: that the joint is made of.
-        colour: (r, g, b).
+        start: position of the joint along the previous link [m] (the base for the first link).
+        height: distance of the joint from the base in the straight arm [m].
+        length, radius: size of the cylinder [m].
+        mass: mass without the payload [kg].
+        centre: distance of the centre of mass from the joint [m].
+        across, along: moments of inertia about the centre of mass, across and along the link [kg m^2].
+        spring, damper: bending stiffness [Nm/rad] and damping [Nm s/rad] of the joint.
+        share: (S,) share of the torque of each section that acts at the joint.
+        hinges: hinges of the joint.
+        colour: colour (r, g, b).
     """
 
     number: int
@@ -92,23 +92,23 @@ class Link:
 
     @property
     def name(self) -> str:
-        """``link_1`` hangs on ``joint_1``."""
+        """Name of the link, such as ``link_1``."""
         return f"link_{self.number}"
 
     @property
     def joint(self) -> str:
-        """Its joint."""
+        """Name of the joint of the link, such as ``joint_1``."""
         return f"joint_{self.number}"
 
     @property
     def parent(self) -> str:
-        """What it hangs on."""
+        """Name of the previous link, or of the base."""
         return f"link_{self.number - 1}" if self.number > 1 else "base"
 
 
 @dataclass(frozen=True)
 class Site:
-    """A marker: ``x``, ``y``, ``z`` [m] in the frame of the link (or base) that carries it."""
+    """Marker at ``x``, ``y``, ``z`` [m] in the frame of the link (or base) that carries it."""
 
     name: str
     parent: str
@@ -119,16 +119,16 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The arm in its base frame.
+    """Bodies of the arm in its base frame.
 
     Attributes:
-        links: from base to tip.
-        base_length: [m] of the half link that is fixed to the base; 0 for joints at the base ends.
-        payload: [kg] at the tip, at ``links[-1].length`` along the last link.
-        sites: where the markers are.
+        links: links from base to tip.
+        base_length: length of the half link that is fixed to the base [m]; 0 for joints at the base ends.
+        payload: payload at the tip [kg], at ``links[-1].length`` along the last link.
+        sites: markers.
         rpy: roll, pitch and yaw [rad] of the base in the world frame, in which the markers are seen.
-        gravity: (3,) [m/s^2] in that frame.
-        shape: how it is drawn.
+        gravity: (3,) gravity in the world frame [m/s^2].
+        shape: dimensions for drawing.
     """
 
     links: tuple[Link, ...]
@@ -141,7 +141,7 @@ class Bodies:
 
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
-        """(w, x, y, z) of the base: Rz(yaw) Ry(pitch) Rx(roll)."""
+        """Quaternion (w, x, y, z) of the base: Rz(yaw) Ry(pitch) Rx(roll)."""
         (a, b), (c, s), (e, f) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in self.rpy)
         return c * a * e + s * b * f, c * b * e - s * a * f, s * a * e + c * b * f, c * a * f - s * b * e
 
@@ -152,13 +152,13 @@ class Bodies:
 
     @property
     def hinges(self) -> tuple[Hinge, ...]:
-        """Of all joints, from the base on, in the order in which they follow one another."""
+        """Hinges of all joints in order from base to tip."""
         return tuple(hinge for link in self.links for hinge in link.hinges)
 
 
 def bodies_of(model: CorrectedModel) -> Bodies:
-    """The bodies of a model; they move as those of :func:`hsr_pin.robot.model.build_model`, in space nearly so."""
-    arm, arrays = model.loaded_arm, model.columns.arrays
+    """Return the bodies of a model, which move like those of :func:`hsr_pin.robot.model.build_model` (in space approximately)."""
+    arm, arrays = model.loaded_arm, model.batch.arrays
     chain = chain_of(Arms.of([replace(arm, tip_mass=0.0)]))
     heights = arm.joint_arc_lengths * arm.length
     starts = np.diff(heights, prepend=0.0)
@@ -195,11 +195,11 @@ def bodies_of(model: CorrectedModel) -> Bodies:
 
 
 def _hinges(model: CorrectedModel, joint: int, start: float) -> tuple[Hinge, ...]:
-    """What a joint, counted from 0, is made of."""
-    arrays, name, link = model.columns.arrays, f"joint_{joint + 1}", f"link_{joint + 1}"
+    """Return the hinges of a joint, which is counted from 0."""
+    arrays, name, link = model.batch.arrays, f"joint_{joint + 1}", f"link_{joint + 1}"
     before = f"link_{joint}" if joint else "base"
     spring, damper = float(arrays.spring[0, joint]), float(arrays.damper[0, joint])
-    if not model.columns.space:
+    if not model.batch.space:
         return (Hinge(name, 0, before, link, start, spring, damper, slight=False),)
     ways = _in_order([0, 1] if math.isinf(arrays.twist[0, joint]) else [0, 1, 2], joint)
     names = [*(f"{link}_{_WAYS[way]}" for way in ways[:-1]), link]
@@ -211,14 +211,14 @@ def _hinges(model: CorrectedModel, joint: int, start: float) -> tuple[Hinge, ...
 
 
 def _in_order(ways: list[int], joint: int) -> list[int]:
-    """Of a joint's hinges, from the base on."""
+    """Return the order of a joint's hinges from the base."""
     return ways[::-1] if joint % 2 else ways
 
 
 def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
-    """Roll, pitch and yaw [rad] of the base in the frame in which the markers are seen, and gravity (3,) [m/s^2] there.
+    """Return roll, pitch and yaw [rad] of the base, and gravity (3,) [m/s^2], in the frame in which the markers are seen.
 
-    That frame was turned with the base where the mount's own tilt was (the readings "base").
+    That frame is rotated with the base if the mount itself was tilted (the variants "base").
     """
     arm, turned = model.loaded_arm, _turned_frame(model)
     if arm.bending == "space":
@@ -227,12 +227,12 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
             back = rotations(vectors(np.array([-turn.real, -turn.imag, 0.0]))) @ back
         return angles_of(axes @ back), axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
     turn = sum(turned, 0j).real
-    sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints turn about -y of the world
+    sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints rotate about -y of the world
     return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
 
 
 def angles_of(turn: Array) -> tuple[float, float, float]:
-    """Roll, pitch and yaw [rad] of a rotation matrix (3, 3); no yaw where a pitch of a quarter turn leaves roll and yaw open."""
+    """Return roll, pitch and yaw [rad] of a rotation matrix (3, 3); the yaw is 0 if a pitch of a quarter turn leaves it open."""
     x, y, z = turn.T
     level = math.hypot(x[0], x[1])
     pitch = math.atan2(-x[2], level)
@@ -242,20 +242,20 @@ def angles_of(turn: Array) -> tuple[float, float, float]:
 
 
 def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:
-    """Of the base: the mount, turned by ``tilt`` [rad] towards positive bending."""
+    """Return roll, pitch and yaw [rad] of a base with the mount and a ``tilt`` [rad] towards positive bending."""
     roll = math.pi if mount == "hanging" else 0.0
     return roll, {"upright": tilt, "hanging": -tilt, "horizontal": math.pi / 2 + tilt}[mount], 0.0
 
 
 def _turned_frame(model: CorrectedModel) -> list[complex]:
-    """[rad] by which the frame of the markers was turned, towards x and towards y: with the base, or cameras alone."""
+    """Return the rotations of the markers' frame [rad], towards x and towards y, with the base and of the cameras alone."""
     tilts: list[Any] = [effect for effect in model.effects if effect.name in ("gravity_tilt", "base_tilt")]
     ways = {"world": 0.0, "base": 1.0, "cameras": -1.0}
     return [ways[tilt.frame] * _aside(tilt, "angle") for tilt in tilts if ways[tilt.frame]]
 
 
 def _aside(effect: Any, name: str) -> complex:
-    """An effect's number towards x, or its two towards x and towards y."""
+    """Return an effect's parameter towards x, or its two parameters towards x and towards y, as a complex number."""
     return complex(getattr(effect, name)) if hasattr(effect, name) else complex(effect.towards_x, effect.towards_y)
 
 
@@ -265,12 +265,12 @@ def _sites(model: CorrectedModel, links: tuple[Link, ...]) -> tuple[Site, ...]:
     for marker in model.markers:
         carrier = int(np.searchsorted(heights, marker.arc_length, side="left")) - 1
         parent, start = (links[carrier].name, heights[carrier]) if carrier >= 0 else ("base", 0.0)
-        place = marker.beside + _moved(model, at_base=marker.arc_length == 0)
+        place = marker.offset + _moved(model, at_base=marker.arc_length == 0)
         found.append(Site(marker.name, parent, place.real, place.imag, marker.arc_length - start))
     return tuple(found)
 
 
 def _moved(model: CorrectedModel, *, at_base: bool) -> complex:
-    """[m] by which a marker sits beside where it is declared, towards x and towards y of its link."""
+    """Return the offset of the markers from their declared positions [m], towards x and towards y of the link."""
     offsets: list[Any] = [effect for effect in model.effects if effect.name in ("marker_offset", "markers_beside")]
     return sum((_aside(each, "offset") for each in offsets if not (at_base and each.base == "kept")), 0j)

@@ -1,4 +1,4 @@
-"""A fit or a diagnosis, read from the JSON that hsr-fit and hsr-diagnose write; fields that are not asked for may be anything."""
+"""Reading of a fit or a diagnosis from the JSON of hsr-fit and hsr-diagnose; fields that are not used are not checked."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ from hsr_pin.recordings.text import read_text
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Marker, Section
 
-#: Schemas of results that are read: of a fit and of an older diagnosis, and of a diagnosis.
+#: Supported schemas: 1 of fits and older diagnoses, 2 of diagnoses.
 _SCHEMAS = (1, 2)
-#: Fitted factors on numbers of the arm.
+#: Fitted factors, and the numbers of the arm to which they apply.
 _SCALES = {"keq_scale": "keq", "damping_scale": "damping", "mass_scale": "mass"}
-#: What tells of a section, and of the place of a marker.
+#: Fields of a section, and of the position of a marker.
 _SECTION, _PLACE = ("length", "mass", "keq", "damping"), ("arc_length", "radius", "angle")
-#: Verdicts that say which effects act; with any other the best of all models is taken.
-_CERTAIN = ("identified", "parameters", "no_gap")
+#: Verdicts that determine the effects; otherwise the most probable model is used.
+_DETERMINED = ("identified", "parameters", "no_gap")
 
 
 def read_result(
     path: str | Path, *, keq: float | None = None, dataset: str | Path | None = None, changes: Mapping[str, Any] | None = None
 ) -> CorrectedModel:
-    """The model that a fit or a diagnosis found.
+    """Return the model found by a fit or a diagnosis.
 
     Args:
-        path: of the JSON.
-        keq: the declared stiffness [Nm/rad] that is meant; None: the only one.
-        dataset: folder of the recordings, for a document that does not tell what they declare.
-        changes: of the arm, by field ("links", "tip_mass" ...), made last.
+        path: path of the JSON.
+        keq: declared stiffness [Nm/rad] whose model is returned; None: the only one.
+        dataset: folder of the recordings, for a document without their declaration.
+        changes: final changes of the arm, by field ("links", "tip_mass", ...).
 
     Raises:
-        InputError: not such a document, not the arm's numbers in it, several stiffnesses and none chosen.
-        EffectError: it tells of an effect that this hsr_pin does not know.
-        SpecificationError: the arm is none that can be.
+        InputError: the file is not a result, the arm is not described, or one of several stiffnesses must be chosen.
+        EffectError: the result contains an effect that this version of hsr_pin does not know.
+        SpecificationError: the arm is invalid.
         RecordingError: the dataset cannot be read.
     """
     document = _read(path)
@@ -58,7 +58,7 @@ def read_result(
 
 @contextmanager
 def _in(path: str | Path) -> Iterator[None]:
-    """Errors in here name the file, where they do not name one yet."""
+    """Add the name of the file to errors within the context that do not name one."""
     try:
         yield
     except InputError as error:
@@ -86,20 +86,20 @@ def _model(document: dict[str, Any], declared: dict[str, Any], keq: float | None
     scaled = {field: getattr(arm, field) * _factor(values, name, arm.keq) for name, field in _SCALES.items()}
     if "keq_drift" in values:
         scaled["keq"] *= 1 + values["keq_drift"]
-        origin = (*origin, "the stiffness is that of the last trial: it changed over the session (keq_drift)")
+        origin = (*origin, "the stiffness is that of the last trial, as it drifted over the session (keq_drift)")
     if "gain_drift" in values:
-        origin = (*origin, "the gain of the torque is that of the last trial: it changed over the session (gain_drift)")
-    told: tuple[str, ...] = (
-        f"commands are torques as recorded: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), whatever stiffness was fitted",
+        origin = (*origin, "the gain of the torque is that of the last trial, as it drifted over the session (gain_drift)")
+    commands: tuple[str, ...] = (
+        f"commands are recorded torques: Keq {arm.keq:g} Nm/rad times the bending of Eq. (4), not the fitted stiffness",
     )
     if arm.bending == "space":
-        told = _inputs(declared, max(1, len(sections)))
+        commands = _inputs(declared, max(1, len(sections)))
     return CorrectedModel(
         replace(arm, **{**scaled, **changes}),
         effects,
         _factor(values, "torque_gain", arm.keq) * (1 + values.get("gain_drift", 0.0)),
         tuple(Marker(row["name"], **_floats({"radius": 0.0, "angle": 0.0, **row}, *_PLACE)) for row in declared["markers"]),
-        origin=(*origin, *told),
+        origin=(*origin, *commands),
     )
 
 
@@ -111,14 +111,14 @@ def _read(path: str | Path) -> dict[str, Any]:
         raise
     except json.JSONDecodeError as error:
         raise InputError(
-            "not JSON", expected=expected, received=error.msg, file=path, line=error.lineno, column=error.colno
+            "invalid JSON", expected=expected, received=error.msg, file=path, line=error.lineno, column=error.colno
         ) from error
-    except (ValueError, RecursionError) as error:  # a number of too many digits, brackets within brackets
-        raise InputError("not JSON", expected=expected, received=error, file=path) from error
+    except (ValueError, RecursionError) as error:  # a number with too many digits, or too many nested brackets
+        raise InputError("invalid JSON", expected=expected, received=error, file=path) from error
     if not isinstance(document, dict) or not ("candidates" in document or "parameters" in document):
-        raise InputError("not a result", expected=expected, received=type(document).__name__, file=path)
+        raise InputError("the file is not a result", expected=expected, received=type(document).__name__, file=path)
     if document.get("schema") not in _SCHEMAS:
-        hint = "read it with the hsr_pin that wrote it"
+        hint = "read it with the version of hsr_pin that wrote it"
         raise InputError("schema", expected="1 or 2", received=document.get("schema"), hint=hint, file=path)
     with _in(path):
         (DIAGNOSIS if "candidates" in document else FIT)(document, "")
@@ -126,7 +126,7 @@ def _read(path: str | Path) -> dict[str, Any]:
 
 
 def _declared(document: dict[str, Any], dataset: str | Path | None) -> dict[str, Any]:
-    """The section ``arm``, or what the recordings declare."""
+    """Return the declaration of the arm from the section ``arm`` of a result, or from the recordings."""
     if dataset is not None:
         read = read_dataset(dataset)
         rows = levels([(trial.keq, trial.damping, trial.tip_mass) for trial in read.trials])
@@ -137,22 +137,22 @@ def _declared(document: dict[str, Any], dataset: str | Path | None) -> dict[str,
         found["inputs"] = [asdict(channel) for channel in read.channels if channel.torque]
         return {**found, "levels": rows, "markers": markers, **chain}
     if "arm" not in document:
-        hint = "give the recordings too: --dataset DIR"
-        raise InputError("arm", expected="a section that tells what the recordings declare", received="none", hint=hint)
+        hint = "give the recordings with --dataset DIR"
+        raise InputError("arm", expected="a section with the declaration of the recordings", received="none", hint=hint)
     ARM_SECTION(document["arm"], "arm")
     return dict(document["arm"])
 
 
 def _inputs(declared: dict[str, Any], parts: int) -> tuple[str, ...]:
-    """A sentence for each channel from which the recorded torques were made."""
-    told = []
+    """Return a sentence for each channel from which the recorded torques were computed."""
+    sentences = []
     for place, row in enumerate(declared.get("inputs", ())):
         if len(row["torque"]) != 2 * parts:
             expected = f"{2 * parts} numbers, two for each section"
             raise InputError(f"arm.inputs[{place}].torque", expected=expected, received=len(row["torque"]))
         gives = ", ".join(f"{value:.6g}" for value in row["torque"])
-        told.append(f"{row['name']}: each {row['unit']} of it is a command of ({gives}) N m")
-    return tuple(told)
+        sentences.append(f"{row['name']}: each {row['unit']} corresponds to a command of ({gives}) N m")
+    return tuple(sentences)
 
 
 def _level(rows: list[dict[str, float]], keq: float | None) -> dict[str, float]:
@@ -168,16 +168,16 @@ def _level(rows: list[dict[str, float]], keq: float | None) -> dict[str, float]:
 def _diagnosis(
     document: dict[str, Any], declared: dict[str, Any], keq: float
 ) -> tuple[dict[str, float], tuple[Effect, ...], tuple[str, ...]]:
-    """Values of the parameters, effects, and where they come from."""
+    """Return the values of the parameters, the effects, and their origin."""
     verdict, tried = document.get("verdict", {}), document["candidates"]
     chosen = max(tried, key=lambda each: each.get("probability", 0.0))
-    if verdict.get("status") in _CERTAIN:
+    if verdict.get("status") in _DETERMINED:
         wanted = sorted(verdict.get("effects", []))
         chosen = next((each for each in tried if sorted(each["effects"]) == wanted), chosen)
     values = _values(chosen["parameters"])
-    names = [name for name in chosen["effects"] if name not in ARM | SESSION]  # an open number of the arm may stand among them
+    names = [name for name in chosen["effects"] if name not in ARM | SESSION]  # the names may include numbers of the arm
     acting = [row["name"] for row in declared.get("effects", ())]
-    names = acting if sorted(acting) == sorted(names) else names  # in the order in which they act, where it is told
+    names = acting if sorted(acting) == sorted(names) else names  # in the order in which they act, if it is known
     options: dict[str, dict[str, str]] = {name: {} for name in names}
     for name, choice in chosen.get("options", {}).items():
         effect, _, option = name.partition(".")
@@ -186,9 +186,9 @@ def _diagnosis(
     here = _at(values, keq)
     effects = tuple(_effect(name, here, options[name], level if name in resized else 1.0) for name in names)
     origin = [f"a diagnosis of {document.get('dataset')}: {verdict.get('sentence', '')}".strip()]
-    if verdict.get("status") not in _CERTAIN:
-        told = " + ".join(chosen["effects"]) or "no effect"
-        origin.append(f"the verdict leaves open what acts; this is the most probable model, with {told}")
+    if verdict.get("status") not in _DETERMINED:
+        listed = " + ".join(chosen["effects"]) or "no effect"
+        origin.append(f"the verdict does not determine the effects; this is the most probable model, with {listed}")
     return values, effects, tuple(origin)
 
 
@@ -206,7 +206,7 @@ def _fit(
 
 
 def _effect(name: str, values: dict[str, float], options: dict[str, str], level: float = 1.0) -> Effect:
-    """The effect at its values; one whose amplitude goes with the stiffness level against its law, at that level."""
+    """Return an effect with its values, with amplitudes scaled to the stiffness level if they deviate from their law."""
     kind = effect_named(name)
     for option in options.keys() - kind.choices():
         known = " or ".join(kind.choices()) or "no option"
@@ -215,13 +215,13 @@ def _effect(name: str, values: dict[str, float], options: dict[str, str], level:
     for fact in kind.parameters():
         if f"{name}.{fact.name}" in values:
             value = values[f"{name}.{fact.name}"]
-            scaled = value * level**fact.resizes if fact.amplitude else value
+            scaled = value * level**fact.level_exponent if fact.amplitude else value
             facts[fact.name] = value if level == 1.0 else min(max(scaled, fact.lower), fact.upper)
     return kind(**facts, **options)
 
 
 def _factor(values: dict[str, float], base: str, keq: float) -> float:
-    """A fitted factor at a declared stiffness; 1 if it was not fitted."""
+    """Return a fitted factor at a declared stiffness; 1 if it was not fitted."""
     fitted = {name: value for name, value in values.items() if name.partition("@")[0] == base}
     if not fitted:
         return 1.0
@@ -231,7 +231,7 @@ def _factor(values: dict[str, float], base: str, keq: float) -> float:
 
 
 def _at(values: dict[str, float], keq: float) -> dict[str, float]:
-    """The values that hold at a declared stiffness, without it in their names."""
+    """Return the values that apply at a declared stiffness, without the stiffness in their names."""
     parts = [(*name.partition("@"), value) for name, value in values.items()]
     return {base: value for base, at, level, value in parts if not at or _is_near(level, keq)}
 
@@ -244,7 +244,7 @@ def _is_near(level: str, keq: float) -> bool:
 
 
 def _values(parameters: dict[str, Any]) -> dict[str, float]:
-    return {name: float(told["value"] if isinstance(told, dict) else told) for name, told in parameters.items()}
+    return {name: float(fitted["value"] if isinstance(fitted, dict) else fitted) for name, fitted in parameters.items()}
 
 
 def _floats(row: Mapping[str, Any], *names: str) -> dict[str, float]:

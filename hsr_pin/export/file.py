@@ -1,4 +1,4 @@
-"""What an export is: texts, and an honest list of what they hold."""
+"""Result of an export: the texts of its files, and lists of what they contain and lack."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from hsr_pin.output import check_writable, write_text
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """One model in one format.
+    """Model in one format.
 
     Attributes:
-        text: of the file.
-        module: Python source that belongs beside it; empty: nothing is needed.
-        held: what the file expresses, beside bodies, springs and dampers, one sentence each.
-        by_module: what the module does.
-        missing: what neither does.
-        needs: how the file must be used, one sentence each.
+        text: content of the file.
+        module: source of the Python module beside the file; empty: no module is needed.
+        held: contents of the file in addition to bodies, springs and dampers, one sentence each.
+        by_module: effects that the module applies, one sentence each.
+        missing: effects that neither contains, one sentence each.
+        needs: requirements for the use of the file, one sentence each.
     """
 
     text: str
@@ -31,24 +31,24 @@ class Exported:
 
 
 def module_path(path: str | Path) -> Path:
-    """Where the module of a file stands: ``arm.xml`` has ``arm_laws.py`` beside it.
+    """Return the path of the module of a file: ``arm_laws.py`` beside ``arm.xml``.
 
     Raises:
-        OutputError: the name of the file does not make the name of a module.
+        OutputError: no valid module name can be made from the name of the file.
     """
     target = Path(path)
     stem = f"{target.stem}_laws"
     if not stem.isidentifier():
-        hint = "a module of Python is written beside it, and named after it"
+        hint = "the Python module beside the file is named after it"
         raise OutputError("name of the file", expected="letters, digits and _", received=target.name, hint=hint)
     return target.with_name(f"{stem}.py")
 
 
 def write(exported: Exported, path: str | Path) -> list[str]:
-    """Write the file, and the module if there is one; their names.
+    """Write the file and, if there is one, the module; return their names.
 
     Raises:
-        OutputError: one of them cannot be written.
+        OutputError: a file cannot be written.
     """
     if not exported.module:
         write_text(path, exported.text)

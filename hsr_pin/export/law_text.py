@@ -1,4 +1,4 @@
-"""An effect's laws as a text of their own: the functions as they stand in their file, with all that they use."""
+"""Extraction of the source text of an effect's laws, with everything that their functions use."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from typing import Any
 from hsr_pin.effects.effect import Effect, fields_of
 from hsr_pin.errors import EffectError
 
-#: Names that the module has anyway.
+#: Names that the generated module defines itself.
 _GIVEN = {"np", "Bending", "Any"}
 
 
 @dataclass(frozen=True)
 class LawText:
-    """One law.
+    """Source text of one law.
 
     Attributes:
-        name: of the effect.
-        lacks: what the nominal model lacks, one line.
+        name: name of the effect.
+        lacks: description of what the nominal model lacks, one line.
         fields: names of the parameters and options.
-        values: of them; an option is its index.
-        states: numbers remembered of each joint.
-        memories: numbers remembered of the command.
-        functions: the source of its functions, indented once.
+        values: values of the fields; an option is given by its index.
+        states: number of state variables of each joint.
+        memories: number of state variables of the command.
+        functions: source of its functions, indented once.
     """
 
     name: str
@@ -42,7 +42,7 @@ class LawText:
 
 
 def law_text(effect: Effect, hooks: Iterable[str]) -> LawText:
-    """The law of an effect, as the functions named ``hooks``."""
+    """Return the source text of an effect's functions named ``hooks``."""
     kind = type(effect)
     parts = [textwrap.indent(textwrap.dedent(inspect.getsource(getattr(kind, hook))), "    ") for hook in hooks]
     values = tuple(value if isinstance(value, int) else float(value) for value in effect.p)
@@ -50,10 +50,10 @@ def law_text(effect: Effect, hooks: Iterable[str]) -> LawText:
 
 
 def helpers(functions: Iterable[Callable[..., Any]]) -> str:
-    """The source of all that some laws call or read, each once, what is needed first coming first.
+    """Return the source of all functions and constants that some laws use, each once, in order of definition.
 
     Raises:
-        EffectError: a law uses something that is neither a plain function nor a constant of a module.
+        EffectError: a law uses an object that is neither a plain function nor a constant of a module.
     """
     found: dict[str, str] = {}
     for function in functions:
@@ -78,13 +78,15 @@ def _collect(function: Callable[..., Any], found: dict[str, str]) -> None:
         text = f"{name} = {value!r}" if number else _assignment(name, scope["__name__"])
         if text is None:
             subject = f"{function.__module__}.{function.__qualname__}"
-            raise EffectError(subject, expected="a law made of functions, numbers and numpy", received=f"{name} in it")
+            raise EffectError(
+                subject, expected="a law that uses functions, numbers and numpy only", received=f"a law that uses {name}"
+            )
         if text not in found.values():
             found[name] = text
 
 
 def _assignment(name: str, module: str) -> str | None:
-    """The statement that gives a module's constant its value."""
+    """Return the statement that assigns a constant of a module; None if there is none."""
     text = inspect.getsource(sys.modules[module])
     for statement in ast.parse(text).body:
         targets = statement.targets if isinstance(statement, ast.Assign) else []

@@ -1,4 +1,4 @@
-"""The effects of a model, sorted by what becomes of them in MuJoCo."""
+"""Assignment of the effects of a model to MuJoCo elements, to a Python module, or to neither."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from hsr_pin.export.law_text import helpers
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.plain import approximate, numbers, unseen
 
-#: Laws of the command that the actuator itself can express, behind one another.
+#: Effects on the command that the MuJoCo actuator can express, in series.
 _LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "dead_time"}
 
 
 def is_linear(effect: Effect) -> bool:
-    """Whether the actuator itself can express an effect; its filter is of first order."""
+    """Return whether the MuJoCo actuator, whose filter is of first order, can express an effect."""
     return effect.name in _LINEAR and dict(effect.options).get("order", "first") == "first"
 
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The effects, sorted by what becomes of them.
+    """Effects of a model, grouped by their representation in MuJoCo.
 
     Attributes:
-        elements: the native ones, by effect.
+        elements: MuJoCo elements, by effect.
         called: effects in the joints whose laws the module calls.
-        command: effects whose laws the module applies to the command; empty: the actuator's own elements do.
-        delay: [s] of the command.
-        lag: [s] of the actuator.
-        bias: [N m] of the actuator; in space complex, towards x and towards y.
-        turn: a complex number of length one, by which the torque is turned before it arrives.
-        missing: what is lost, one sentence each.
+        command: effects whose laws the module applies to the command; empty: the actuator expresses them.
+        delay: delay of the command [s].
+        lag: time constant of the actuator [s].
+        bias: constant torque of the actuator [N m]; in space complex, towards x and towards y.
+        turn: complex number of modulus one by which the torque is rotated.
+        missing: effects that are lost, one sentence each.
     """
 
     elements: dict[str, Elements]
@@ -49,7 +49,7 @@ class Parts:
 
 
 def sort(model: CorrectedModel, major: int) -> Parts:
-    """What MuJoCo of a major version expresses, what its module must do, and what is lost."""
+    """Assign the effects of a model to elements of a major version of MuJoCo, to the module, or to the list of missing ones."""
     elements: dict[str, Elements] = {}
     called, missing = [], [*approximate(model), *unseen(model)]
     for effect in model.effects:
@@ -58,24 +58,24 @@ def sort(model: CorrectedModel, major: int) -> Parts:
             if native is not None:
                 elements[effect.name] = native
             elif np.max(effect.tangent(np.full(1, model.arm.keq), np.full(1, model.arm.length))[1]) > 0:
-                why = f"a damper of MuJoCo {major} cannot do it, and without one no step is short enough"
+                why = f"no damper of MuJoCo {major} can express it, and without a damper no time step is short enough"
                 missing.append(f"{effect.name}: {why} ({numbers(effect)})")
             else:
                 called.append(effect)
-        elif effect.acts_through("touch"):
-            missing.append(f"{effect.name}: put into the world of MuJoCo what the arm touches ({numbers(effect)})")
-    muscles = [effect for effect in model.columns.muscles if any(_is_on(effect))]
-    delay = float(sum(np.max(effect.late()) for effect in muscles))
+        elif effect.acts_through("contact_force"):
+            missing.append(f"{effect.name}: add the contact of the arm to the world of MuJoCo ({numbers(effect)})")
+    muscles = [effect for effect in model.batch.actuator_effects if any(_is_on(effect))]
+    delay = float(sum(np.max(effect.command_delay()) for effect in muscles))
     simple = all(map(is_linear, muscles))
     lag = model.effect("actuator_lag")
     turn, bias = _turned(model) if simple else (1.0 + 0.0j, 0.0j)
     if delay and major < 4:
-        missing.append(f"dead_time: actuators of MuJoCo {major} are not late; give every command {delay:g} s later")
+        missing.append(f"dead_time: actuators of MuJoCo {major} have no delay; delay every command by {delay:g} s")
         delay = 0.0
     command = () if simple else tuple(model.effects[i] for i in _places(model, muscles))
     for effect in (*called, *command):
         try:
-            helpers([getattr(type(effect), hook) for hook in ("moment", "update", "respond")])
+            helpers([getattr(type(effect), hook) for hook in ("moment", "update", "actuator_response")])
         except EffectError as error:
             missing.append(f"{effect.name}: {error}")
     lost = {line.partition(":")[0] for line in missing} - {
@@ -98,7 +98,7 @@ def sort(model: CorrectedModel, major: int) -> Parts:
 
 
 def _turned(model: CorrectedModel) -> tuple[complex, complex]:
-    """What torque_bias, torque_offset and turned_actuation make of a torque u: a (u + b); a and b."""
+    """Return a and b of the torque a (u + b) that torque_bias, torque_offset and turned_actuation make of a torque u."""
     turn, given = 1.0 + 0.0j, 0.0 + 0.0j
     acting: list[Any] = list(model.effects)
     for effect in acting:
@@ -113,7 +113,7 @@ def _turned(model: CorrectedModel) -> tuple[complex, complex]:
 
 def _places(model: CorrectedModel, muscles: list[Effect]) -> list[int]:
     kinds = {type(effect) for effect in muscles}
-    return [i for i, effect in enumerate(model.effects) if type(effect) in kinds and effect.acts_through("respond")]
+    return [i for i, effect in enumerate(model.effects) if type(effect) in kinds and effect.acts_through("actuator_response")]
 
 
 def _is_on(effect: Effect) -> list[bool]:

@@ -1,6 +1,6 @@
-"""What a result must be to be read again: a check for each part of its JSON, made before anything is taken from it.
+"""Validation of a result in JSON before it is read.
 
-A check takes a value and the way to it (``arm.levels[0].keq``). Fields that no check names may be anything.
+A check is a function of a value and its path (``arm.levels[0].keq``). Fields without a check may have any value.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from hsr_pin.identification.part import ARM, SESSION
 from hsr_pin.robot.specification import MAX_LINKS, RANGES
 from hsr_pin.trajectory import BENDS, MOUNTS
 
-#: Raises an InputError that names the way to the value.
+#: Function of a value and its path, which raises an InputError with the path if the value is invalid.
 Check: TypeAlias = Callable[[Any, str], None]
 
 
 def number(lower: float = -sys.float_info.max, upper: float = sys.float_info.max, *, null: bool = False) -> Check:
-    """A finite number within bounds, or also ``null``."""
+    """Return a check for a finite number within bounds, or also ``null``."""
     bounds = "" if upper == sys.float_info.max else f" from {lower:g} to {upper:g}"
 
     def check(value: Any, way: str) -> None:
@@ -31,19 +31,19 @@ def number(lower: float = -sys.float_info.max, upper: float = sys.float_info.max
 
 
 def text(value: Any, way: str) -> None:
-    """Any text."""
+    """Check that a value is a string."""
     if not isinstance(value, str):
-        raise InputError(way, expected="a text", received=quoted(value))
+        raise InputError(way, expected="a string", received=quoted(value))
 
 
 def name(value: Any, way: str) -> None:
-    """A text of one line, without control characters, which XML cannot hold."""
+    """Check that a value is a string of one line without control characters, which XML does not allow."""
     if not (isinstance(value, str) and value.strip() and value.isprintable()):
-        raise InputError(way, expected="a text of one printable line", received=quoted(value))
+        raise InputError(way, expected="a printable string of one line", received=quoted(value))
 
 
 def word(*choices: str) -> Check:
-    """One of several texts."""
+    """Return a check for one of several strings."""
 
     def check(value: Any, way: str) -> None:
         if not (isinstance(value, str) and value in choices):
@@ -53,7 +53,7 @@ def word(*choices: str) -> Check:
 
 
 def each(item: Check, *, least: int = 0) -> Check:
-    """A list of so many at least."""
+    """Return a check for a list with a minimum length, whose items pass another check."""
 
     def check(value: Any, way: str) -> None:
         if not isinstance(value, list) or len(value) < least:
@@ -65,7 +65,7 @@ def each(item: Check, *, least: int = 0) -> Check:
 
 
 def named(item: Check) -> Check:
-    """A table of any names."""
+    """Return a check for a table with any names, whose values pass another check."""
 
     def check(value: Any, way: str) -> None:
         _check_table(value, way)
@@ -76,7 +76,7 @@ def named(item: Check) -> Check:
 
 
 def table(needed: Mapping[str, Check], also: Mapping[str, Check]) -> Check:
-    """A table with the fields that are needed; what it may have besides is checked where it is there."""
+    """Return a check for a table with required fields and optional fields."""
 
     def check(value: Any, way: str) -> None:
         _check_table(value, way)
@@ -96,7 +96,7 @@ def _check_table(value: Any, way: str) -> None:
 
 
 def _parameters(value: Any, way: str) -> None:
-    """Fitted values by name, alone or as ``value`` of a table; numbers of the arm within the bounds of a fit."""
+    """Check fitted values, given by name as numbers or as ``value`` of a table; numbers of the arm have the bounds of a fit."""
     _check_table(value, way)
     for key, told in value.items():
         known = (ARM | SESSION).get(key.partition("@")[0])

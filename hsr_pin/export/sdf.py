@@ -1,4 +1,4 @@
-"""As SDF (http://sdformat.org): what Gazebo and Drake read."""
+"""Export to SDF (http://sdformat.org), the format of Gazebo and Drake."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.robot.urdf import SLIGHT
 
 
 def to_sdf(model: CorrectedModel) -> Exported:
-    """The model as an SDF with springs, dampers and friction. It has no laws."""
+    """Return the model as an SDF with springs, dampers and friction, but without laws of effects."""
     bodies = bodies_of(model)
     lost = missing(model, bodies, springs=True)
     kept = held(model)

@@ -1,4 +1,4 @@
-"""Text from a template of this room."""
+"""Rendering of the templates of this package."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def render(template: str, **values: Any) -> str:
-    """Fill in a template; what stands in XML is escaped."""
+    """Render a template; values in XML are escaped."""
     return _environment(not template.endswith(".py.jinja")).get_template(template).render(**values)
 
 
 @lru_cache(maxsize=2)
 def _environment(escape: bool) -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: `--help` does without
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # imported here, as `--help` does not need it
 
     made = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -38,13 +38,13 @@ def _environment(escape: bool) -> Environment:
 
 
 def comment(text: object) -> Markup:
-    """A text that may stand in a comment of XML, which two hyphens would end, and which knows no control characters."""
+    """Return a text for an XML comment, without double hyphens and control characters, which are not allowed there."""
     from markupsafe import Markup
 
     return Markup(re.sub("-(?=-)", "- ", one_line(text)))
 
 
 def number(value: Any) -> str:
-    """The shortest text that reads back as the same float."""
+    """Return the shortest text that reads back as the same float."""
     value = float(value)
     return str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)

@@ -1,4 +1,4 @@
-"""As URDF: what ROS, PyBullet, Drake, Isaac and most others read."""
+"""Export to URDF, the format of ROS, PyBullet, Drake, Isaac and most other programs."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from hsr_pin.robot.urdf import SLIGHT
 
 
 def to_urdf(model: CorrectedModel) -> Exported:
-    """The model as a URDF with dampers and friction. It has no springs, and no laws."""
+    """Return the model as a URDF with dampers and friction, but without springs and laws of effects."""
     bodies = bodies_of(model)
     lost = missing(model, bodies, springs=False)
     kept = held(model)
     text = render("arm.urdf.jinja", model=model, bodies=bodies, friction=friction(model), held=kept, missing=lost, slight=SLIGHT)
-    needs = ("a fixed base, and the torques of springs and muscles, which a simulator of URDFs must be given in every step",)
+    needs = ("a fixed base, and the torques of springs and actuators, which must be applied to the joints in every step",)
     return Exported(text, held=kept, missing=lost, needs=needs)

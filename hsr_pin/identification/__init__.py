@@ -1,31 +1,31 @@
-"""From recordings to numbers of the arm, with honest uncertainty.
+"""Identification of the arm's parameters from recordings, with uncertainties.
 
-- ``arm_document``: the arm behind a fit as JSON
-- ``choice``: names of what is open -> a hypothesis
-- ``command``: what a trial's input commands, section by section
-- ``comparison``: compare: simulation beside measurement
-- ``contradictions``: what of a declaration the recordings contradict
+- ``arm_document``: the arm of a fit as JSON
+- ``choice``: parameter names -> a hypothesis with these parameters open
+- ``command``: the commanded torque of a trial, section by section
+- ``comparison``: compare: simulation and measurement
+- ``contradictions``: declared values that contradict the recordings
 - ``document``: a fit as JSON
-- ``evaluation``: what a hypothesis predicts, and its residuals
-- ``experiment``: a dataset made ready to be compared, and the chains that simulate it
-- ``figure``: a fit as a picture
-- ``fitted_arms``: the arm with fitted numbers
-- ``holds``: samples that a logger repeated
+- ``evaluation``: predictions of a hypothesis and their derivatives
+- ``experiment``: a dataset prepared for comparison, and the models that simulate it
+- ``figure``: a fit as a figure
+- ``fitted_arms``: the arm with fitted parameters
+- ``holds``: samples that a logger repeated (sample and hold)
 - ``hypothesis``: Hypothesis: a model with open parameters
-- ``identify``: identify: the whole fit of a dataset
-- ``input_form``: what a command does between its samples, where nobody says
-- ``jackknife``: numbers with intervals, by leaving one trial out
-- ``links_study``: how many links are worth their cost
-- ``nuisance``: what belongs to a trial and not to the arm
-- ``paper_procedure``: the paper's own five steps and its grid over C
-- ``part``: what a model may have more than stiffness and damping
+- ``identify``: identify: the complete fit of a dataset
+- ``input_form``: commands between samples, held or interpolated, if not declared
+- ``jackknife``: estimates with intervals, by leaving out one trial at a time
+- ``links_study``: model error and computing cost over the number of links
+- ``nuisance``: parameters of a trial that are not parameters of the arm
+- ``paper_procedure``: the five steps of the paper and its grid search for C
+- ``part``: additions to stiffness and damping that a model may have
 - ``phases``: rest, command change, transient, settled
-- ``plane``: the plane in which an arm bends, and whether it is the declared one
-- ``pose``: how an arm is bent whose markers are seen
-- ``prepared``: recordings that are ready to be compared
+- ``plane``: the plane of bending, and whether it is the declared one
+- ``pose``: the pose of an arm from its marker positions
+- ``prepared``: recordings prepared for comparison
 - ``profile``: profile likelihood
-- ``reach``: how far from the base a marker may be
-- ``release``: how a motion starts that does not start at rest
-- ``smoothing``: the filter that tracks went through
-- ``starts``: several starts of a search
+- ``reach``: the largest plausible distance of a marker from the base
+- ``release``: the initial state of a motion that does not start at rest
+- ``smoothing``: the filter that was applied to the tracks
+- ``starts``: initial values of a search
 """

@@ -1,6 +1,6 @@
-"""The arm behind a result, for programs that go on with it: what the recordings declare, the fitted chain and its effects.
+"""The arm of a result, for other programs: the declared arm, the fitted chain and its effects.
 
-In SI units, as in ``dataset.toml``: this part of a document can be read without the recordings.
+All values are in SI units, as in ``dataset.toml``: this part of a document can be read without the recordings.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hsr_pin.trajectory import Dataset, Marker
 
 
 def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
-    """The section ``arm`` of a document; its effects are those of ``fit``, as fitted, in the order in which they act."""
+    """Return the section ``arm`` of a document, with the fitted effects of ``fit`` in the order in which they act."""
     dataset, hypothesis = experiment.dataset, fit.hypothesis
     return {
         "length": dataset.length,
@@ -40,7 +40,7 @@ def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
 
 
 def _of_space(dataset: Dataset) -> dict[str, Any]:
-    """What only an arm in space has; a torsion of null is infinite, and inputs are the channels that drive it."""
+    """Return the entries of arms in space only: a torsion of null is infinite, and inputs are the channels that drive the arm."""
     if dataset.bending == "plane":
         return {}
     sections = {"sections": [asdict(section) for section in dataset.sections]} if dataset.sections else {}
@@ -55,7 +55,7 @@ def _marker(marker: Marker) -> dict[str, Any]:
 
 
 def levels(declared: list[tuple[float, float | None, float]]) -> list[dict[str, float]]:
-    """For each declared Keq [Nm/rad] the damping [Nm s/rad] and the payload [kg] of its first trial."""
+    """Return, for each declared Keq [Nm/rad], the damping [Nm s/rad] and the payload [kg] of its first trial."""
     found: dict[float, dict[str, float]] = {}
     for keq, damping, tip_mass in declared:
         loss = default_damping(keq) if damping is None else damping

@@ -1,4 +1,4 @@
-"""From the names of what is to be fitted to a hypothesis with exactly that open."""
+"""Select the open parameters of a hypothesis by name."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from hsr_pin.identification.part import ARM, SESSION
 from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.specification import Placement
 
-#: Short for the factors on what was declared.
+#: Short names of the factors on declared values.
 SHORT = {"keq": "keq_scale", "damping": "damping_scale", "mass": "mass_scale", "gain": "torque_gain", "drift": "keq_drift"}
-#: What may be named.
+#: Effects that may be named.
 _NAMED = EFFECTS | SPATIAL
-#: Those that differ between stiffness levels.
+#: Parameters that differ between stiffness levels.
 _BY_LEVEL = ("keq_scale", "damping_scale")
-#: In place of a level: one of its own for each.
+#: Suffix, in place of a level, for a separate parameter at each level.
 _EACH = "each"
-#: Amplitude from which the fit of an effect starts, over its parameter's scale: on the neutral value its other parameters tell
-#: nothing.
-_KICK = 0.5
+#: Initial amplitude of an effect, relative to its parameter's scale; at the neutral value its other parameters have no influence.
+_INITIAL_AMPLITUDE = 0.5
 
 
 def choose(
@@ -39,19 +38,21 @@ def choose(
     placement: Placement = "mid",
     by_level: bool = False,
 ) -> Hypothesis:
-    """A hypothesis with the named parameters open.
+    """Return a hypothesis with the named parameters open.
 
     Args:
-        free: "keq", "damping", "mass" (or "keq_scale", ...), any of them with "@1.11" behind it for the trials declared with that
-            Keq; "effect" for all parameters of an effect, "effect.parameter" for one; with "@each" behind it, one for each Keq.
-        effects: act beside the nominal model, all their parameters open; their values are where the fit starts.
-        runs: that are to be fitted.
-        links: of the chain.
-        placement: of its joints.
-        by_level: open a stiffness and a damping for each declared Keq.
+        free: "keq", "damping", "mass" (or "keq_scale", ...), optionally followed by "@1.11" for the trials declared with that
+            Keq; "effect" for all parameters of an effect, "effect.parameter" for one; followed by "@each", one parameter for each
+            Keq.
+        effects: effects in addition to the nominal model, all their parameters open; their values are the initial values of the
+            fit.
+        runs: the trials to fit.
+        links: number of links of the chain.
+        placement: placement of its joints.
+        by_level: whether each declared Keq has its own stiffness and damping.
 
     Raises:
-        IdentificationError: a name that there is not, nothing to fit, or a level that no trial has.
+        IdentificationError: a name is unknown, no parameter is named, or no trial has a named level.
     """
     present = {effect.name: effect for effect in effects}
     names: list[str] = []
@@ -79,23 +80,23 @@ def choose(
     if not names:
         raise IdentificationError("parameters to fit", expected="at least one", received="none", hint="e.g. keq,damping")
     names = list(dict.fromkeys(names))
-    hypothesis = Hypothesis(tuple(_kicked(e, names) for e in present.values()), tuple(names), links, placement)
+    hypothesis = Hypothesis(tuple(_activated(e, names) for e in present.values()), tuple(names), links, placement)
     _check(hypothesis, runs)
     return hypothesis
 
 
-def _kicked(effect: Effect, free: Iterable[str]) -> Effect:
-    """The effect with its open amplitudes away from neutral, if all of them are on it."""
+def _activated(effect: Effect, free: Iterable[str]) -> Effect:
+    """Return the effect with its open amplitudes moved away from neutral, if all of them are neutral."""
     known = {name.partition("@")[0] for name in free}
     amplitudes = [fact for fact in effect.parameters() if fact.amplitude and f"{effect.name}.{fact.name}" in known]
     if any(getattr(effect, fact.name) != fact.neutral for fact in amplitudes):
         return effect
-    away = {fact.name: min(fact.neutral + _KICK * fact.scale, fact.upper) for fact in amplitudes}
+    away = {fact.name: min(fact.neutral + _INITIAL_AMPLITUDE * fact.scale, fact.upper) for fact in amplitudes}
     return with_values(effect, **away)
 
 
 def _check(hypothesis: Hypothesis, runs: Sequence[Run]) -> None:
-    """Refuse bounds, links and levels that cannot be, before anything runs."""
+    """Raise an error for levels that do not exist or that contradict each other."""
     levels = sorted({run.trial.keq for run in runs})
     for fact in hypothesis.parameters:
         base, at, level = fact.name.partition("@")
@@ -119,5 +120,5 @@ def _unknown(name: str) -> IdentificationError:
 
 
 def without_effects(hypothesis: Hypothesis) -> Hypothesis:
-    """The arm as declared on the same chain, nothing open."""
+    """Return the declared arm on the same chain, without effects and open parameters."""
     return replace(hypothesis, effects=(), free=())

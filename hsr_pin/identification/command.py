@@ -1,4 +1,4 @@
-"""What a trial's input commands of the arm, section by section."""
+"""The commanded torque of a trial, section by section."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from hsr_pin.trajectory import Array, Dataset, Trial
 
 
 def command_of(trial: Trial, dataset: Dataset) -> Array:
-    """(T, S) [N m] commanded of each section, (T, 1) of an arm without; in space complex.
+    """Return the commanded torque (T, S) [N m] of each section, (T, 1) of an arm without sections; complex in space.
 
     Raises:
-        IdentificationError: an input of another kind of arm.
+        IdentificationError: the input belongs to another kind of arm.
     """
     trajectory, sections, space = trial.trajectory, max(1, len(dataset.sections)), len(dataset.axes) == 3
     if not trajectory.has_input:
@@ -28,12 +28,12 @@ def command_of(trial: Trial, dataset: Dataset) -> Array:
 
 
 def mean_along(command: Array, dataset: Dataset) -> Array:
-    """(T,) [N m] the mean along the arm of what its sections are commanded, (T, S)."""
+    """Return the mean (T,) [N m] along the arm of the section torques (T, S)."""
     lengths = np.array([section.length for section in dataset.sections] or [1.0])
     return np.asarray(command @ (lengths / lengths.sum()))
 
 
 def _bending(pressures: Array) -> Array:
-    """Eq. (4) as it stands: measured pressures may leave the regulators' range by their noise."""
+    """Return the bending by Eq. (4) without range checks, because measured pressures are noisy."""
     constant, first, second = PAPER.bending_plane
     return np.asarray(constant + first * pressures[:, 0] + second * pressures[:, 1])

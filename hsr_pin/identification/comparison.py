@@ -1,4 +1,4 @@
-"""Simulation beside measurement: the error in honest numbers, without any alignment of means."""
+"""Comparison of simulation and measurement, without any alignment of means."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import SimulationFailure
-from hsr_pin.identification.evaluation import respond
+from hsr_pin.identification.evaluation import simulate_run
 from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.phases import PHASES, phases
@@ -23,12 +23,12 @@ from hsr_pin.trajectory import Array, Dataset, Trajectory
 
 @dataclass(frozen=True)
 class MarkerError:
-    """Distances between simulated and measured positions of one marker (or of all of them).
+    """Distances between simulated and measured positions of one marker, or of all markers.
 
     Attributes:
-        marker: its name; "all" for all of them.
-        rms, p95: [m] root mean square and 95th percentile of the distance.
-        transient, settled: [m] RMS of the distance while the arm moves, and where it has settled; NaN if it never does.
+        marker: name of the marker; "all" for all markers.
+        rms, p95: root mean square and 95th percentile of the distance [m].
+        transient, settled: RMS distance while the arm moves, and after it has settled [m]; NaN if it never does.
     """
 
     marker: str
@@ -40,13 +40,13 @@ class MarkerError:
 
 @dataclass(frozen=True, eq=False)
 class TrialComparison:
-    """One trial.
+    """The comparison of one trial.
 
     Attributes:
-        name: of the trial.
-        arm: what was simulated.
-        simulated, measured: over the same times, with the same markers.
-        errors: of each marker, then of all.
+        name: name of the trial.
+        arm: the simulated arm.
+        simulated, measured: the motions at the same times, with the same markers.
+        errors: the errors of each marker, then of all markers.
     """
 
     name: str
@@ -58,12 +58,12 @@ class TrialComparison:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A dataset.
+    """The comparison of all trials of a dataset.
 
     Attributes:
         experiment: the recordings as they were used.
-        trials: in the dataset's order.
-        errors: over all trials, of each marker, then of all.
+        trials: the comparisons of the trials, in the dataset's order.
+        errors: the errors over all trials, of each marker, then of all markers.
     """
 
     experiment: Experiment
@@ -80,19 +80,19 @@ def compare(
     keq_scale: float = 1.0,
     damping_scale: float = 1.0,
 ) -> Comparison:
-    """Simulate every trial with its own input, mount, payload and start, and compare.
+    """Simulate every trial with its own input, mount, payload and start, and compare it with the measurement.
 
     Args:
-        dataset: the recordings; or the folder that holds them, or the name of a sample.
-        links: of the chain; default: 16, or as many as simulated the dataset.
-        placement: of its joints; default: in the middle of each element, or as in the simulation.
-        effects: beside the nominal model.
-        keq_scale: on the declared Keq.
-        damping_scale: on the declared C.
+        dataset: the recordings, the folder that contains them, or the name of a sample.
+        links: number of links of the chain; default: 16, or that of the model which simulated the dataset.
+        placement: placement of its joints; default: in the middle of each element, or as in the simulation.
+        effects: effects in addition to the nominal model.
+        keq_scale: factor on the declared Keq.
+        damping_scale: factor on the declared C.
 
     Raises:
-        IdentificationError: nothing in the dataset can be compared.
-        SimulationFailure: a simulation ended early.
+        IdentificationError: no trial of the dataset can be compared.
+        SimulationFailure: a simulation failed.
     """
     if not isinstance(dataset, Dataset):
         dataset = read_dataset(dataset)
@@ -101,8 +101,8 @@ def compare(
     values = np.array([[keq_scale, damping_scale]])
     trials, every = [], []
     for run in experiment.runs:
-        answer = respond(experiment, run.whole, hypothesis, values)
-        arm = answer.columns.arms.specification(0)
+        answer = simulate_run(experiment, run.whole, hypothesis, values)
+        arm = answer.batch.arms.specification(0)
         if not np.isfinite(answer.positions).all():
             failed = float(run.time[int(np.isfinite(answer.positions).all(axis=(1, 2, 3)).sum())])
             raise SimulationFailure(f"{run.trial.name}: the simulation ends early, at t = {failed:.4g} s", answer)
@@ -111,8 +111,8 @@ def compare(
             experiment.markers,
             answer.positions[:, 0],
             torque=run.drive,
-            joint_angles=answer.columns.by_joint(answer.angles[:, 0]),
-            joint_rates=answer.columns.by_joint(answer.rates[:, 0]),
+            joint_angles=answer.batch.by_joint(answer.angles[:, 0]),
+            joint_rates=answer.batch.by_joint(answer.rates[:, 0]),
         )
         measured = Trajectory(run.time, experiment.markers, run.measured, torque=run.drive, notes=run.trial.trajectory.notes)
         distance, phase = np.linalg.norm(simulated.positions - run.measured, axis=2), phases(run, simulated.positions)

@@ -1,8 +1,7 @@
-"""An identification as one JSON document, for programs.
+"""An identification as a JSON document.
 
-Lengths are in mm, but for ``arm``, which is in SI units; what is not known is null. The fields of schema 1 stay.
-
-Others may be added.
+Lengths are in mm, except in ``arm``, which is in SI units; unknown values are null. The fields of schema 1 are permanent; further
+fields may be added.
 """
 
 from __future__ import annotations
@@ -29,8 +28,8 @@ def to_json(
     paper: PaperProcedure | None = None,
     study: LinksStudy | None = None,
 ) -> dict[str, Any]:
-    """The document: plain numbers, texts, lists and dictionaries, as ``json.dumps(..., allow_nan=False)`` takes them."""
-    answer, sure, dataset = found.fit, found.uncertainty, found.experiment.dataset
+    """Return the document as plain numbers, texts, lists and dictionaries for ``json.dumps(..., allow_nan=False)``."""
+    answer, uncertainties, dataset = found.fit, found.uncertainty, found.experiment.dataset
     return {
         "schema": SCHEMA,
         "dataset": dataset.name,
@@ -44,9 +43,9 @@ def to_json(
         "links": answer.hypothesis.links,
         "placement": answer.hypothesis.placement,
         "effects": [effect.name for effect in answer.hypothesis.effects],
-        "correlation": [[_number(value) for value in row] for row in sure.correlation],
-        "condition": _number(sure.condition),
-        "not_told": list(sure.weak),
+        "correlation": [[_number(value) for value in row] for row in uncertainties.correlation],
+        "condition": _number(uncertainties.condition),
+        "not_told": list(uncertainties.weak),
         "converged": answer.converged,
         "failed": list(answer.failed),
         "evaluations": answer.evaluations,
@@ -58,7 +57,7 @@ def to_json(
 
 
 def _parameters(found: Identification, profiles: Sequence[Profile]) -> dict[str, Any]:
-    answer, sure, bounds = found.fit, found.uncertainty, found.fit.on_bound()
+    answer, uncertainties, bounds = found.fit, found.uncertainty, found.fit.on_bound()
     known = {profile.name: profile for profile in profiles}
     parameters: dict[str, Any] = {}
     for index, fact in enumerate(answer.hypothesis.parameters):
@@ -66,8 +65,8 @@ def _parameters(found: Identification, profiles: Sequence[Profile]) -> dict[str,
         parameters[fact.name] = {
             "value": float(answer.values[index]),
             "unit": fact.unit,
-            "ci95": [_number(end) for end in sure.interval[index]],
-            "standard_error": _number(sure.standard_error[index]),
+            "ci95": [_number(end) for end in uncertainties.interval[index]],
+            "standard_error": _number(uncertainties.standard_error[index]),
             "on_bound": fact.name in bounds,
             "profile": None
             if profile is None
@@ -81,7 +80,7 @@ def _parameters(found: Identification, profiles: Sequence[Profile]) -> dict[str,
 
 
 def _three(found: Identification, measure: Any) -> dict[str, float | None]:
-    """Before, after and held out, of the same kind."""
+    """Return an error measure for the declared arm, the fitted arm and held-out trials."""
     return {
         "before": _mm(measure(found.before)),
         "after": _mm(measure(found.after)),

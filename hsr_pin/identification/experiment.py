@@ -1,4 +1,4 @@
-"""A dataset made ready to be compared with simulations (cleaned, cut to its start, its input a torque), and these."""
+"""A dataset prepared for comparison (cleaned, trimmed to its start, the input as a torque), and the models that simulate it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hsr_pin.errors import IdentificationError
 from hsr_pin.identification.command import command_of, mean_along
 from hsr_pin.identification.contradictions import contradictions
-from hsr_pin.identification.evaluation import Case, predict, predict_with_slopes, respond_each
+from hsr_pin.identification.evaluation import Case, predict, predict_with_slopes, simulate_cases
 from hsr_pin.identification.holds import without_repeats
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.nuisance import rest_scatter
@@ -26,29 +26,30 @@ from hsr_pin.recordings.noise import white_noise
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array, Dataset, Trial
 
-#: A marker that moves less than this many noise floors, and less than this many metres, has not moved.
+#: A marker that moves less than this multiple of its noise and less than this distance [m] has not moved.
 _STILL = (10.0, 0.002)
-#: A trial with more than this share of positions beyond the reach of the arm is none of this arm's.
+#: Largest share of positions beyond the reach of the arm; a trial with more does not belong to this arm.
 _FEW = 0.01
-#: Standard deviation of a median over that of a mean.
+#: Standard deviation of a median relative to that of a mean.
 _MEDIAN = 1.25
 
 
 @dataclass(frozen=True, eq=False)
 class Experiment(Prepared):
-    """Recordings of an arm with the chains that simulate them: what is fitted to, searched and judged."""
+    """Recordings of an arm with the models that simulate them, as fits and diagnoses use them."""
 
     def some(self, kept: Sequence[int], samples: int) -> Experiment:
-        """These runs alone, with hardly more than so many samples of each.
+        """Return an experiment with some of the runs and approximately the given number of samples of each.
 
-        What a hand may have done is left out: far from the truth it explains a swing as well as what is lacking would.
+        Disturbances of releases are not modelled in it: far from the solution, they explain an oscillation as well as a missing
+        law would.
         """
         runs = (self.runs[k] for k in kept)
         few = tuple(replace(run, every=max(1, len(run.time) // samples)) for run in runs)
-        return replace(self, runs=few, hand=False)
+        return replace(self, runs=few, disturbed_release=False)
 
     def of_runs(self, runs: Sequence[Run]) -> Experiment:
-        """These runs alone."""
+        """Return an experiment with some of the runs."""
         return replace(self, runs=tuple(runs))
 
     def predict(self, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
@@ -61,24 +62,24 @@ class Experiment(Prepared):
         values: Array,
         *,
         central: bool = False,
-        shown: Sequence[bool] | None = None,
+        conditional: Sequence[bool] | None = None,
         own: bool = True,
     ) -> list[Prediction]:
-        """Simulate every run at values (P,), as :func:`~hsr_pin.identification.evaluation.predict_with_slopes` does."""
-        return predict_with_slopes(self, hypothesis, values, central=central, shown=shown, own=own)
+        """Simulate every run with derivatives, as :func:`~hsr_pin.identification.evaluation.predict_with_slopes`."""
+        return predict_with_slopes(self, hypothesis, values, central=central, conditional=conditional, own=own)
 
     def probe(self, hypothesis: Hypothesis, points: Array) -> list[Array]:
-        """For each run (T, C, M, A) [m] where the markers would be at each of the points (C, P)."""
-        answers = respond_each(self, hypothesis, (Case(run, points) for run in self.runs))
+        """Return, for each run, the marker positions (T, C, M, A) [m] at each of the parameter values (C, P)."""
+        answers = simulate_cases(self, hypothesis, (Case(run, points) for run in self.runs))
         return [answer.positions[..., self.axes] for answer in answers]
 
-    def as_read(self, hypothesis: Hypothesis, new: Sequence[Parameter], run: Run, changes: Array) -> Array:
-        """(n, A') what the amplitudes of the last part make of a run's residuals, of (n, A) for its plain variant.
+    def changes_of_variant(self, hypothesis: Hypothesis, new: Sequence[Parameter], run: Run, changes: Array) -> Array:
+        """Return the changes (n, A') of a run's residuals by the last part's amplitudes, from those (n, A) of its base variant.
 
-        A size that goes with the stiffness level otherwise than its law says makes more or less of it; one of another level
-        makes nothing.
+        An amplitude that scales differently with the stiffness level has a different effect; an amplitude of another level has
+        none.
         """
-        part, powers = hypothesis.parts[-1], [fact.resizes for fact in new if fact.amplitude] or [new[0].resizes]
+        part, powers = hypothesis.parts[-1], [fact.level_exponent for fact in new if fact.amplitude] or [new[0].level_exponent]
         if part.resized:
             level = run.trial.keq / self.levels[0]
             changes = changes * level ** np.tile(powers, changes.shape[1] // len(powers))
@@ -89,27 +90,27 @@ class Experiment(Prepared):
 
 
 def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
-    """Clean a dataset and cut it to what a model can be compared with.
+    """Clean a dataset and trim it to the data that can be compared with a model.
 
     Args:
-        dataset: as read.
-        delay: trials that start from a pose are followed only from so long after their declared start [s]: for releases by hand.
+        dataset: the dataset as read.
+        delay: time after the declared start from which trials that start from a pose are used [s]; for releases by hand.
 
     Raises:
-        IdentificationError: nothing usable is left.
+        IdentificationError: no usable data are left.
     """
     if not dataset.trials:
         raise IdentificationError("trials", expected="at least one", received="none")
     moving = _bending_markers(dataset)
     dataset, held = without_repeats(dataset, moving)
-    dataset = clean(dataset, remove_spikes=not held)  # samples far apart in time stand off their neighbours by motion
+    dataset = clean(dataset, remove_spikes=not held)  # samples far apart in time differ from their neighbours by motion
     smoothing, filtered = (None, "") if held else smoothing_of(dataset)
     if not (np.isfinite(delay) and delay >= 0):
         raise IdentificationError("delay", expected="zero or more [s]", received=delay)
-    noise = _noise(dataset, moving, held=bool(held)) * (smoothing.undervalued if smoothing else 1.0)
-    reach, doubts = farthest(dataset, moving)
-    late = f"releases are followed from {delay:g} s after their declared start" if delay else ""
-    runs, notes = [], [*doubts, *filter(None, (held, filtered, late))]
+    noise = _noise(dataset, moving, held=bool(held)) * (smoothing.noise_factor if smoothing else 1.0)
+    reach, doubtful = farthest(dataset, moving)
+    delayed = f"releases are used from {delay:g} s after their declared start" if delay else ""
+    runs, notes = [], [*doubtful, *filter(None, (held, filtered, delayed))]
     for place, trial in zip(np.linspace(0, 1, len(dataset.trials)), dataset.trials, strict=True):
         run = _run(trial, dataset, moving, noise, reach, delay)
         if isinstance(run, str):
@@ -125,7 +126,7 @@ def prepare(dataset: Dataset, *, delay: float = 0.0) -> Experiment:
 
 
 def restricted(experiment: Experiment, names: Collection[str]) -> Experiment:
-    """The named trials alone: what trials tell only together, how far apart they rest, is told by these."""
+    """Return an experiment with the named trials only; the scatter of their resting positions is estimated anew."""
     noise, runs = experiment.noise, tuple(run for run in experiment.runs if run.trial.name in names)
     far, sigma = int(np.argmax([marker.arc_length for marker in experiment.markers])), float(noise.max())
     places = [place for run in runs if (place := _resting(run, experiment.dataset, far, sigma))]
@@ -136,11 +137,14 @@ def restricted(experiment: Experiment, names: Collection[str]) -> Experiment:
 
 
 def _scattered(scatter: float) -> str:
-    return f"the arm rests within {1e3 * scatter:.1f} mm (standard deviation) of one place, anew in every trial"
+    return f"the resting position of the arm varies from trial to trial by {1e3 * scatter:.1f} mm (standard deviation)"
 
 
 def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object, Array, Array] | None:
-    """Which trials should rest where this one does, where that is, and whence it came (K,) [m]; None where it does not rest."""
+    """Return the conditions of a trial, its resting position and its origin (K,) [m]; None if the arm does not come to rest.
+
+    Trials under the same conditions should have the same resting position.
+    """
     along = mount_frame(dataset.mount)[0]
     across = [axis for axis in run.axes if along[axis] == 0]
     conditions = (run.trial.keq, run.trial.tip_mass, tuple(np.round(run.command[0] / run.trial.keq, 4).astype(complex).tolist()))
@@ -156,7 +160,7 @@ def _resting(run: Run, dataset: Dataset, far: int, noise: float) -> tuple[object
 
 
 def _bending_markers(dataset: Dataset) -> list[int]:
-    """Indices of the markers that tell about bending."""
+    """Return the indices of the markers that depend on bending."""
     for marker in dataset.markers:
         if not 0 <= marker.arc_length <= dataset.length * (1 + 1e-9):
             raise IdentificationError(
@@ -171,7 +175,7 @@ def _bending_markers(dataset: Dataset) -> list[int]:
 
 
 def moves(run: Run, noise: Array) -> bool:
-    """Whether any marker of a run moves by more than its noise."""
+    """Return whether any marker of a run moves by more than its noise."""
     seen = np.all(np.isfinite(run.measured).any(axis=0), axis=1)
     low, high = (np.nanpercentile(run.measured[:, seen], p, axis=0) for p in (2, 98))
     span = np.linalg.norm(high - low, axis=1)
@@ -179,20 +183,20 @@ def moves(run: Run, noise: Array) -> bool:
 
 
 def _noise(dataset: Dataset, moving: list[int], *, held: bool) -> Array:
-    """(M,) [m] the median over the trials; where a marker was seen too seldom to tell, the largest of the others'."""
+    """Return the noise (M,) [m], the median over the trials; a marker with too few samples gets the largest of the others."""
     tracks = [trial.trajectory.positions[:, moving] for trial in dataset.trials]
-    if held:  # too few in a trial
+    if held:  # one trial has too few
         tracks = [np.concatenate([np.append(track[_new(track)], np.full((1, *track.shape[1:]), np.nan), 0) for track in tracks])]
     floors = np.array([_floor(track, dataset.axes, held) for track in tracks])
     known = [column[np.isfinite(column)] for column in floors.T]
     noise = np.array([np.median(column) if len(column) else np.nan for column in known])
     if not np.isfinite(noise).any():
-        raise IdentificationError("markers", expected="some consecutive samples of one of them", received="gaps everywhere")
+        raise IdentificationError("markers", expected="consecutive samples of at least one marker", received="gaps everywhere")
     return np.maximum(np.where(np.isfinite(noise), noise, np.nanmax(noise)), QUIETEST)
 
 
 def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach: Array, delay: float) -> Run | str:
-    """The run, or in words why there is none."""
+    """Return the run of a trial, or the reason why it cannot be used."""
     trajectory, command = trial.trajectory, command_of(trial, dataset)
     first, start = trial.first_sample, None
     if not trial.starts_at_rest:
@@ -209,22 +213,22 @@ def _run(trial: Trial, dataset: Dataset, moving: list[int], noise: Array, reach:
         return "fewer than 10 positions were seen"
     return Run(
         trial=trial,
-        time=_held(trajectory.time[first:]),
-        torque=_held(mean_along(command[first:], dataset)),
-        measured=_held(measured),
-        start_pose=None if start is None else _held(start.pose[moving]),
+        time=_read_only(trajectory.time[first:]),
+        torque=_read_only(mean_along(command[first:], dataset)),
+        measured=_read_only(measured),
+        start_pose=None if start is None else _read_only(start.pose[moving]),
         lead=0.0 if start is None else start.lead,
-        start_velocity=None if start is None else _held(start.velocity[moving]),
+        start_velocity=None if start is None else _read_only(start.velocity[moving]),
         interpolated=bool(trial.interpolated),
         axes=dataset.axes,
-        by_section=_held(command[first:]) if command.shape[1] > 1 else None,
+        by_section=_read_only(command[first:]) if command.shape[1] > 1 else None,
     )
 
 
 def _floor(track: Array, axes: tuple[int, ...], held: bool) -> Array:
-    """(M,) [m] noise in a coordinate along the axes, of positions (T, M, 3).
+    """Return the noise (M,) [m] of a coordinate along the axes, for positions (T, M, 3).
 
-    Few samples that are held far apart show motion as if it were noise: there the coordinate across counts where it is quieter.
+    In few samples far apart, motion looks like noise; the lateral coordinate is used if it is quieter.
     """
     sigma = white_noise(track)
     along = np.sqrt(np.mean(sigma[:, axes] ** 2, axis=1))
@@ -234,15 +238,15 @@ def _floor(track: Array, axes: tuple[int, ...], held: bool) -> Array:
 
 
 def _new(measured: Array) -> NDArray[np.intp]:
-    """(R,) the samples in which a marker was seen, of (T, M, 3) positions whose repeats are gaps."""
+    """Return the samples (R,) in which a marker was measured, for positions (T, M, 3) with repeated samples as gaps."""
     seen = np.asarray(np.isfinite(measured).all(axis=2))
     return np.flatnonzero(seen.any(axis=1))
 
 
 def _independent(run: Run, smoothing: Filter) -> NDArray[np.intp]:
-    """(R,) the samples of a smoothed run whose noise is independent, and that show nothing of what is not simulated.
+    """Return the samples (R,) of a smoothed run that have independent noise and no influence of unsimulated motion.
 
-    An arm that is held, or at rest, may be shown from before its start: there it was the same.
+    The first samples of an arm that is held or at rest may be used, because the pose was the same before.
     """
     before = len(run.trial.trajectory.time) - len(run.time)
     moves = run.start_velocity is not None and bool(run.start_velocity.any())
@@ -250,7 +254,7 @@ def _independent(run: Run, smoothing: Filter) -> NDArray[np.intp]:
     return np.arange(first, max(first + 1, len(run.time) - smoothing.half), smoothing.spacing)
 
 
-def _held(values: Array) -> Array:
+def _read_only(values: Array) -> Array:
     array = np.array(values)
     array.flags.writeable = False
     return array

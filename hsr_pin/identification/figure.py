@@ -1,4 +1,4 @@
-"""Measured, declared and fitted motion in one picture."""
+"""Figure of the measured, declared and fitted motion."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
     from hsr_pin.identification.identify import Identification
 
-#: At most this many trials; those set aside first.
+#: Largest number of trials; trials that were set aside come first.
 MOST = 6
-#: Measured, declared, fitted: Okabe and Ito's colours, which colour-blind readers can tell apart.
+#: Colours of measured, declared and fitted motion, by Okabe and Ito, which colour-blind readers can distinguish.
 _MEASURED, _DECLARED, _FITTED = "#D55E00", "#999999", "#0072B2"
 
 
 def fit_figure(found: Identification) -> Figure:
-    """The farthest marker against time, in the coordinate in which it moves most, for up to six trials."""
+    """Plot the farthest marker over time, in the coordinate in which it moves most, for up to six trials."""
     from matplotlib.figure import Figure
 
     shown = list(_shown(found))[:MOST]
@@ -42,7 +42,7 @@ def fit_figure(found: Identification) -> Figure:
 
 
 def _shown(found: Identification) -> Iterator[tuple[str, Run, Array, Array]]:
-    """Title, run, residuals as declared and as fitted: of trials that were set aside, then of those fitted."""
+    """Yield title, run and the residuals of the declared and the fitted arm, first of trials that were set aside."""
     if found.set_aside:
         trials = zip(found.heldout_experiment.runs, found.heldout_before, found.heldout, strict=True)
         for run, before, after in trials:

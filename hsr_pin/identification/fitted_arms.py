@@ -1,4 +1,4 @@
-"""The arm that a fit found, one for each stiffness level, as specifications that can be written or simulated."""
+"""The fitted arms, one for each stiffness level, as specifications that can be written or simulated."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from hsr_pin.robot.specification import ArmSpecification
 
 
 def fitted_arms(experiment: Experiment, fit: Fit) -> dict[float, ArmSpecification]:
-    """Declared Keq [Nm/rad] -> the fitted arm, with what its effects change of its bodies and mount.
+    """Return the fitted arm for each declared Keq [Nm/rad], with the changes of its effects to bodies and mount.
 
-    The payload is that of the level's first trial. Laws that no specification can hold (friction, say) are not in it.
+    The payload is that of the level's first trial. Laws that a specification cannot contain (friction, for example) are not
+    included.
     """
     arms: dict[float, ArmSpecification] = {}
     for run in experiment.runs:
         if run.trial.keq not in arms:
-            arm = fit.hypothesis.columns(experiment, run, fit.values[None]).arms.specification(0)
+            arm = fit.hypothesis.arm_batch(experiment, run, fit.values[None]).arms.specification(0)
             arms[run.trial.keq] = replace(arm, bending_limit=ArmSpecification.bending_limit)
     return arms

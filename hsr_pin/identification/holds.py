@@ -1,4 +1,4 @@
-"""Sample and hold: markers that repeat their last sample until a new one comes, as loggers write them that outrun cameras."""
+"""Sample and hold: markers whose last sample is repeated until a new one arrives, if the logger is faster than the cameras."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from scipy.special import bdtrc
 
 from hsr_pin.trajectory import Array, Dataset
 
-#: Level of the test: with which probability a recording without repeats is taken for one with them.
+#: Level of the test: the probability that a recording without repeats is taken for one with repeats.
 LEVEL = 1e-6
-#: A jump that cannot be one step of the last digit: of so many of them, and more.
+#: Smallest change, in steps of the last digit, that is larger than one step.
 _JUMP = 1.5
 
 
 def without_repeats(dataset: Dataset, markers: list[int]) -> tuple[Dataset, str]:
-    """A dataset whose repeated samples are gaps, and a note on them; the same and no note where nothing is held.
+    """Return a dataset whose repeated samples are gaps, and a note about them; unchanged and without a note if nothing is held.
 
-    The sample that a logger repeats came at the row in which it is seen first, or up to one row before: it counts there.
+    The sample that a logger repeats was taken at the row in which it first occurs, or up to one row before; it is assigned to
+    that row.
 
     Args:
-        dataset: as read; a repeat is one to the last digit, so that nothing may have been resampled since.
-        markers: that tell about bending; each of them is held or not.
+        dataset: the dataset as read; repeats are exact, so that the data must not have been resampled.
+        markers: the markers that depend on bending; each of them is held or not.
     """
     held = [marker for marker in markers if is_held([trial.trajectory.positions[:, marker] for trial in dataset.trials])]
     if not held:
@@ -40,20 +41,21 @@ def without_repeats(dataset: Dataset, markers: list[int]) -> tuple[Dataset, str]
     names = ", ".join(dataset.markers[marker].name for marker in held)
     every = float(np.median(np.concatenate(spans)))
     note = (
-        f"{names}: sample and hold, a new position comes every {every:g} samples and is repeated to the last digit in between, "
-        f"also while the arm moves: only the new ones count, each where it is seen first ({fresh} of {rows})"
+        f"{names}: sample and hold; a new position is recorded every {every:g} samples and repeated exactly in between, also "
+        f"while the arm moves; only new positions are used, each at its first sample ({fresh} of {rows})"
     )
     return replace(dataset, trials=tuple(trials)), note
 
 
 def is_held(tracks: list[Array]) -> bool:
-    """Whether a marker is sampled and held: a sign test of level :data:`LEVEL`.
+    """Return whether a marker is sampled and held, by a sign test of level :data:`LEVEL`.
 
-    After a jump of two steps of the last digit or more, in any coordinate, the arm moves or its noise is not below that digit:
-    a new sample would be the same in all three coordinates less often than not. A coarse one of a resting arm has no such jumps.
+    After a change of at least two steps of the last digit, in any coordinate, the arm moves or its noise is larger than that
+    digit: a new sample would then be equal in all three coordinates less often than not. Coarsely rounded samples of a resting
+    arm have no such changes.
 
     Args:
-        tracks: (T, 3) [m] of the marker in each trial, as written.
+        tracks: (T, 3) positions of the marker in each trial, as written [m].
     """
     steps = [np.abs(np.diff(track, axis=0)) for track in tracks]
     changed = np.concatenate([step[step > 0] for step in steps])
@@ -67,17 +69,18 @@ def is_held(tracks: list[Array]) -> bool:
 
 
 def clock(command: Array) -> int:
-    """Samples between the instants at which alone a command (T, S) changes; 1 where it may change at any, by a sign test.
+    """Return the number of samples between the instants at which a command (T, S) changes; 1 if it may change at any sample.
 
-    Were a change as likely between those instants as at them, all N would be at them with a probability of 2^(1 - N).
+    The decision is a sign test: if changes between those instants were as likely, all N changes would be at them with a
+    probability of 2^(1 - N).
     """
     changes = np.flatnonzero(np.diff(command, axis=0).any(axis=1))
     period = int(np.gcd.reduce(np.diff(changes))) if len(changes) > 1 else 1
     return period if 2.0 ** (1 - len(changes)) < LEVEL else 1
 
 
-def unheld(command: Array) -> Array:
-    """(T, S) a command that goes straight from one instant of its clock to the next."""
+def without_holds(command: Array) -> Array:
+    """Return a command (T, S) that is interpolated linearly between the instants of its clock."""
     if (period := clock(command)) == 1:
         return command
     first = int(np.argmax(np.diff(command, axis=0).any(axis=1))) + 1
@@ -87,5 +90,5 @@ def unheld(command: Array) -> Array:
 
 
 def repeated(track: Array) -> NDArray[np.bool_]:
-    """(T,) whether a sample of a track (T, 3) is the one before, in all coordinates and to the last digit."""
+    """Return whether each sample (T,) of a track (T, 3) equals the one before exactly, in all coordinates."""
     return np.concatenate([[False], np.asarray((np.diff(track, axis=0) == 0).all(axis=1))])

@@ -1,4 +1,4 @@
-"""Identify the arm from its recordings: fitted values, how sure they are, and the error on trials that were not fitted."""
+"""Identification of the arm from its recordings: fitted values, their uncertainty, and the error on held-out trials."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from hsr_pin.identification.choice import choose, without_effects
 from hsr_pin.identification.evaluation import predict_all
 from hsr_pin.identification.experiment import Experiment, prepare, restricted
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
-from hsr_pin.identification.input_form import as_it_fits, form_of, taken
-from hsr_pin.identification.plane import in_its_plane
+from hsr_pin.identification.input_form import best_form, form_of, with_form
+from hsr_pin.identification.plane import with_plane_corrected
 from hsr_pin.identification.starts import starts
 from hsr_pin.inference.fit import Fit, fit
 from hsr_pin.inference.heldout import leave_one_out
@@ -33,17 +33,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification:
-    """What the recordings say about the open parameters.
+    """The fitted values of the open parameters, with uncertainty and prediction errors.
 
     Attributes:
         experiment: the trials that were fitted.
         heldout_experiment: the trials that were predicted: those set aside, or else each fitted trial, left out of its own fit.
-        set_aside: whether they were set aside.
-        fit: of the open parameters.
-        uncertainty: of its values.
-        before: for each fitted trial (T, M, A) [m] predicted minus measured by the arm as declared, finely discretised.
-        heldout_before: likewise for each predicted trial.
-        heldout: for each predicted trial, by the fitted model. Empty for a single trial: nothing was held out.
+        set_aside: whether trials were set aside.
+        fit: the fit of the open parameters.
+        uncertainty: the uncertainty of the fitted values.
+        before: (T, M, A) for each fitted trial, prediction of the declared arm minus measurement, with a fine chain [m].
+        heldout_before: (T, M, A) the same for each predicted trial [m].
+        heldout: (T, M, A) for each predicted trial, prediction of the fitted model minus measurement [m]; empty for a single
+            trial, of which nothing is held out.
     """
 
     experiment: Experiment
@@ -63,14 +64,14 @@ class Identification:
         return f"<Identification of {self.experiment.dataset.name}: {values}; RMS {1e3 * self.fit.rms:.3g} mm>"
 
     def plot(self) -> Figure:
-        """Measured, declared and fitted motion of the farthest marker, for up to six trials."""
+        """Plot the measured, declared and fitted motion of the farthest marker, for up to six trials."""
         from hsr_pin.identification.figure import fit_figure
 
         return fit_figure(self)
 
     @property
     def after(self) -> tuple[Array, ...]:
-        """For each fitted trial (T, M, A) [m] predicted minus measured by the fitted model."""
+        """For each fitted trial, prediction of the fitted model minus measurement (T, M, A) [m]."""
         return self.fit.residuals
 
     @property
@@ -79,7 +80,7 @@ class Identification:
         return int(np.argmax([marker.arc_length for marker in self.experiment.markers]))
 
     def tip_rms(self, missed: Sequence[Array]) -> float:
-        """RMS distance [m] of the farthest marker over some trials; NaN for none."""
+        """Return the RMS distance [m] of the farthest marker over several trials; NaN for none."""
         return rms([residual[:, [self.tip]] for residual in missed]) if missed else float("nan")
 
 
@@ -99,34 +100,34 @@ def identify(
     """Fit named parameters to a dataset.
 
     Args:
-        dataset: the recordings; or the folder that holds them, or the name of a sample.
-        free: names of the parameters, as :func:`hsr_pin.identification.choice.choose` takes them.
-        effects: act beside the nominal model, all their parameters open.
-        links: of the chain that is fitted; default: 16, or as many as simulated the dataset.
-        placement: of its joints; default: in the middle of each element, or as in the simulation.
-        by_level: a stiffness and a damping for each declared Keq instead of one factor for all.
+        dataset: the recordings, the folder that contains them, or the name of a sample.
+        free: names of the parameters, as for :func:`hsr_pin.identification.choice.choose`.
+        effects: effects in addition to the nominal model, all their parameters open.
+        links: number of links of the fitted chain; default: 16, or that of the model which simulated the dataset.
+        placement: placement of its joints; default: in the middle of each element, or as in the simulation.
+        by_level: whether each declared Keq has its own stiffness and damping instead of one factor for all.
         train: names or patterns ("trial_0[12]") of the trials to fit; default: all that are not set aside.
-        test: of the trials set aside to be predicted; default: those not fitted; if there are none, each trial is predicted by a
-            fit to the others.
-        delay: trials that start from a pose are followed only from so long after their declared start [s].
-        tell: called with the name of each stage.
+        test: names or patterns of the trials that are set aside for prediction; default: those not fitted; if all are fitted,
+            each trial is predicted by a fit to the others.
+        delay: time after the declared start from which trials that start from a pose are used [s].
+        tell: function that is called with the name of each stage.
 
     Raises:
-        IdentificationError: an unknown parameter, or nothing in the dataset can be compared.
+        IdentificationError: a parameter is unknown, or no trial of the dataset can be compared.
     """
     tell("reading the recordings")
     if not isinstance(dataset, Dataset):
         dataset = read_dataset(dataset)
-    whole = in_its_plane(prepare(dataset, delay=delay))[0]
+    whole = with_plane_corrected(prepare(dataset, delay=delay))[0]
     fitted, predicted = split(whole, train, test)
     hypothesis = choose(free, effects, fitted.runs, **chain_of(dataset, links, placement), by_level=by_level)
-    tell("looking where to start")
+    tell("searching for initial values")
     points = starts(fitted, hypothesis)
     tell("fitting")
     answer = fit_from(fitted, hypothesis, points)
-    fitted, answer = as_it_fits(fitted, answer)
+    fitted, answer = best_form(fitted, answer)
     if predicted is not None:
-        predicted = taken(predicted, form_of(fitted))
+        predicted = with_form(predicted, form_of(fitted))
     tell("predicting held-out trials")
     plain = without_effects(hypothesis)
     before = simulated(fitted, plain, np.empty(0))
@@ -150,7 +151,7 @@ def identify(
 
 
 def split(experiment: Experiment, train: Sequence[str], test: Sequence[str]) -> tuple[Experiment, Experiment | None]:
-    """The trials to fit, and those set aside; None if none are."""
+    """Return the trials to fit and the trials set aside; None if none are set aside."""
     names = [run.trial.name for run in experiment.runs]
     fitted, aside = _matching(names, train), _matching(names, test)
     if not train:
@@ -158,10 +159,10 @@ def split(experiment: Experiment, train: Sequence[str], test: Sequence[str]) -> 
     if train and not test:
         aside = set(names) - fitted
     if not fitted:
-        raise IdentificationError("trials to fit", expected="at least one", received="all of them set aside")
+        raise IdentificationError("trials to fit", expected="at least one", received="all trials set aside")
     if fitted & aside:
         both = ", ".join(sorted(fitted & aside))
-        raise IdentificationError("trials", expected="each fitted or set aside", received=f"{both} in both")
+        raise IdentificationError("trials", expected="each trial either fitted or set aside", received=f"{both} in both")
     return restricted(experiment, fitted), restricted(experiment, aside) if aside else None
 
 
@@ -176,7 +177,7 @@ def _matching(names: Sequence[str], patterns: Sequence[str]) -> set[str]:
 
 
 def fit_from(experiment: Experiment, hypothesis: Hypothesis, points: Sequence[Array]) -> Fit:
-    """A quick fit from each of several points if there are several, and a full one from where the best of them ended."""
+    """Fit from several initial values: a quick fit from each of them, and a full fit from the best result."""
     if len(points) == 1:
         return fit(experiment, hypothesis, start=points[0])
     quick = [fit(experiment, hypothesis, start=point, quick=True) for point in points]
@@ -185,5 +186,5 @@ def fit_from(experiment: Experiment, hypothesis: Hypothesis, points: Sequence[Ar
 
 
 def simulated(experiment: Experiment, hypothesis: Hypothesis, values: Array) -> list[Array]:
-    """For each run (T, M, A) [m] predicted minus measured, with the open parameters at ``values`` (P,)."""
+    """Return, for each run, prediction minus measurement (T, M, A) [m] with the open parameters at ``values`` (P,)."""
     return residuals(experiment, predict_all(experiment, hypothesis, values))

@@ -1,9 +1,10 @@
-"""What a command does between its samples, where recordings do not say: held, or straight from one to the next.
+"""The form of a command between its samples, if it is not declared: held, or interpolated linearly.
 
-A command that is held comes half a sample later than one that is not. Of a chirp, a ramp or a measured pressure it is as much as
-a small lag, and no law of an arm mends it. So where it is not declared, and a command of the recordings is a curve, they decide:
-all are held, or the curves alone go straight, or the steps do too (of a controller that runs faster than it is recorded, a step
-comes anywhere between two samples: half a sample earlier in the mean). Of steps alone it is not asked.
+A command that is held acts half a sample later than one that is interpolated. For a chirp, a ramp or a measured pressure, this is
+equivalent to a small lag, which no law of an arm can compensate. Therefore, if the form is not declared and a command of the
+recordings is a curve, the fit decides between three forms: all commands are held; only the curves are interpolated; all are
+interpolated (if a controller is faster than the recording, a step occurs anywhere between two samples, half a sample earlier on
+average). If all commands consist of steps, they are held.
 """
 
 from __future__ import annotations
@@ -19,27 +20,29 @@ from hsr_pin.identification.holds import clock
 from hsr_pin.identification.prepared import Run
 from hsr_pin.inference.fit import Fit, fit
 
-#: Of open commands: all are held, only steps are, or all go straight from sample to sample.
+#: Forms of undeclared commands: all are held, only those with steps are held, or all are interpolated.
 Form = Literal["held", "steps held", "straight"]
 _FORMS: tuple[Form, ...] = ("held", "steps held", "straight")
-#: A command that changes at this share of its samples is a curve, and no row of steps.
+#: Share of changing samples above which a command is treated as a curve instead of a sequence of steps.
 _CURVE = 0.25
-_STRAIGHT = 'goes straight from sample to sample, as these recordings show (input = "held" in dataset.toml says otherwise)'
+_STRAIGHT = (
+    'is interpolated linearly between samples, because the recordings fit better (input = "held" in dataset.toml overrides this)'
+)
 
 
 def is_open(run: Run) -> bool:
-    """Whether nobody says what the command of a run does between its samples, and it makes a difference."""
+    """Return whether the form of a run's command is undeclared and makes a difference."""
     return run.trial.interpolated is None and _changing(run) > 0
 
 
 def form_of(experiment: Experiment) -> Form:
-    """How commands that are open are taken now."""
+    """Return the form that an experiment currently uses for undeclared commands."""
     runs = [run for run in experiment.runs if is_open(run) and run.interpolated]
     return "held" if not runs else "steps held" if all(map(_is_curve, runs)) and _steps(experiment) else "straight"
 
 
-def taken(experiment: Experiment, form: Form) -> Experiment:
-    """With the commands that are open taken in one way."""
+def with_form(experiment: Experiment, form: Form) -> Experiment:
+    """Return an experiment with a given form of undeclared commands."""
 
     def straight(run: Run) -> bool:
         return form == "straight" or (form == "steps held" and _is_curve(run))
@@ -47,22 +50,22 @@ def taken(experiment: Experiment, form: Form) -> Experiment:
     runs = tuple(replace(run, interpolated=straight(run)) if is_open(run) else run for run in experiment.runs)
     names = [run.trial.name for run in runs if is_open(run) and run.interpolated]
     notes = [note for note in experiment.notes if not note.endswith(_STRAIGHT)]
-    told = [f"the command of {', '.join(names)} {_STRAIGHT}"] if names else []
-    return replace(experiment, runs=runs, notes=(*notes, *told))
+    added = [f"the command of {', '.join(names)} {_STRAIGHT}"] if names else []
+    return replace(experiment, runs=runs, notes=(*notes, *added))
 
 
-def otherwise(experiment: Experiment) -> list[Experiment]:
-    """With the commands that are open taken in each of the other ways; none where no curve is open."""
+def alternative_forms(experiment: Experiment) -> list[Experiment]:
+    """Return experiments with the other possible forms of undeclared commands; none if no undeclared command is a curve."""
     if not any(is_open(run) and _is_curve(run) for run in experiment.runs):
         return []
     forms = _FORMS if _steps(experiment) else (_FORMS[0], _FORMS[2])
-    return [taken(experiment, form) for form in forms if form != form_of(experiment)]
+    return [with_form(experiment, form) for form in forms if form != form_of(experiment)]
 
 
-def as_it_fits(experiment: Experiment, found: Fit) -> tuple[Experiment, Fit]:
-    """A fit, and its experiment, with the commands that are open as they fit best."""
+def best_form(experiment: Experiment, found: Fit) -> tuple[Experiment, Fit]:
+    """Return the experiment and the fit with the form of undeclared commands that fits best."""
     tried = [(experiment, found)]
-    tried += [(other, fit(other, found.hypothesis, start=found.values)) for other in otherwise(experiment)]
+    tried += [(other, fit(other, found.hypothesis, start=found.values)) for other in alternative_forms(experiment)]
     return min(tried, key=lambda each: each[1].rms)
 
 
@@ -75,5 +78,5 @@ def _is_curve(run: Run) -> bool:
 
 
 def _changing(run: Run) -> float:
-    """Share of the samples at which a command changes, of those at which it may: a logger may hold it between them."""
+    """Return the share of samples at which a command changes, among those at which its logger allows changes."""
     return float(np.diff(run.command, axis=0).any(axis=1).mean()) * clock(run.command)

@@ -1,4 +1,4 @@
-"""Numbers with their 95 % intervals, from what leaving out one trial at a time makes of them."""
+"""Estimates with 95 % intervals, from the variation when one trial at a time is left out."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from scipy.special import stdtrit
 
 from hsr_pin.trajectory import Array
 
-#: Probability that an interval covers.
+#: Coverage probability of the intervals.
 LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """A number with its 95 % interval."""
+    """An estimated number with its 95 % interval."""
 
     value: float
     low: float
     high: float
 
     @property
-    def certain(self) -> bool:
-        """Whether the interval leaves out zero."""
+    def excludes_zero(self) -> bool:
+        """Whether the interval excludes zero."""
         return self.low > 0 or self.high < 0
 
 
 def mean_of(values: Sequence[float] | Array) -> Estimate:
-    """Mean of independent values, by Student's t; of fewer than two nothing is certain."""
+    """Return the mean of independent values with Student's t interval, which is infinite for fewer than two values."""
     known = np.asarray(values, dtype=float)
     known = known[np.isfinite(known)]
     if not len(known):
@@ -42,9 +42,10 @@ def mean_of(values: Sequence[float] | Array) -> Estimate:
 
 
 def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) -> tuple[Estimate, ...]:
-    """Least squares of ``values`` (n,) on ``design`` (n, k); intervals by leaving out one cluster (trial) at a time.
+    """Return the least-squares coefficients of ``values`` (n,) on ``design`` (n, k), with jackknife intervals.
 
-    With hardly more clusters than coefficients, ten stretches of the values are left out instead.
+    One cluster (trial) at a time is left out. If there are hardly more clusters than coefficients, ten consecutive blocks of
+    values are left out instead.
     """
     groups = _groups(clusters, design.shape[1] + 2)
     count = int(groups.max()) + 1
@@ -57,12 +58,12 @@ def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) ->
 
 
 def slope_of(x: Array, values: Array, clusters: Sequence[object]) -> Estimate:
-    """Slope of ``values`` (n,) over ``x`` (n,) that single odd values do not move (Theil and Sen); intervals as above."""
+    """Return the slope of ``values`` (n,) over ``x`` (n,), robust to outliers (Theil and Sen), with a jackknife interval."""
 
     def slope(kept: NDArray[np.bool_]) -> float:
         first, second = np.triu_indices(int(kept.sum()), 1)
         rise, run = (part[kept][second] - part[kept][first] for part in (values, x))
-        order = np.argsort(rise / np.where(run == 0, 1e-12, run))  # each pair by its distance: near ones say little
+        order = np.argsort(rise / np.where(run == 0, 1e-12, run))  # pairs are weighted by their distance
         weight = np.cumsum(np.abs(run)[order])
         at = order[np.searchsorted(weight, weight[-1] / 2)]
         return float(rise[at] / run[at])
@@ -75,7 +76,7 @@ def slope_of(x: Array, values: Array, clusters: Sequence[object]) -> Estimate:
 
 
 def _groups(clusters: Sequence[object], fewest: int) -> NDArray[np.intp]:
-    """Number of the cluster of each value; of the stretch of values that it is in, ten at most, if there are too few clusters."""
+    """Return the cluster of each value, or one of at most ten consecutive blocks if there are too few clusters."""
     place = {name: number for number, name in enumerate(dict.fromkeys(clusters))}
     if len(place) >= fewest:
         return np.array([place[name] for name in clusters])
@@ -83,7 +84,7 @@ def _groups(clusters: Sequence[object], fewest: int) -> NDArray[np.intp]:
 
 
 def _jackknife(left: Array, parameters: int) -> Array:
-    """Half the interval of each of (k,) estimates, from what (g, k) leaving out one group each gives (Tukey 1958)."""
+    """Return the half-widths (k,) of the intervals, from the estimates (g, k) with one group left out each (Tukey 1958)."""
     count = len(left)
     error = np.sqrt((count - 1) / count * ((left - left.mean(axis=0)) ** 2).sum(axis=0))
     return np.asarray(stdtrit(count - parameters, (1 + LEVEL) / 2) * error)

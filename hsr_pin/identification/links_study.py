@@ -1,4 +1,4 @@
-"""How many links: what a coarser chain costs in error, beside what the data can show, and what a finer one costs in time."""
+"""Study of the number of links: the error of coarse chains compared with the noise of the data, and the cost of fine chains."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array
 
 LINKS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
-#: The chain taken as converged, and the error of a step [m at the tip]: well below the differences between chains.
+#: Number of links of the reference chain, and the tolerance of a step [m at the tip], well below the differences between chains.
 CONVERGED_LINKS, TOLERANCE = 40, 5e-5
 
 
 @dataclass(frozen=True)
 class LinksRow:
-    """One number of links.
+    """The results for one number of links.
 
     Attributes:
-        links: N.
-        model_error: [m] RMS distance of its markers from those of the converged chain, with the same parameters.
-        data_error: [m] RMS distance from the measured ones, with parameters fitted on this very chain.
-        cost: of a simulation, over that of the smallest number of links: they grow with N.
+        links: number of links N.
+        model_error: RMS distance of the markers from those of the reference chain with the same parameters [m].
+        data_error: RMS distance from the measured markers, with parameters fitted on this chain [m].
+        cost: cost of a simulation relative to that of the smallest number of links; it increases with N.
     """
 
     links: int
@@ -39,14 +39,14 @@ class LinksRow:
 
 @dataclass(frozen=True)
 class LinksStudy:
-    """A study over N.
+    """A study of the number of links.
 
     Attributes:
-        rows: by increasing N.
-        placement: of the joints.
-        noise: [m] RMS distance that noise alone leaves.
-        recommended: the N to use; None if none of those tried is good enough.
-        sentence: why.
+        rows: the results by increasing N.
+        placement: placement of the joints.
+        noise: RMS distance due to noise alone [m].
+        recommended: the recommended N; None if no tried chain is good enough.
+        sentence: the reason for the recommendation.
     """
 
     rows: tuple[LinksRow, ...]
@@ -64,14 +64,14 @@ def links_study(
     links: Sequence[int] = LINKS,
     tell: Callable[[str], None] = lambda line: None,
 ) -> LinksStudy:
-    """Compare chains of different numbers of links, joints placed as in ``hypothesis``.
+    """Compare chains with different numbers of links, with the joint placement of ``hypothesis``.
 
     Args:
         experiment: the dataset.
-        hypothesis: the model; its own number of links does not matter.
-        values: (P,) of its open parameters, fitted.
-        links: the numbers to try.
-        tell: called with a line for each.
+        hypothesis: the model; its own number of links is ignored.
+        values: (P,) fitted values of its open parameters.
+        links: the numbers of links to compare.
+        tell: function that is called with a line for each number.
     """
     converged = _positions(experiment, replace(hypothesis, links=CONVERGED_LINKS, tolerance=TOLERANCE), values)
     rows: list[LinksRow] = []
@@ -90,21 +90,25 @@ def _positions(experiment: Experiment, hypothesis: Hypothesis, values: Array) ->
 
 
 def _distance(away: Sequence[Array]) -> float:
-    """RMS distance [m] where both chains could be simulated."""
+    """Return the RMS distance [m] over the samples that both chains could simulate."""
     squares = np.concatenate([squared_distance(part) for part in away])
     return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
 
 
 def _recommend(rows: Sequence[LinksRow], noise: float, length: float) -> tuple[int | None, str]:
-    """The fewest links whose own error is below half the noise floor, or below a thousandth of the length where noise is less."""
+    """Return the smallest number of links whose model error is small enough, with a sentence.
+
+    The limit is half the noise floor, or a thousandth of the length if that is larger.
+    """
     limit, what = (noise / 2, "half the noise floor") if noise / 2 > 1e-3 * length else (1e-3 * length, "0.1 % of the length")
     good = [row for row in rows if row.model_error < limit]
     if not good:
-        return None, f"None of these is within {what} ({1e3 * limit:.2g} mm) of the converged chain: take more links."
+        return None, f"None of these chains is within {what} ({1e3 * limit:.2g} mm) of the converged chain; use more links."
     first = good[0]
     most = max(rows, key=lambda row: row.links)
     gain = first.data_error - most.data_error
-    more = "more buys nothing" if gain < limit / 10 else f"{most.links} links take another {1e3 * gain:.2g} mm off the data error"
+    better = f"{most.links} links reduce the data error by another {1e3 * gain:.2g} mm"
+    more = "more links do not reduce the data error" if gain < limit / 10 else better
     return first.links, (
         f"N = {first.links} is within {what}: {1e3 * first.model_error:.2g} mm from the converged chain "
         f"(limit {1e3 * limit:.2g} mm); {more}."

@@ -1,4 +1,4 @@
-"""What belongs to a trial of an arm: where it rests, how far it was held aside, when it was let go, and how firmly."""
+"""Parameters of a trial that are not parameters of the arm: resting position, initial pose, release instant and disturbance."""
 
 from __future__ import annotations
 
@@ -7,23 +7,24 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-#: How well a release is known beyond noise: the pose [share of the length, at the tip], and the instant [samples].
-HELD, INSTANT = 0.002, 0.25
-#: A hand that lets go slowly does so within the last of these times [s]; what is left of its hold until each of them is known to
-#: that share of what holds the bent arm.
-LETS_GO, GRIP = (0.02, 0.04, 0.06), (0.5, 0.3, 0.12)
+#: Standard deviations of a release beyond noise: of the pose [share of the length, at the tip], and of the instant [samples].
+POSE_SIGMA, INSTANT_SIGMA = 0.002, 0.25
+#: A slow release by hand ends at the last of these times [s]; the remaining holding torque until each of them has this standard
+#: deviation, relative to the torque that holds the bent arm.
+RELEASE_ENDS, DISTURBANCE_SIGMAS = (0.02, 0.04, 0.06), (0.5, 0.3, 0.12)
 
 
 def rest_scatter(rests: Sequence[tuple[object, ArrayLike, ArrayLike]], noise: float) -> float:
-    """Standard deviation [m], in each direction, with which an arm comes to rest where it should in every trial.
+    """Return the standard deviation [m], in each direction, of the resting position from trial to trial.
 
     Args:
-        rests: for each trial the group of those that should rest in one place, the place [m] of the farthest marker across the
-            arm, and the bending [m] from which it came: what goes with that is memory of the arm, and no scatter. In space (2,).
-        noise: of a place [m].
+        rests: for each trial its group of trials that should have the same resting position, the position of the farthest marker
+            across the arm [m], and the bending [m] from which the arm came; in space (2,) each. A dependence on that bending is
+            memory of the arm, not scatter.
+        noise: standard deviation of a position due to noise [m].
 
     Returns:
-        0 where it is not clearly more than noise, or nothing repeats.
+        The standard deviation; 0 if it is not significantly larger than the noise, or if no trials can be compared.
     """
     squares = freedom = 0.0
     for group in dict.fromkeys(key for key, _, _ in rests):

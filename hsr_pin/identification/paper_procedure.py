@@ -1,8 +1,8 @@
-"""The paper's own way to its parameters, for comparison with the fit: five steps, and C by brute force.
+"""The paper's own procedure for its parameters, for comparison with the fit: five steps, and C by a grid search.
 
-Choose the number of links n; map the pressures to a torque; simulate; change the joints' k and c from the deviation between
-simulated and measured motion; iterate. The paper does not say by how much to change them. Here k goes where the deviations at
-three stiffnesses point, c to the best of a grid: "brute force".
+Choose the number of links n; map the pressures to a torque; simulate; change the joints' k and c according to the deviation
+between simulated and measured motion; iterate. The paper does not define the size of the changes. Here, k follows the deviations
+at three stiffnesses, and c is the best value of a grid ("brute force").
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from hsr_pin.inference.residuals import residuals, rms
 from hsr_pin.robot.specification import Placement
 from hsr_pin.trajectory import Array
 
-#: The grid: factors on the C that was best so far; it shrinks from pass to pass.
+#: Number of grid points, which are factors on the best C so far; the grid shrinks from pass to pass.
 GRID = 9
 _WIDEST, _SHRINK = 8.0, 0.5
-#: A pass that changes k and c by less than this share is the last.
+#: The procedure ends after a pass that changes k and c by less than this share.
 _DONE = 0.005
 _PASSES = 8
 
 
 @dataclass(frozen=True)
 class Pass:
-    """One pass through the steps.
+    """The result of one pass through the steps.
 
     Attributes:
         keq_scale, damping_scale: the values at its end.
-        rms: [m] distance of all markers with them.
+        rms: RMS distance of all markers with these values [m].
     """
 
     keq_scale: float
@@ -43,13 +43,13 @@ class Pass:
 
 @dataclass(frozen=True, eq=False)
 class PaperProcedure:
-    """Where the paper's procedure ends.
+    """The result of the paper's procedure.
 
     Attributes:
-        links, placement: of the chain, which is not corrected for its coarseness: the values belong to it.
-        passes: from the declared values on.
+        links, placement: the chain; its discretisation error is not corrected, so the values are specific to it.
+        passes: the passes, starting with the declared values.
         grid: (2, G) the last grid: factors on the declared C, and RMS distances [m].
-        simulations: how many times the dataset was simulated.
+        simulations: number of simulations of the dataset.
     """
 
     links: int
@@ -60,7 +60,7 @@ class PaperProcedure:
 
     @property
     def last(self) -> Pass:
-        """Where it ended."""
+        """The last pass."""
         return self.passes[-1]
 
 
@@ -74,10 +74,10 @@ def paper_procedure(
     """Carry out the paper's procedure.
 
     Args:
-        experiment: what to reproduce.
-        links: step 1; default: the paper's.
-        placement: of the joints; default: the paper's.
-        tell: called with a line at each pass.
+        experiment: the recordings.
+        links: number of links; default: the paper's.
+        placement: placement of the joints; default: the paper's.
+        tell: function that is called with a line at each pass.
     """
     trials = _Trials(experiment, Hypothesis((), ("keq_scale", "damping_scale"), links, placement))
     keq, damping, width = 1.0, 1.0, _WIDEST
@@ -91,21 +91,21 @@ def paper_procedure(
         grid = np.array([factors, trials.errors([(keq, factor) for factor in factors])])
         damping, width = float(factors[np.argmin(grid[1])]), width**_SHRINK
         passes.append(Pass(keq, damping, float(grid[1].min())))
-        settled = width ** (2 / (GRID - 1)) - 1 < _DONE  # the grid is as fine as the answer need be
+        settled = width ** (2 / (GRID - 1)) - 1 < _DONE  # the grid is fine enough
         if settled and max(abs(keq / before[0] - 1), abs(damping / before[1] - 1)) < _DONE:
             break
     return PaperProcedure(links, placement, tuple(passes), grid, trials.simulations)
 
 
 class _Trials:
-    """Simulates all trials with given factors on Keq and C."""
+    """Simulates all trials with given factors on Keq and C, and counts the simulations."""
 
     def __init__(self, experiment: Experiment, hypothesis: Hypothesis) -> None:
         self._experiment, self._hypothesis = experiment, hypothesis
         self.simulations = 0
 
     def errors(self, pairs: list[tuple[float, float]]) -> list[float]:
-        """RMS distance [m] with each pair of factors; the arm's length where a simulation fails."""
+        """Return the RMS distance [m] for each pair of factors; the arm's length if a simulation fails."""
         runs = self._experiment.runs
         predictions = predict(self._experiment, self._hypothesis, [(run, np.array(pair)) for pair in pairs for run in runs])
         self.simulations += len(pairs)
@@ -114,7 +114,7 @@ class _Trials:
 
 
 def _by_deviation(trials: _Trials, keq: float, damping: float, step: float) -> float:
-    """The stiffness to which the deviations point: the lowest point of the parabola through three of them, a step apart."""
+    """Return the stiffness at the minimum of the parabola through the deviations at three stiffnesses."""
     factors = keq * np.array([1 - step, 1.0, 1 + step])
     left, middle, right = np.square(trials.errors([(factor, damping) for factor in factors]))
     bend = left - 2 * middle + right

@@ -1,59 +1,70 @@
-"""What a model of an arm may have more than stiffness and damping: effects, and further open numbers of the arm."""
+"""Parts that a model of an arm may have in addition to stiffness and damping: effects, and further open numbers of the arm."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from hsr_pin.effects.effect import Effect, formless, neutral
+from hsr_pin.effects.effect import Effect, neutral, unsupported_laws
 from hsr_pin.parameters import Parameter
 
-#: Stiffness, mass and gain are usually measured to within a third or so; damping is often guessed, within a factor of three. As
-#: standard deviations of the logarithm of what is true over what was declared.
+#: Prior standard deviations of the logarithm of the true value over the declared one: stiffness, mass and gain are usually
+#: measured to within a third; damping is often guessed within a factor of three.
 _MEASURED, _GUESSED = 0.3, 1.0
-#: Open numbers of the arm itself, as factors on what was declared.
+#: Open numbers of the arm, as factors on declared values.
 ARM = {
     fact.name: fact
     for fact in (
-        Parameter("keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness over the declared one", ratio_width=_MEASURED),
-        Parameter("damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping over the declared one", ratio_width=_GUESSED),
-        Parameter("mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm over the declared one", ratio_width=_MEASURED),
         Parameter(
-            "torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "torque that arrives over the commanded", ratio_width=_MEASURED
+            "keq_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "stiffness relative to the declared value", ratio_width=_MEASURED
+        ),
+        Parameter(
+            "damping_scale", "1", 1.0, 0.02, 50.0, 0.2, False, "damping relative to the declared value", ratio_width=_GUESSED
+        ),
+        Parameter(
+            "mass_scale", "1", 1.0, 0.1, 10.0, 0.1, False, "mass of the arm relative to the declared value", ratio_width=_MEASURED
+        ),
+        Parameter(
+            "torque_gain", "1", 1.0, 0.1, 10.0, 0.1, False, "delivered torque relative to the command", ratio_width=_MEASURED
         ),
     )
 }
-#: Of the session: by how much the arm's stiffness differs in the last trial from the first (L. Mullins, Rubber Chem. Technol. 42,
-#: 1969), and after what part of the session most of that has come; and by how much the torque does, evenly.
+#: Open numbers of the session: the relative change of the arm's stiffness from the first to the last trial (L. Mullins, Rubber
+#: Chem. Technol. 42, 1969), the part of the session after which most of it has occurred, and the relative change of the torque,
+#: which is uniform.
 SESSION = {
-    "keq_drift": Parameter("keq_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "stiffness gained from the first trial to the last"),
-    "keq_drift.settling": Parameter(
-        "keq_drift.settling", "1", 0.5, 0.05, 5.0, 0.2, False, "part of the session over which it is gained"
+    "keq_drift": Parameter(
+        "keq_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "relative change of the stiffness from the first trial to the last"
     ),
-    "gain_drift": Parameter("gain_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "torque gained from the first trial to the last"),
+    "keq_drift.settling": Parameter(
+        "keq_drift.settling", "1", 0.5, 0.05, 5.0, 0.2, False, "part of the session over which the stiffness changes"
+    ),
+    "gain_drift": Parameter(
+        "gain_drift", "1", 0.0, -0.9, 2.0, 0.1, True, "relative change of the torque from the first trial to the last"
+    ),
 }
-#: Candidates beside the effects, which stiffness and damping leave open, and the kind of physics that each belongs to.
+#: Candidates in addition to the effects and to stiffness and damping, with their kinds of physics.
 PLAIN = {"torque_gain": "actuation_map", "mass_scale": "mass_gravity", "keq_drift": "elastic", "gain_drift": "actuation_map"}
-#: Those that are the same in every trial.
+#: Candidates that are the same in every trial.
 ACTING = tuple(name for name in PLAIN if name not in SESSION)
-#: Trials from which on a change over the session may be asked for.
+#: Smallest number of trials for which a change over the session is considered.
 TRIALS = 4
-#: Kinds whose sizes may differ from one set-up of an arm to the next: how it is mounted and loaded, supplied and seen. What it
-#: is made of stays, or goes with the stiffness level.
+#: Kinds of physics whose size may differ from one set-up of an arm to the next (mounting, load, supply, measurement). Properties
+#: of the material are constant, or scale with the stiffness level.
 SET_UP = ("actuation_map", "mass_gravity", "measurement")
 
 
 @dataclass(frozen=True)
 class Part:
-    """What a model may have more than stiffness and damping: an effect, or another open number of the arm.
+    """An addition to stiffness and damping: an effect, or another open number of the arm.
 
     Attributes:
-        name: of the effect, or of the number: one of :data:`PLAIN`.
-        effect: with its options; None for a number.
-        resized: whether the effect's amplitude goes with the stiffness level where its law says that it stays, and stays
-            where its law says that it goes with it.
-        opens: of an effect that has its amplitudes ``apart`` the one that is open; empty: all parameters are.
-        levels: declared Keq [Nm/rad] at which it has a size of its own each; empty: one size for all.
+        name: name of the effect or of the number (one of :data:`PLAIN`).
+        effect: the effect with its options; None for a number.
+        resized: whether the amplitude scales with the stiffness level where the law keeps it constant, and is constant where the
+            law scales it.
+        opens: the open amplitude of an effect with ``alternative_amplitudes``; empty if all parameters are open.
+        levels: declared Keq [Nm/rad] at which the part has separate sizes; empty for one size at all levels.
     """
 
     name: str
@@ -64,58 +75,58 @@ class Part:
 
     @property
     def kind(self) -> str:
-        """Of physics that it belongs to."""
+        """Kind of physics of the part."""
         return self.effect.kind if self.effect else PLAIN[self.name]
 
     @property
     def flexible(self) -> bool:
-        """Whether it stands for its kind only."""
+        """Whether the part represents its kind only."""
         return self.effect is not None and self.effect.flexible
 
     @property
-    def plain(self) -> Part:
-        """The same with one size, as its law says: of one size or another a law changes as much more or less, here or there."""
+    def base_variant(self) -> Part:
+        """The part with one size that follows its law; other size variants have proportional effects on a run."""
         return replace(self, resized=False, levels=())
 
     @property
     def special_cases(self) -> tuple[str, ...]:
-        """Names of simpler effects that its own numbers can make of it."""
+        """Names of simpler effects that are special cases of this one."""
         return self.effect.contains if self.effect else ()
 
     def contains(self, other: Part) -> bool:
-        """Whether the other is a special case of this one, which has more numbers to bend."""
+        """Return whether another part is a special case of this one, which has more parameters."""
         if self.effect is None:
             return False
         if self.name == other.name:
             return (
-                bool(self.levels) and replace(other, resized=False, levels=self.levels).reading == self.reading != other.reading
+                bool(self.levels) and replace(other, resized=False, levels=self.levels).variant == self.variant != other.variant
             )
         return (self.flexible and not other.flexible and other.kind == self.kind) or other.name in self.effect.contains
 
     @property
-    def reading(self) -> tuple[object, ...]:
-        """Name, options, size and what is open: what tells it from other readings of the same law."""
+    def variant(self) -> tuple[object, ...]:
+        """Name, options, size variant and open amplitudes, which distinguish the part from other variants of the same law."""
         return self.name, self.effect.options if self.effect else (), self.resized, self.opens, self.levels
 
 
-def readings(kind: type[Effect], *, space: bool = False, levels: int = 1, each: Sequence[float] = ()) -> list[Part]:
-    """Every reading of a law that holds for arms in a plane, or in space, and that so many stiffness levels tell.
+def part_variants(kind: type[Effect], *, space: bool = False, levels: int = 1, each: Sequence[float] = ()) -> list[Part]:
+    """Return all variants of a law that are defined for planar arms, or in space, and that the stiffness levels can distinguish.
 
-    Where there are levels (declared Keq [Nm/rad]) that tell a size ``each``, laws of a single number have that reading too, if
-    it is of the kinds of :data:`SET_UP`.
+    If levels (declared Keq [Nm/rad]) can distinguish a separate size ``each``, laws of a single parameter have that variant too,
+    provided they are of the kinds of :data:`SET_UP`.
     """
     effects = [neutral(kind, **options) for options in kind.variants()]
     return [
         Part(kind.name, effect, resized, opens, own)
         for effect in effects
-        if not formless([effect], space=space)
-        for opens in kind.apart or ("",)
-        for resized, own in _sizes(kind, opens, levels, tuple(float(f"{keq:g}") for keq in each))  # as names tell them
+        if not unsupported_laws([effect], space=space)
+        for opens in kind.alternative_amplitudes or ("",)
+        for resized, own in _sizes(kind, opens, levels, tuple(float(f"{keq:g}") for keq in each))  # rounded as in parameter names
     ]
 
 
 def _sizes(kind: type[Effect], opens: str, levels: int, each: tuple[float, ...]) -> list[tuple[bool, tuple[float, ...]]]:
-    """As the law says, the other way, and for each level its own: ``resized`` and ``levels`` of its readings."""
+    """Return ``resized`` and ``levels`` of the size variants: as the law says, the opposite, and separate for each level."""
     found: list[tuple[bool, tuple[float, ...]]] = [(False, ())]
     if levels > 1 and _resizes(kind, opens):
         found.append((True, ()))
@@ -125,4 +136,4 @@ def _sizes(kind: type[Effect], opens: str, levels: int, each: tuple[float, ...])
 
 
 def _resizes(kind: type[Effect], opens: str) -> bool:
-    return any(fact.resizes for fact in kind.parameters() if opens in ("", fact.name))
+    return any(fact.level_exponent for fact in kind.parameters() if opens in ("", fact.name))

@@ -1,4 +1,4 @@
-"""When in a run: at rest, just after a change of command, on the way, settled."""
+"""Phases of a run: at rest, just after a change of command, in transition, settled."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array
 
 PHASES = ("rest", "command change", "transient", "settled")
-#: A command change counts for this long [s] ...
+#: Duration of the phase after a command change [s].
 _AFTER_CHANGE = 0.15
-#: ... if it is at least this share of the command's range.
+#: Smallest change of command, relative to its range, that starts this phase.
 _CHANGE = 0.02
-#: Slower than this share of the fastest motion is settled.
+#: An arm slower than this share of its largest speed is settled.
 _SLOW = 0.03
 
 
 def phases(run: Run, predicted: Array) -> NDArray[np.int_]:
-    """(T,) index into :data:`PHASES` of each sample; ``predicted`` (T, M, 3) [m] tells how fast the arm ought to move."""
+    """Return the index (T,) into :data:`PHASES` of each sample, from the speed of the ``predicted`` markers (T, M, 3) [m]."""
     speed = np.abs(np.gradient(np.nan_to_num(predicted), run.step, axis=0)).max(axis=(1, 2))
     moving = speed > _SLOW * max(float(speed.max()), 1e-9)
     change = np.abs(np.diff(run.command, axis=0, prepend=run.command[:1])).max(axis=1)

@@ -1,8 +1,8 @@
-"""The plane in which an arm bends: how much moves out of the declared one, and whether that is another plane.
+"""The plane in which an arm bends: the motion out of the declared plane, and whether that motion is in another plane.
 
-Seen from the declared plane, an arm that bends in one turned about its straight axis bends less than it does, by the cosine of
-the turn, and every model of it is too stiff. Whether the cameras are turned, or the base with its muscles, no recording of the
-arm alone can tell.
+If an arm bends in a plane that is rotated about its straight axis, the bending in the declared plane is smaller by the cosine of
+the angle, and every fitted model is too stiff. Recordings of the arm alone cannot distinguish rotated cameras from a rotated
+base.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from hsr_pin.identification.prepared import Run
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 
-#: There is motion out of the plane if it is more than this share of that in the plane, and than so many noises.
+#: Motion out of the plane is significant if it exceeds this share of the motion in the plane and this multiple of the noise.
 _SHARE, _NOISES = 0.03, 2.0
-#: The plane is turned if a turn takes away so much of the mean square, and the turn is more than so many degrees.
+#: The plane is rotated if a rotation explains this share of the mean square and exceeds this angle [degrees].
 _TURNED, _DEGREES = 0.7, 1.0
-#: A marker counts that was seen at least this often, beside the one that was seen most.
+#: Smallest number of samples of a marker, relative to the marker with the most samples.
 _SEEN = 0.5
 _ASIDE = np.array([0.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Of the farthest marker's motion.
+    """The plane of the farthest marker's motion.
 
     Attributes:
-        sideways: [m] RMS out of the declared plane, each trial's middle left out, beyond noise.
-        across: [m] the same across the arm in the plane.
-        offset: [m] standard deviation of the trials' middles out of the plane.
-        turn: [rad] about the straight arm that would take most of it away.
-        explained: share of the mean square that this turn takes away.
-        beside: [m] how far beside the straight arm the turned plane passes.
-        noise: [m] of a coordinate.
-        points: (S, 2) [m] across and sideways.
+        sideways: RMS motion out of the declared plane, relative to each trial's median, in excess of noise [m].
+        across: RMS motion across the arm in the plane, in excess of noise [m].
+        offset: standard deviation of the trials' medians out of the plane [m].
+        turn: angle of the rotation about the straight arm that removes most of the motion out of the plane [rad].
+        explained: share of the mean square that this rotation removes.
+        beside: distance of the rotated plane from the straight arm [m].
+        noise: standard deviation of a coordinate [m].
+        points: (S, 2) positions across the arm and sideways [m].
     """
 
     sideways: float
@@ -52,31 +52,33 @@ class Plane:
 
     @property
     def leaves(self) -> bool:
-        """Whether the arm leaves the declared plane by enough to matter."""
+        """Whether the arm leaves the declared plane significantly."""
         return self.sideways > max(_SHARE * self.across, _NOISES * self.noise)
 
     @property
     def turned(self) -> bool:
-        """Whether the arm moves in a plane, but another one."""
-        return self.leaves and self.explained > _TURNED and self.turn.certain and abs(self.turn.value) > np.radians(_DEGREES)
+        """Whether the arm moves in a plane that is rotated from the declared one."""
+        return (
+            self.leaves and self.explained > _TURNED and self.turn.excludes_zero and abs(self.turn.value) > np.radians(_DEGREES)
+        )
 
     @property
     def kind(self) -> str:
-        """Kind of physics that it tells; empty if none."""
+        """Kind of physics that a rotation indicates; empty if there is none."""
         return "measurement" if self.turned else ""
 
     @property
     def sentence(self) -> str:
-        """As a person would say it; empty where the plane is the declared one."""
+        """The finding as a sentence; empty if the plane is the declared one."""
         value, low, high = (f"{np.degrees(part):.1f}" for part in self.turn)
-        told = (
-            f"the plane in which the arm bends is turned by {value} degrees ({low} to {high}) about the straight arm, by its "
-            "cameras or its base, and was turned back first"
+        sentence = (
+            f"the plane of bending is rotated by {value} degrees ({low} to {high}) about the straight arm, because of the "
+            "cameras or the base;  the recordings were rotated back"
         )
-        return told if self.turned else ""
+        return sentence if self.turned else ""
 
     def undone(self, experiment: Experiment) -> Experiment:
-        """The recordings as if the plane were the declared one."""
+        """Return the recordings, rotated back into the declared plane."""
         along, across = map(np.abs, mount_frame(experiment.dataset.mount))
         c, s = np.cos(self.turn.value), np.sin(self.turn.value)
         turn = np.outer(along, along) + np.outer(across, c * across + s * _ASIDE) + np.outer(_ASIDE, c * _ASIDE - s * across)
@@ -103,8 +105,8 @@ class Plane:
         return replace(experiment, dataset=replace(experiment.dataset, trials=tuple(trials.values())), runs=runs)
 
 
-def in_its_plane(experiment: Experiment) -> tuple[Experiment, Plane | None]:
-    """The recordings, turned back if their plane is turned, with a note; and that plane."""
+def with_plane_corrected(experiment: Experiment) -> tuple[Experiment, Plane | None]:
+    """Return the recordings, rotated back with a note if their plane is rotated; and that plane."""
     plane = plane_of(experiment)
     if plane is None or not plane.turned:
         return experiment, None
@@ -112,7 +114,7 @@ def in_its_plane(experiment: Experiment) -> tuple[Experiment, Plane | None]:
 
 
 def plane_of(experiment: Experiment) -> Plane | None:
-    """The plane of an arm that is declared to bend in one; None where motion out of it was not measured."""
+    """Return the plane of an arm that is declared as planar; None if motion out of the plane was not measured."""
     if len(experiment.directions) > 1:
         return None
     axis = int(np.argmax(np.abs(mount_frame(experiment.dataset.mount)[1])))
@@ -145,7 +147,7 @@ def plane_of(experiment: Experiment) -> Plane | None:
 
 
 def farthest_seen(run: Run, experiment: Experiment) -> int:
-    """Index of the farthest marker that was seen for a good part of a run."""
+    """Return the index of the farthest marker that was measured in a sufficient part of a run."""
     seen = np.isfinite(run.measured[..., 0]).sum(axis=0)
     often = np.flatnonzero(seen >= _SEEN * seen.max())
     return int(max(often, key=lambda index: experiment.markers[index].arc_length))

@@ -1,4 +1,4 @@
-"""Profile likelihood: how well the data can still be fitted with one parameter held elsewhere."""
+"""Profile likelihood: the quality of the fit with one parameter fixed at other values."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from hsr_pin.inference.misfit import Misfit
 from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.trajectory import Array
 
-#: Where a parameter is held, in standard errors away from its best value on either side.
+#: Distances at which a parameter is fixed, in standard errors on both sides of its best value.
 _AWAY = (1.0, 2.0, 3.0)
 _TOLERANCE, _EVALUATIONS = 1e-3, 6
 
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """Of one parameter.
+    """The profile likelihood of one parameter.
 
     Attributes:
-        name: of it.
-        values: (n,) at which it was held, increasing.
-        deviance: (n,) rise of -2 log likelihood over its minimum, with the others fitted anew.
-        interval: 95 %: where the deviance stays below 3.84, or the last value tried if it does not reach that.
+        name: name of the parameter.
+        values: (n,) values at which it was fixed, increasing.
+        deviance: (n,) increase of -2 log likelihood above its minimum, with the other parameters refitted.
+        interval: 95 % interval: where the deviance is below 3.84, or up to the last tried value if it does not reach that.
     """
 
     name: str
@@ -38,23 +38,23 @@ class Profile:
 
 
 def profile_likelihood(experiment: Experiment, fit: Fit, name: str) -> Profile:
-    """The profile of one parameter around a fit (A. Raue et al., Bioinformatics 25, 2009).
+    """Return the profile likelihood of one parameter around a fit (A. Raue et al., Bioinformatics 25, 2009).
 
-    The likelihood is that of residuals with the weights of the fit; it counts as many independent observations as the parameter's
-    variance, estimated with autocorrelation, says there are. Where the model is as good as linear this gives the same interval as
-    :func:`~hsr_pin.inference.uncertainty.uncertainty`; where it is not, this one is the better.
+    The likelihood is that of residuals with the weights of the fit; the effective number of independent observations follows from
+    the parameter's variance, which is estimated with autocorrelation. For a nearly linear model this gives the same interval as
+    :func:`~hsr_pin.inference.uncertainty.uncertainty`; for a nonlinear one it is more accurate.
 
     Raises:
         IdentificationError: the parameter was not fitted.
     """
     if name not in fit.hypothesis.free:
         raise IdentificationError("parameter", expected=", ".join(fit.hypothesis.free), received=repr(name))
-    held, sure = fit.hypothesis.free.index(name), uncertainty(fit)
+    held, uncertainties = fit.hypothesis.free.index(name), uncertainty(fit)
     misfit = Misfit(experiment, fit.hypothesis, fit.weights)
-    best, error = fit.values / misfit.scale, sure.standard_error[held] / misfit.scale[held]
+    best, error = fit.values / misfit.scale, uncertainties.standard_error[held] / misfit.scale[held]
     misfit.hold(best)
     least = misfit.residual(best)
-    spread = float(least @ least) / max(len(least) - len(best), 1) * float(sure.inflation[held])
+    spread = float(least @ least) / max(len(least) - len(best), 1) * float(uncertainties.inflation[held])
     values, deviance = [best[held]], [0.0]
     for side in (-1.0, 1.0):
         x = best
@@ -72,7 +72,7 @@ def profile_likelihood(experiment: Experiment, fit: Fit, name: str) -> Profile:
 
 
 def _refitted(misfit: Misfit, x: Array, held: int, value: float) -> Array:
-    """(P,) the best values of the others with one of them held, from ``x`` on."""
+    """Return the best parameter values (P,) with one of them fixed, starting from ``x``."""
     others = np.arange(len(x)) != held
 
     def whole(rest: Array) -> Array:
@@ -96,7 +96,7 @@ def _refitted(misfit: Misfit, x: Array, held: int, value: float) -> Array:
 
 
 def _interval(values: Array, deviance: Array) -> tuple[float, float]:
-    """Where the root of the deviance, which is nearly straight on either side of its zero, crosses that of 3.84."""
+    """Return where the root of the deviance, which is nearly straight on both sides of its zero, crosses that of 3.84."""
     root, wanted = np.sqrt(deviance), float(np.sqrt(stats.chi2.ppf(0.95, 1)))
     best = int(np.argmin(deviance))
     ends = []

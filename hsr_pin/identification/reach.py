@@ -1,4 +1,4 @@
-"""How far from the base a marker may be: the backbone does not stretch, but a place on it may be declared wrongly."""
+"""The largest plausible distance of a marker from the base: the backbone is inextensible, but an arc length may be wrong."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from hsr_pin.trajectory import Array, Dataset
 
-#: A marker farther from the base than this times its arc length plus this [m] is no marker of this arm.
+#: A marker may be at most this multiple of its arc length plus this distance [m] away from the base.
 _LONGER, _OFF = 1.1, 0.05
 
 
 def farthest(dataset: Dataset, markers: list[int]) -> tuple[Array, tuple[str, ...]]:
-    """(M,) [m] from the base, by marker, and what is to be said of those that are farther than their arc lengths in most samples.
+    """Return the largest plausible distances (M,) [m] from the base, and notes on markers beyond their declared arc lengths.
 
-    They may be as far as the arm is long: it is their place that is in doubt, not the trial.
+    Markers with such notes may be up to the arm's length away, because their arc length is doubtful, not the trial.
     """
     chosen = [dataset.markers[i] for i in markers]
     own, whole = (
@@ -25,8 +25,8 @@ def farthest(dataset: Dataset, markers: list[int]) -> tuple[Array, tuple[str, ..
     surface = np.array([marker.radius or dataset.diameter / 2 for marker in chosen])
     misplaced = usual > _LONGER * np.array([marker.arc_length for marker in chosen]) + surface
     notes = tuple(
-        f"marker {marker.name} is {1e3 * seen:.0f} mm from the base in most samples, though declared "
-        f"{1e3 * marker.arc_length:.0f} mm along the arm: check its arc_length"
+        f"marker {marker.name} is {1e3 * seen:.0f} mm from the base in most samples, but is declared "
+        f"{1e3 * marker.arc_length:.0f} mm along the arm; check its arc_length"
         for marker, seen, wrong in zip(chosen, usual, misplaced, strict=True)
         if wrong
     )

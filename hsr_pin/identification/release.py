@@ -1,4 +1,4 @@
-"""How a motion starts that does not start at rest under its input: where the markers are then, how fast, and when it begins."""
+"""The initial state of a motion that does not start at rest: marker positions, velocities and the release instant."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import numpy as np
 
 from hsr_pin.trajectory import Array, Trajectory, Trial
 
-#: Samples up to the start over which the held pose is averaged, and by which it is told whether the arm is held at all.
+#: Number of samples up to the start from which the held pose is averaged, and by which a resting arm is recognised.
 _WINDOW = 5
-#: Samples on either side of the start through which a parabola is laid where the arm is moving already.
+#: Number of samples on both sides of the start for a parabola, if the arm is already moving.
 _AROUND = 3
-#: The arm is moving if a marker goes faster than this [arc lengths per second], beyond what noise makes of a resting one.
+#: Smallest speed of a moving marker [arc lengths per second], in addition to the effect of noise.
 _SLOWEST = 0.05
-#: A release is looked for within this time after the declared start [s].
+#: Latest time of a release after the declared start [s].
 _LATEST = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where a motion is followed from.
+    """The initial state of a motion.
 
     Attributes:
-        sample: the first that is compared.
+        sample: index of the first sample that is compared.
         lead: fraction of a sample by which the motion starts before it (a release between two samples).
-        pose: (M, 3) [m] of the markers; NaN for one that is not seen.
-        velocity: (M, 3) [m/s] of the markers.
+        pose: (M, 3) marker positions [m]; NaN for a marker that was not measured.
+        velocity: (M, 3) marker velocities [m/s].
     """
 
     sample: int
@@ -37,22 +37,23 @@ class Start:
 
 
 def start_of(trial: Trial, noise: float, delay: float = 0.0) -> Start:
-    """The state of the markers at a trial's declared start, or ``delay`` [s] after it; nothing of a model is used.
+    """Estimate the state of the markers at a trial's declared start, or ``delay`` [s] after it, without a model.
 
-    A still arm without an input is held: it starts from its mean place, at the instant at which the markers begin to move. An arm
-    that moves already (a hand that lets go slowly) starts with the velocity of the parabola through the samples around.
+    A resting arm without an input is held: it starts from its mean position, at the instant at which the markers begin to move.
+    An arm that is already moving (after a slow release by hand) starts with the velocity of a parabola through the neighbouring
+    samples.
 
     Args:
-        trial: whose declared start is at or a little before the release.
+        trial: the trial, whose declared start is at or slightly before the release.
         noise: standard deviation of a coordinate [m].
-        delay: a hand may touch the arm for so long after the declared start [s].
+        delay: time after the declared start during which the release may be disturbed [s].
     """
     trajectory = trial.trajectory
     first = min(trial.first_sample + round(delay / trajectory.step), len(trajectory.time) - 1)
     before = trajectory.positions[max(0, first - _WINDOW + 1) : first + 1]
-    sure = 5 * noise / (trajectory.step * np.sqrt(max(len(before) * (len(before) ** 2 - 1) / 12, 1e-9)))
+    noise_speed = 5 * noise / (trajectory.step * np.sqrt(max(len(before) * (len(before) ** 2 - 1) / 12, 1e-9)))
     speed = np.linalg.norm(_motion(trajectory, first, before=_WINDOW - 1, after=0, degree=1)[1], axis=1)
-    if np.any(speed > max(_SLOWEST * max(marker.arc_length for marker in trajectory.markers), sure)):
+    if np.any(speed > max(_SLOWEST * max(marker.arc_length for marker in trajectory.markers), noise_speed)):
         return Start(first, 0.0, *_motion(trajectory, first, before=_AROUND, after=_AROUND, degree=2))
     pose = median(before if np.isfinite(before).any(axis=0).all() else trajectory.positions[first : first + _WINDOW])
     still, lead = np.zeros_like(pose), 0.0
@@ -64,9 +65,9 @@ def start_of(trial: Trial, noise: float, delay: float = 0.0) -> Start:
 
 
 def _motion(trajectory: Trajectory, at: int, before: int, after: int, degree: int) -> tuple[Array, Array]:
-    """Place [m] and velocity [m/s] (M, 3) of each marker at a sample, by the polynomial through some samples around it.
+    """Return position [m] and velocity [m/s] (M, 3) of each marker at a sample, by a polynomial through neighbouring samples.
 
-    NaN and zero for a marker that is seen too seldom.
+    They are NaN and zero for a marker with too few samples.
     """
     window = slice(max(0, at - before), at + after + 1)
     t, shown = trajectory.time[window] - trajectory.time[at], trajectory.positions[window]
@@ -80,10 +81,10 @@ def _motion(trajectory: Trajectory, at: int, before: int, after: int, degree: in
 
 
 def _release_time(trajectory: Trajectory, first: int, held: Array, noise: float) -> float:
-    """The instant [s] at which an arm held in a place ``held`` (M, 3) [m] is let go, as its markers show it.
+    """Estimate the instant [s] at which an arm in a held pose ``held`` (M, 3) [m] is released.
 
-    After the release the arm accelerates evenly at first, so that the root of the distance gone grows as a straight line; its
-    zero is the release. The sample ``first`` is given back where no such line is found.
+    After the release the acceleration is constant at first, so the square root of the distance increases linearly; its zero is
+    the release. If there is no such line, the time of the sample ``first`` is returned.
     """
     time, positions = trajectory.time, trajectory.positions
     gone = np.linalg.norm(positions - held, axis=2)
@@ -105,7 +106,7 @@ def _release_time(trajectory: Trajectory, first: int, held: Array, noise: float)
 
 
 def median(window: Array) -> Array:
-    """(M, 3) of positions (T, M, 3) over time; NaN for a marker that is never seen."""
+    """Return the median (M, 3) of positions (T, M, 3) over time; NaN for a marker that is never measured."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", category=RuntimeWarning)  # a marker that is never seen stays NaN
+        warnings.simplefilter("ignore", category=RuntimeWarning)  # a marker that is never measured stays NaN
         return np.asarray(np.nanmedian(window, axis=0))

@@ -1,8 +1,8 @@
-"""Smoothed tracks: found from the colour of their noise, and what the same filter makes of noise and of simulated markers.
+"""Detection of smoothed tracks from the spectrum of their noise, and the same filter for simulated markers.
 
-White noise that was filtered has the filter's squared response for a spectrum. Pieces of the tracks are compared with those of
-usual filters that shift nothing in time, by the likelihood of their periodograms (P. Whittle, Ark. Mat. 2, 1953), above the
-frequencies at which arms move.
+Filtered white noise has the squared response of the filter as its spectrum. Segments of the tracks are compared with common
+zero-phase filters, by the likelihood of their periodograms (P. Whittle, Ark. Mat. 2, 1953), above the frequencies of the arm's
+motion.
 """
 
 from __future__ import annotations
@@ -18,31 +18,31 @@ from scipy.special import bdtrc
 from hsr_pin.recordings.noise import ORDER
 from hsr_pin.trajectory import Array, Dataset
 
-#: Level of the test, over all filters: with which probability white noise is taken for smoothed.
+#: Level of the test, over all filters: the probability that white noise is taken for smoothed.
 LEVEL = 1e-4
-#: Samples of a piece, and the lowest frequency that is looked at [of the sampling rate].
+#: Number of samples of a segment, and the lowest frequency that is used [of the sampling rate].
 _PIECE, _LOWEST = 64, 0.1
-#: What is left of white noise where a filter lets nothing pass: rounding.
+#: Relative noise in the stopband of a filter, due to rounding.
 _FLOOR = 1e-4
-#: Noise is as large in one piece as in another: its logarithm differs by no more (median); motion differs by far more.
+#: Largest median deviation of the logarithmic noise level between segments: noise is stationary; motion varies far more.
 _STEADY = 0.5
-#: Samples so far apart that they share no more than this of their noise are taken for independent.
+#: Largest correlation of the noise of samples that are treated as independent.
 _SHARED = 0.05
-#: Of the filters that are known: widths [samples], degree of the polynomials, orders and cut-off frequencies [of the rate].
+#: Parameters of the known filters: widths [samples], polynomial degree, orders and cut-off frequencies [of the sampling rate].
 _WIDTHS, _DEGREE, _ORDERS, _CUTS = range(3, 23, 2), 2, (2, 4), (0.1, 0.12, 0.14, 0.17, 0.2, 0.24, 0.29, 0.35)
-#: Correlation from sample to sample of noise that is coloured and not smoothed.
+#: Correlation between neighbouring samples of noise that is coloured but not smoothed.
 _COLOURS = np.arange(0.0, 1.0, 0.05)
-#: Samples on either side that a Butterworth filter is computed for, and the weight on either side that is taken for none.
+#: Half-width of a computed Butterworth filter [samples], and the weight on both sides that is truncated.
 _REACH, _DEAD = 40, 0.005
 
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """A filter that shifts nothing in time.
+    """A zero-phase filter.
 
     Attributes:
-        name: as a person would say it.
-        weights: (2 K + 1,) of the samples around each.
+        name: a description for messages.
+        weights: (2 K + 1,) weights of the samples around each sample.
     """
 
     name: str
@@ -50,52 +50,53 @@ class Filter:
 
     @property
     def half(self) -> int:
-        """Samples on either side of the one that is smoothed."""
+        """Number of samples on each side of a smoothed sample."""
         return len(self.weights) // 2
 
     @property
     def spacing(self) -> int:
-        """Samples so far apart, or a multiple of that, have independent noise."""
+        """Smallest distance of samples, in samples, at which their noise is independent, also at its multiples."""
         shared = np.abs(_products(self.weights)) / float(self.weights @ self.weights)
         return next(s for s in range(1, len(shared) + 1) if (shared[s::s] <= _SHARED).all())
 
     @property
-    def undervalued(self) -> float:
-        """How much larger smoothed noise is than the differences of order 4 of its samples tell of white noise."""
+    def noise_factor(self) -> float:
+        """Factor by which differences of order 4, which assume white noise, underestimate smoothed noise."""
         rough = np.convolve(self.weights, [(-1) ** k * comb(ORDER, k) for k in range(ORDER + 1)])
         return float(np.sqrt(comb(2 * ORDER, ORDER) * (self.weights @ self.weights) / (rough @ rough)))
 
     def __call__(self, values: Array) -> Array:
-        """(T, ...) smoothed; beyond the ends the outermost samples go on."""
+        """Return smoothed values (T, ...); beyond the ends, the outermost samples are repeated."""
         return np.asarray(convolve1d(values, self.weights, axis=0, mode="nearest"))
 
 
 def moving_average(width: int) -> Filter:
-    """The mean over an odd number of samples, as in the paper."""
+    """Return a moving average over an odd number of samples, as in the paper."""
     return Filter(f"a moving average of {width} samples", np.full(width, 1 / width))
 
 
 def smoothing_of(dataset: Dataset) -> tuple[Filter | None, str]:
-    """The filter that the tracks of a dataset went through, as declared or as their noise shows, and a note on it."""
+    """Return the filter of a dataset's tracks, as declared or as detected from their noise, and a note about it."""
     if dataset.smoothed is not None:
-        found, why = moving_average(dataset.smoothed) if dataset.smoothed > 1 else None, "as dataset.toml says"
+        found, why = moving_average(dataset.smoothed) if dataset.smoothed > 1 else None, "as declared in dataset.toml"
     else:
-        found, why = detected(dataset), "as their noise shows (smoothed = 1 in dataset.toml says otherwise)"
+        found, why = detected(dataset), "as their noise shows (smoothed = 1 in dataset.toml overrides this)"
     if found is None:
         return None, ""
     note = (
-        f"the tracks were smoothed by {found.name}, {why}: simulated markers are smoothed alike, and one sample in "
+        f"the tracks were smoothed by {found.name}, {why}; simulated markers are smoothed in the same way, and one sample in "
         f"{found.spacing} is compared"
     )
     return found, note
 
 
 def detected(dataset: Dataset) -> Filter | None:
-    """The filter that smoothed the tracks; None where their noise may be white, or coloured otherwise.
+    """Return the filter that smoothed the tracks; None if their noise may be white or coloured otherwise.
 
-    In each piece the likelihood of the best filter is compared with that of the best first-order autoregression, white noise
-    among them. Were the noise such, the filter would win in less than half of the pieces: a sign test of level :data:`LEVEL`,
-    over the number of filters. What is not as large in all pieces is motion, and no noise.
+    In each segment, the likelihood of the best filter is compared with that of the best first-order autoregression, including
+    white noise. If the noise were such an autoregression, the filter would win in less than half of the segments: a sign test of
+    level :data:`LEVEL`, corrected for the number of filters. A level that varies between segments indicates motion instead of
+    noise.
     """
     powers, tracks = _pieces(dataset)
     if not len(powers):
@@ -109,12 +110,12 @@ def detected(dataset: Dataset) -> Filter | None:
     if bdtrc(wins - 1, len(powers), 0.5) > LEVEL / len(filters):
         return None
     sizes = np.log((powers / spectra[best]).mean(axis=1))
-    apart = np.concatenate([np.abs(sizes[tracks == k] - np.median(sizes[tracks == k])) for k in np.unique(tracks)])
-    return filters[best] if np.median(apart) < _STEADY else None
+    deviations = np.concatenate([np.abs(sizes[tracks == k] - np.median(sizes[tracks == k])) for k in np.unique(tracks)])
+    return filters[best] if np.median(deviations) < _STEADY else None
 
 
 def _frequencies() -> Array:
-    """(F,) [of the sampling rate] every other one of a piece: those between are not independent under its window."""
+    """Return the frequencies (F,) [of the sampling rate]: every second one of a segment, independent under its window."""
     return np.arange(2, _PIECE // 2 + 1, 2)[np.arange(2, _PIECE // 2 + 1, 2) >= _LOWEST * _PIECE] / _PIECE
 
 
@@ -124,7 +125,7 @@ def _window() -> Array:
 
 
 def _pieces(dataset: Dataset) -> tuple[Array, Array]:
-    """(S, F) periodograms of the second differences of pieces of all coordinates without gaps, and (S,) of which each is."""
+    """Return periodograms (S, F) of second differences of segments of all coordinates without gaps, and their coordinate (S,)."""
     at = np.round(_frequencies() * _PIECE).astype(int)
     powers, tracks = [np.zeros((0, len(at)))], [np.zeros(0)]
     for trial in dataset.trials:
@@ -139,12 +140,12 @@ def _pieces(dataset: Dataset) -> tuple[Array, Array]:
 
 
 def _likelihoods(powers: Array, spectrum: Array) -> Array:
-    """(S,) logarithms, of periodograms (S, F) of noise with a spectrum (F,) of any size."""
+    """Return the log-likelihoods (S,) of periodograms (S, F) for noise of unknown level with a spectrum (F,)."""
     return np.asarray(-len(spectrum) * np.log((powers / spectrum).mean(axis=1)) - np.log(spectrum).sum())
 
 
 def _expected(covariance: Array) -> Array:
-    """(F,) mean periodogram of a piece of second differences of noise, of which (L,) is the covariance, lags from 0 on."""
+    """Return the mean periodogram (F,) of second differences of noise with an autocovariance (L,) for lags from 0."""
     padded = np.pad(covariance, (0, _PIECE))
     whole = np.concatenate([padded[:0:-1], padded])
     rough = np.convolve(whole, [1.0, -4.0, 6.0, -4.0, 1.0])[len(padded) + 1 :][:_PIECE]
@@ -154,7 +155,7 @@ def _expected(covariance: Array) -> Array:
 
 
 def _products(weights: Array) -> Array:
-    """(L,) sums of the products of weights so many places apart, from 0 on."""
+    """Return the autocorrelation sums (L,) of weights for lags from 0."""
     return np.asarray(np.correlate(weights, weights, "full")[len(weights) - 1 :])
 
 
@@ -165,7 +166,7 @@ def _spectra_of_colours() -> list[Array]:
 
 @lru_cache(maxsize=1)
 def _filters() -> tuple[list[Filter], list[Array]]:
-    """The filters that are known, and what each makes of white noise."""
+    """Return the known filters and the spectrum of white noise after each of them."""
     filters = [moving_average(width) for width in _WIDTHS]
     for width in _WIDTHS[1:]:
         powers = np.vander(np.arange(width) - width // 2, _DEGREE + 1)
@@ -176,7 +177,7 @@ def _filters() -> tuple[list[Filter], list[Array]]:
             weights = np.roll(np.fft.irfft(np.append(1 / (1 + ratio ** (2 * order)), 0.0)), _REACH)[: 2 * _REACH + 1]
             dead = int((np.cumsum(np.abs(weights)) < _DEAD).sum())
             weights = weights[dead : len(weights) - dead]
-            name = f"a Butterworth filter of order {order}, forth and back, about {cut:g} of the sampling rate"
+            name = f"a zero-phase Butterworth filter of order {order} with a cut-off near {cut:g} of the sampling rate"
             filters.append(Filter(name, weights / weights.sum()))
     rounding = _FLOOR * _expected(np.eye(1, 3)[0])
     spectra = [_expected(_products(f.weights) / (f.weights @ f.weights)) + rounding for f in filters]

@@ -1,4 +1,4 @@
-"""Where to start a search: the misfit of a swinging arm has several basins, one for each swing that it may be out of step."""
+"""Initial values of a search: the misfit of an oscillating arm has several local minima, one for each period of phase error."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ from hsr_pin.inference.residuals import residuals, rms
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Points looked at (a power of two), and how many of them are worth a search of their own.
+#: Number of tried points (a power of two), and the number of them from which a search starts.
 LOOKS, BEST = 16, 2
-#: How far around a factor on a declared value is looked: the damping is the least known.
+#: Range of a factor on a declared value: the damping is least known.
 _AROUND = {"keq_scale": 2.0, "damping_scale": 4.0, "mass_scale": 2.0, "torque_gain": 2.0}
-#: How far around the neutral value of an amplitude, over its scale.
+#: Range of an amplitude about its neutral value, relative to its scale.
 _AMPLITUDE = 4.0
-#: A point is worth a search only if its misfit is less than this share of that of the start: not for its rounding.
+#: Largest misfit, relative to that of the first initial values, from which a search starts; not 1 because of rounding.
 _BETTER = 1 - 1e-6
-#: Links of a look, and its error of a step [m at the tip].
+#: Number of links and tolerance of a step [m at the tip] when a point is tried.
 _LINKS, _TOLERANCE = 4, 1e-3
 
 
 def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
-    """Values (P,) to start a search from.
+    """Return initial values (P,) of a search.
 
-    They are the hypothesis' own; where effects are open, its own with the arm as it is fitted without them; and the best two of
-    sixteen others, and of those with a torque that is late by a little, if they fit better than its own.
+    They are the hypothesis' own values; if effects are open, its own values with the arm fitted without effects; and the best two
+    of sixteen others, and of those with a slightly delayed torque, if they fit better than its own.
 
-    The others are a Sobol sequence (I. M. Sobol, USSR Comput. Math. Math. Phys. 7, 1967) over what is plausible, simulated
-    roughly and in one batch. A point at which a simulation fails counts as off by the length of the arm.
+    The others are a Sobol sequence (I. M. Sobol, USSR Comput. Math. Math. Phys. 7, 1967) over the plausible range, simulated
+    roughly in one batch. A failed simulation counts as an error of the arm's length.
     """
-    from scipy.stats import qmc  # here: slow to load, and a diagnosis has starts of its own
+    from scipy.stats import qmc  # late import: slow to load, and not needed by a diagnosis
 
     own, facts = hypothesis.start, hypothesis.parameters
     unit = qmc.Sobol(len(own), scramble=False).random(LOOKS)
     points = [own, *(np.array([_plausible(*each) for each in zip(facts, own, row, strict=True)]) for row in unit)]
-    points += [_late(hypothesis, part) for part in hypothesis.parts if part.kind == "actuation_time"]
+    points += [_with_delay(hypothesis, part) for part in hypothesis.parts if part.kind == "actuation_time"]
     rough = replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
     predictions = predict(experiment, rough, [(run, point) for point in points for run in experiment.runs])
     count = len(experiment.runs)
@@ -51,7 +51,7 @@ def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
 
 
 def _nested(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
-    """From a fit of the arm alone a fit with effects cannot well end up worse than it."""
+    """Return the values of a fit of the arm alone, so that a fit with effects hardly ends with a larger misfit."""
     arm = tuple(name for name in hypothesis.free if name.partition("@")[0] in ARM)
     if not arm or not hypothesis.effects:
         return []
@@ -59,15 +59,15 @@ def _nested(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     return [np.array([alone.get(name, value) for name, value in zip(hypothesis.free, hypothesis.start, strict=True)])]
 
 
-def _late(hypothesis: Hypothesis, part: Part) -> Array:
-    """Its own with one law that makes the torque late at work: else strong damping, which looks late too, may be in its place."""
+def _with_delay(hypothesis: Hypothesis, part: Part) -> Array:
+    """Return the hypothesis' own values with one law that delays the torque active, because strong damping resembles a delay."""
     amplitudes = {fact.name for fact in hypothesis.parameters if fact.amplitude and fact.name.startswith(f"{part.name}.")}
-    late = [fact.neutral + fact.scale / len(amplitudes) if fact.name in amplitudes else None for fact in hypothesis.parameters]
-    return np.array([own if value is None else value for own, value in zip(hypothesis.start, late, strict=True)])
+    delayed = [fact.neutral + fact.scale / len(amplitudes) if fact.name in amplitudes else None for fact in hypothesis.parameters]
+    return np.array([own if value is None else value for own, value in zip(hypothesis.start, delayed, strict=True)])
 
 
 def _plausible(fact: Parameter, start: float, u: float) -> float:
-    """From ``u`` in [0, 1] to a value of a parameter, evenly by ratio where it is a factor or spans more than one of five."""
+    """Map ``u`` in [0, 1] to a value of a parameter; logarithmically for a factor or a range of more than five to one."""
     base = fact.name.partition("@")[0]
     by_ratio = base in ARM
     if base in ARM:

@@ -1,28 +1,31 @@
-"""Causes named for any model: fits, a search over causes, probabilities, and what to report; nothing here knows an arm.
+"""Identification of missing causes for any model: fits, a search over causes, their probabilities and the report.
 
-- ``calibration``: the few numbers of the judgement, and the cases that they were fitted to
+No module in this package knows anything about soft arms or robots.
+
+- ``calibration``: the calibrated constants of the evidence, and the cases that they were fitted to
 - ``candidate``: a fitted model with its error on held-out trials
 - ``decision``: the report with the smallest expected loss
-- ``document``: what a search found, for JSON
-- ``estimates``: what a fit says about its parameters
-- ``evidence``: the logarithm of the evidence for one model
+- ``detection``: sizes from which on causes would have been found
+- ``document``: the result of a search as JSON
+- ``estimates``: parameter estimates of a fit with their intervals
+- ``evidence``: the log evidence of one model
 - ``fit``: bounded, robust least squares
-- ``fit_pool``: proposals, quick fits and full fits of many models side by side
-- ``heldout``: leave one trial out
-- ``ladder``: how far each model shrinks the gap
-- ``misfit``: weighted residuals and derivatives for the search of a fit
-- ``model``: what a fitted model says of itself: its causes, what it leaves, what its data say of its parameters
-- ``own_numbers``: what belongs to a trial and not to the model
+- ``fit_pool``: proposals, quick fits and full fits of many models in parallel
+- ``heldout``: leave-one-trial-out errors
+- ``ladder``: how much of the gap each model explains
+- ``misfit``: weighted residuals and derivatives for the optimiser of a fit
+- ``model``: a fitted model reduced to its causes, its misfit and the information about its parameters
 - ``posterior``: probabilities of models, sets of causes, names and kinds
-- ``problem``: what a model and its recordings have to offer
-- ``proposals``: what may be added to a model, and where its fit would start
-- ``resampling``: intervals by drawing trials anew
-- ``residuals``: how far a model is from recordings, and what of that is no noise
-- ``screening``: which proposals get a quick fit
-- ``search``: which models to fit, until none could enter the credible set
+- ``problem``: the interface between a model with its recordings and this package
+- ``proposals``: causes to add to a model, with initial estimates for their fit
+- ``resampling``: confidence intervals by resampling trials
+- ``residuals``: residuals of a model, and the part of them that is not noise
+- ``screening``: selection of the proposals that get a quick fit
+- ``search``: the models to fit, until no other model could enter the credible set
 - ``step``: one damped Gauss-Newton step
-- ``uncertainty``: intervals, correlations, what the data cannot tell
-- ``verdict``: what is reported of the posterior, in words
+- ``trial_parameters``: parameters of single trials, which are eliminated from a fit
+- ``uncertainty``: intervals, correlations and parameters that the data do not determine
+- ``verdict``: the reported verdict and its sentence
 """
 
 from hsr_pin.inference.calibration import Calibration

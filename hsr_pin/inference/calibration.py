@@ -1,4 +1,4 @@
-"""The few numbers of the judgement, fitted once to cases whose answers are known."""
+"""Constants of the model evidence, calibrated once on cases whose answers are known."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from importlib.resources import files
 
 @dataclass(frozen=True)
 class Calibration:
-    """Numbers of the judgement.
+    """Calibrated constants of the model evidence.
 
     Attributes:
-        samples: nu, the number of independent samples that residuals count for: a model's errors repeat in every trial.
-        cause: kappa, what each cause costs beforehand [nats].
-        flexible: kappa_f, what a law that stands for its kind only costs besides [nats].
-        floor: least root mean square that any model leaves beyond noise, over the noise.
-        share: a model gives way to a special case of it that does all of what it does but for this share.
+        samples: nu, the effective number of independent samples in the residuals of all trials, because model errors repeat in
+            every trial.
+        cause: kappa, the prior penalty of each cause [nats].
+        flexible: kappa_f, the additional prior penalty of a flexible law, which stands for its kind of physics only [nats].
+        floor: smallest RMS residual beyond noise that any model is assumed to leave, as a multiple of the noise.
+        share: a model is replaced by a special case of it that explains all of what the model explains except for this share.
     """
 
     samples: float
@@ -29,6 +30,6 @@ class Calibration:
 
 @cache
 def calibrated() -> Calibration:
-    """The numbers in ``calibration.json``, which ``scripts/calibrate.py`` wrote."""
+    """Return the constants in ``calibration.json``, which ``scripts/calibrate.py`` wrote."""
     document = json.loads(files("hsr_pin.inference").joinpath("calibration.json").read_text(encoding="utf-8"))
     return Calibration(**{name: entry["value"] for name, entry in document["numbers"].items()})

@@ -1,8 +1,8 @@
-"""What to report: of all reports that the probabilities suggest, the one with the smallest expected loss.
+"""Choice of the report: the one with the smallest expected loss under the posterior.
 
-A report names one set of causes or a few alternatives, or some names, or kinds of physics, or nothing. The gain of a report where
-a set of causes is the truth follows from one table (:class:`Loss`), whose entries anyone may change: whoever acts on a wrong name
-at once will want it dearer than whoever looks first.
+A report consists of one set of causes, of a few alternative sets, of some names, of kinds of physics, or of nothing. The gain of
+a report, given the true set of causes, follows from the table :class:`Loss`. Users may change its entries: a user who acts on a
+name without further tests will want a larger loss for a wrong name.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from math import isfinite, nan
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.inference.posterior import Names, Posterior
 
-#: Sets of causes that are looked at, the most probable first: what is less likely than all of these changes no report.
+#: Number of the most probable sets of causes that are considered; less probable sets do not change the report.
 _SETS = 8
 
 
 @dataclass(frozen=True)
 class Loss:
-    """What a report gains where it is right, and loses where it is not.
+    """Table of the gains and losses of a report.
 
     Attributes:
-        exact: the causes that are there and no others, or nothing where none of those offered is there.
-        alternative: taken off for every further alternative.
-        part: taken off where only a part is named; the gain is the share of the gap that this part explains.
-        kind: the kinds of all that is there, without their names.
-        wrong_name: a cause that is not there.
-        none_right: alternatives of which none is right.
-        wrong_kind: a kind of which nothing is there.
+        exact: gain if the report names exactly the missing causes, or reports nothing where no cause in the catalogue is missing.
+        alternative: deduction for every alternative after the first.
+        part: deduction if only a part of the causes is named; the gain is the share of the gap that this part explains.
+        kind: gain if the kinds of all missing causes are reported without names.
+        wrong_name: loss if a cause is named that is not missing.
+        none_right: loss if none of the reported alternatives is right.
+        wrong_kind: loss if a kind is reported of which no cause is missing.
     """
 
     exact: float = 1.0
@@ -43,10 +43,10 @@ class Loss:
 
     @classmethod
     def of(cls, text: str) -> Loss:
-        """From ``wrong_name=-8,part=0``: the entries that are given, the others as they are.
+        """Return the table with the entries given in a text such as ``wrong_name=-8,part=0``, and defaults for the others.
 
         Raises:
-            InputError: an entry that there is not, or a value that is no finite number.
+            InputError: an entry does not exist, or its value is not a finite number.
         """
         known = {fact.name for fact in fields(cls)}
         given: dict[str, float] = {}
@@ -59,6 +59,7 @@ class Loss:
 
 
 def _finite(name: str, text: str) -> float:
+    """Return the finite number of a loss entry."""
     try:
         value = float(text)
     except ValueError:
@@ -70,14 +71,16 @@ def _finite(name: str, text: str) -> float:
 
 @dataclass(frozen=True)
 class Decision:
-    """A report.
+    """A report with its expected gain.
 
     Attributes:
-        sets: what may be the case, the most probable first: one set of causes, or alternatives. Empty: no whole set is reported.
-        names: causes that are there; where ``sets`` has one, those of it.
-        kinds: kinds of physics that are there, those of the names among them.
-        gain: expected, by the table.
-        probability: that the report is right: that the set, one of the alternatives, or all names and kinds are there.
+        sets: the reported sets of causes, the most probable first: one set, or several alternatives; empty if no complete set is
+            reported.
+        names: causes that are reported as missing; those of the set if ``sets`` has one.
+        kinds: kinds of physics that are reported as missing, including the kinds of the named causes.
+        gain: expected gain of the report.
+        probability: probability that the report is right: that the set is the true one, that one of the alternatives is, or that
+            all names and kinds are missing.
     """
 
     sets: tuple[Names, ...]
@@ -89,12 +92,13 @@ class Decision:
 
 @dataclass(frozen=True)
 class _Truth:
-    """One set of causes that may be the truth.
+    """A set of causes that may be the true one.
 
     Attributes:
-        names: of its causes. named: those of them that are no flexible laws.
-        kinds: of each of its causes.
-        probability: of it.
+        names: names of its causes.
+        named: the names that are not flexible laws.
+        kinds: kind of each of its causes.
+        probability: probability of the set.
     """
 
     names: Names
@@ -104,7 +108,7 @@ class _Truth:
 
 
 def decide(found: Posterior, loss: Loss | None = None) -> Decision:
-    """The report with the largest expected gain; of equal ones the one that says less."""
+    """Return the report with the largest expected gain; of equal ones the one that states less."""
     table = loss or Loss()
     truths = _truths(found)
     explained = _explained(found)
@@ -119,6 +123,7 @@ def decide(found: Posterior, loss: Loss | None = None) -> Decision:
 
 
 def _truths(found: Posterior) -> list[_Truth]:
+    """Return all sets of causes with their probabilities."""
     answers = []
     for names, probability in found.sets.items():
         causes = found.leader(names).causes
@@ -128,7 +133,7 @@ def _truths(found: Posterior) -> list[_Truth]:
 
 
 def _explained(found: Posterior) -> dict[Names, float]:
-    """By how much each set of causes lowers the misfit of the nominal model, at best."""
+    """Return by how much each set of causes lowers the misfit of the nominal model, in its best variant."""
     nominal = max(model.misfit for model in found.models if not model.causes)
     answers: dict[Names, float] = {}
     for model in found.models:
@@ -137,7 +142,7 @@ def _explained(found: Posterior) -> dict[Names, float]:
 
 
 def _alternatives(truths: list[_Truth]) -> Iterator[Decision]:
-    """One set of causes, and the two, three and more most probable sets."""
+    """Yield the reports that name the most probable set of causes, or two or more of the most probable sets."""
     likely = [truth for truth in truths if truth.names][:_SETS]
     for count in range(1, len(likely) + 1):
         some = likely[:count]
@@ -149,7 +154,7 @@ def _alternatives(truths: list[_Truth]) -> Iterator[Decision]:
 
 
 def _partial(truths: list[_Truth]) -> Iterator[Decision]:
-    """Some names, with or without kinds of what is beside them."""
+    """Yield the reports that name some causes, or some kinds of physics, or both."""
     likely = [truth for truth in truths if truth.names][:_SETS]
     seen: set[tuple[Names, tuple[str, ...]]] = set()
     for truth in likely:
@@ -163,12 +168,13 @@ def _partial(truths: list[_Truth]) -> Iterator[Decision]:
 
 
 def _subsets(items: Iterable[str]) -> list[tuple[str, ...]]:
+    """Return all subsets of some items, the smallest first."""
     own = list(items)
     return [some for count in range(len(own) + 1) for some in combinations(own, count)]
 
 
 def _gain(report: Decision, truth: _Truth, table: Loss, explained: Mapping[Names, float]) -> float:
-    """What a report gains where ``truth`` is the case."""
+    """Return the gain of a report if ``truth`` is the true set of causes."""
     if not report.sets and not report.kinds:
         return table.exact if not truth.names else 0.0
     if report.sets:
@@ -191,14 +197,14 @@ def _gain(report: Decision, truth: _Truth, table: Loss, explained: Mapping[Names
 
 
 def _share(names: Names, truth: _Truth, table: Loss, explained: Mapping[Names, float]) -> float:
-    """Gain of naming a part of the truth: the share of the gap that it explains, less the price of being a part."""
+    """Return the gain of naming a part of the true set: the share of the gap that this part explains, minus the deduction."""
     whole = explained.get(truth.names, 0.0)
     share = explained.get(names, 0.0) / whole if whole > 0 else 0.0
     return min(max(share, 0.0), 1.0) - table.part
 
 
 def _holds(report: Decision, truth: _Truth) -> bool:
-    """Whether a report is right where ``truth`` is the case."""
+    """Return whether a report is right if ``truth`` is the true set of causes."""
     if report.sets:
         return truth.names in report.sets
     if not report.kinds:

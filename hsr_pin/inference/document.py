@@ -1,4 +1,4 @@
-"""What a search found as plain numbers, texts, lists and dictionaries, for JSON; what is not known is null."""
+"""The result of a search as plain numbers, texts, lists and dictionaries for JSON; unknown values are null."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from hsr_pin.inference.verdict import Verdict
 
 
 def number_or_null(value: float) -> float | None:
-    """A finite number, or null."""
+    """Return a finite number, or None."""
     return float(value) if math.isfinite(value) else None
 
 
 def verdict_to_json(verdict: Verdict) -> dict[str, Any]:
-    """A verdict without what is left."""
+    """Return a verdict as a dictionary, without the remaining gap."""
     return {
         "status": verdict.status,
         "effects": sorted(verdict.effects),
@@ -35,7 +35,7 @@ def verdict_to_json(verdict: Verdict) -> dict[str, Any]:
 
 
 def posterior_to_json(search: Search, decision: Decision | None, loss: Loss) -> dict[str, Any]:
-    """Probabilities of all sets of causes, the loss, and what the report was expected to gain by it."""
+    """Return the probabilities of all sets of causes, the loss table and the expected gain of the report as a dictionary."""
     return {
         "sets": [
             {"effects": list(names), "probability": number_or_null(probability)}
@@ -51,9 +51,9 @@ def posterior_to_json(search: Search, decision: Decision | None, loss: Loss) -> 
 
 
 def candidates_to_json(search: Search, shown: Callable[[Candidate], dict[str, Any]]) -> list[dict[str, Any]]:
-    """Every fitted model as it is ``shown``, the smallest error on held-out trials first.
+    """Return all fitted models as dictionaries made by ``shown``, the smallest error on held-out trials first.
 
-    Special cases are told by their place in the list.
+    Special cases of a model are given by their indices in the list.
     """
     found, every = search.posterior, search.candidates
     order = sorted(range(len(every)), key=lambda k: (every[k].heldout_square, every[k].names))
@@ -71,7 +71,7 @@ def candidates_to_json(search: Search, shown: Callable[[Candidate], dict[str, An
 
 
 def judged_to_json(model: Model) -> dict[str, Any]:
-    """All that the judgement knows of a model."""
+    """Return the summary of a model from which its evidence is computed."""
     return {
         "causes": [asdict(cause) for cause in model.causes],
         "misfit": number_or_null(model.misfit),
@@ -80,8 +80,15 @@ def judged_to_json(model: Model) -> dict[str, Any]:
     }
 
 
+def detection_to_json(search: Search) -> list[dict[str, Any]]:
+    """Return the detection limits; a size of null could not have been found within the bounds of the parameter."""
+    return [
+        {"effect": each.cause, "parameter": each.parameter, "size": each.size, "unit": each.unit} for each in search.detection
+    ]
+
+
 def estimates_to_json(fit: Fit) -> dict[str, Any]:
-    """Every open parameter with its unit and its 95 % interval."""
+    """Return every free parameter with its value, unit and 95 % interval."""
     return {
         each.name: {
             "value": number_or_null(each.value),

@@ -1,4 +1,4 @@
-"""What a fitted model says about its parameters, and which fitted models to show."""
+"""Parameter estimates of a fit, and the ranking of fitted models."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from hsr_pin.inference.uncertainty import uncertainty
 
 @dataclass(frozen=True)
 class Estimate:
-    """One parameter of a fitted model.
+    """Estimate of one parameter of a fitted model.
 
     Attributes:
         name: "keq_scale", "damping_scale", "effect.parameter".
-        unit: of the value; "1" for a ratio.
-        value: the best.
-        interval: 95 %, within the parameter's bounds.
-        description: what it is.
-        on_bound: whether the fit ended on a bound, so that the value says "at least" or "at most".
+        unit: unit of the value; "1" for a ratio.
+        value: the best estimate.
+        interval: 95 % interval within the parameter's bounds.
+        description: one line about the parameter.
+        on_bound: whether the fit ended on a bound, so that the value is only a lower or upper limit.
     """
 
     name: str
@@ -33,7 +33,7 @@ class Estimate:
 
     @property
     def rounded(self) -> tuple[str, str, str]:
-        """Value and ends of the interval, to two digits of half its width."""
+        """Value and ends of the interval as texts, rounded to two digits of half the interval's width."""
         numbers = (self.value, *self.interval)
         half = (self.interval[1] - self.interval[0]) / 2
         if not 1e-6 < half < 1e6:
@@ -48,7 +48,7 @@ class Estimate:
 
 
 def estimates(fit: Fit) -> tuple[Estimate, ...]:
-    """Every open parameter of a fit: those of the model without causes first, then those of each cause."""
+    """Return all free parameters of a fit: those of the nominal model first, then those of each cause."""
     if not len(fit.values):
         return ()
     intervals, on_bound = uncertainty(fit).interval, fit.on_bound()
@@ -59,14 +59,14 @@ def estimates(fit: Fit) -> tuple[Estimate, ...]:
 
 
 def number(value: float) -> str:
-    """Three digits, with the zeros that say so; a question mark for what is not known."""
+    """Return a number with three significant digits as text; a question mark for NaN."""
     if math.isnan(value):
         return "?"
     return "0" if value == 0 else f"{value:#.3g}".rstrip(".")
 
 
 def ranked(tried: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """The best variant of each set of causes, the smallest error on held-out trials first."""
+    """Return the best variant of each set of causes, the smallest error on held-out trials first."""
     best: dict[tuple[str, ...], Candidate] = {}
     for candidate in sorted(tried, key=lambda candidate: (candidate.heldout_square, candidate.names)):
         best.setdefault(candidate.names, candidate)

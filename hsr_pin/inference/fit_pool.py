@@ -1,4 +1,4 @@
-"""Proposals, quick fits and full fits of many models side by side, by any executor."""
+"""Proposals, quick fits and full fits of many models in parallel, on any executor."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from hsr_pin.inference.candidate import Candidate, full_fit
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal, proposals, quick_fit
-from hsr_pin.parallel import Shared, begun, run, shared
+from hsr_pin.parallel import Shared, run, shared, start_task
 
 T = TypeVar("T")
 
-#: Causes whose probes make one task: they are quick.
+#: Number of causes whose probes form one task, because a single probe is fast.
 _TOGETHER = 3
 
 
 class FitPool:
-    """Fits many models to the same recordings.
+    """Pool that fits many models to the same recordings.
 
     Args:
-        problem: what to fit to, and who simulates it.
-        executor: who computes.
-        variants: how many variants of each law are offered.
+        problem: the recordings and their simulation.
+        executor: executor that runs the fits.
+        variants: number of variants of each law in the catalogue.
         advance: called after each fit.
     """
 
@@ -38,23 +38,23 @@ class FitPool:
         self._shared, self._executor, self._advance = shared(problem, executor), executor, advance
         self._variants = dict(variants or {})
 
-    def beside(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
-        """Begin ``function(problem, *arguments)`` beside the fits; and what waits for its answer."""
-        return begun(self._executor, _with_problem, self._shared, function, arguments)
+    def submit(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
+        """Submit ``function(problem, *arguments)`` in addition to the fits, and return a function that waits for its result."""
+        return start_task(self._executor, _with_problem, self._shared, function, arguments)
 
     def propose(self, asked: Sequence[tuple[Candidate, Sequence[Part]]]) -> list[list[Proposal]]:
-        """For each of some models, proposals for adding each of some parts; none for a part that cannot be simulated."""
+        """Return for each model the proposals for adding each of some parts; a part that cannot be simulated has none."""
         cut = [_cut(parts) for _, parts in asked]
         tasks = [(self._shared, base.fit, group) for (base, _), groups in zip(asked, cut, strict=True) for group in groups]
         answers = iter(run(self._executor, _propose, tasks))
         return [[proposal for _ in groups for proposal in next(answers)] for groups in cut]
 
     def quick(self, tasks: Sequence[tuple[Fit, Proposal]]) -> list[Fit]:
-        """A quick fit for each proposal about a base fit."""
+        """Return a quick fit for each pair of a base fit and a proposal."""
         return run(self._executor, _quick, [(self._shared, *task) for task in tasks], self._advance)
 
     def full(self, starts: Sequence[Fit]) -> list[Candidate]:
-        """A candidate from where each fit ended or is to start."""
+        """Return a candidate from a full fit for each start, in the order of the starts."""
         order = sorted(range(len(starts)), key=lambda k: _labour(starts[k]), reverse=True)
         tasks = [(self._shared, starts[k], self._variants) for k in order]
         answers = run(self._executor, _full, tasks, self._advance)
@@ -62,15 +62,18 @@ class FitPool:
 
 
 def _labour(fit: Fit) -> tuple[Any, ...]:
-    """More for a fit that takes longer, to begin with: every number is another simulation."""
-    return (*fit.hypothesis.labour, len(fit.values))
+    """Return the sort key of a fit's duration: the cost of its model, then its number of parameters (one simulation each)."""
+    return (*fit.hypothesis.cost, len(fit.values))
 
 
 def _cut(parts: Sequence[Part]) -> list[list[Part]]:
-    """A few parts each; variants of a law that differ in what their size goes with stay together: they share their probes."""
+    """Return groups of a few parts; each group is one task.
+
+    Variants of a law that differ only in how their size depends on the stiffness level stay together, because they share probes.
+    """
     groups: list[list[Part]] = []
     for part in parts:
-        if groups and (len(groups[-1]) < _TOGETHER or part.plain.reading != part.reading):
+        if groups and (len(groups[-1]) < _TOGETHER or part.base_variant.variant != part.variant):
             groups[-1].append(part)
         else:
             groups.append([part])

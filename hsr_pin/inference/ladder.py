@@ -1,4 +1,4 @@
-"""How far: the gap, rung by rung."""
+"""The error ladder (an error budget): how much of the gap each model explains, from the declared model to the best one."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class Rung:
-    """One model on the ladder, or the noise floor at its foot.
+    """One row of the ladder: a model, or a floor that no model can reach.
 
     Attributes:
-        name: what was mended here.
-        effects: in the model, sorted.
-        rms: [m] RMS marker distance on held-out trials.
-        share: of all that the ladder takes away and leaves beyond noise, in squares, what this rung takes away; on the row "not
-            repeatable" what the last model leaves above it; on the last line, what is left beyond noise by the row above it. A
-            rung that takes nothing away has no share. All shares add up to one.
-        interval: (2,) [m] 95 % interval of ``rms`` from resampled trials.
-        floor: whether this is no model, but what no model gets below.
+        name: the physics that this model adds.
+        effects: sorted names of the effects in the model.
+        rms: RMS marker distance on held-out trials [m].
+        share: share of the squared error that this row removes, of all that the ladder removes and leaves beyond noise; on the
+            row "not repeatable" the share that the last model leaves above it; on the last row the share beyond noise that the
+            row above it leaves. It is zero for a row that removes nothing. All shares add up to one.
+        interval: (2,) 95 % interval of ``rms`` from resampled trials [m].
+        floor: whether the row is a floor and not a model.
     """
 
     name: str
@@ -37,14 +37,14 @@ class Rung:
 def ladder(
     models: Sequence[tuple[str, tuple[str, ...], Sequence[Array]]], noise: float, seed: int, not_repeatable: float | None = None
 ) -> tuple[Rung, ...]:
-    """The ladder.
+    """Return the rows of the ladder.
 
     Args:
-        models: name, effects and held-out residuals [m] (one (T, M, 2) per run), from the declared model down.
-        noise: [m] RMS distance that noise alone leaves.
-        seed: of the resampling.
-        not_repeatable: [m] how far the arm is from itself, beyond noise; None where no trials repeat one another. No floor, and
-            left out, where a model to which trials may differ in where they rest is nearer than that.
+        models: name, effects and held-out residuals [m] (one (T, M, 2) per run) of each model, from the declared one to the best.
+        noise: RMS distance that noise alone leaves [m].
+        seed: seed of the resampling.
+        not_repeatable: trial-to-trial scatter beyond noise [m]; None if no trials repeat one another. The row is omitted if the
+            last model is closer than that, which is possible because each trial may have its own equilibrium.
     """
     means = [squares(heldout).mean for _, _, heldout in models]
     again = math.inf if not_repeatable is None else noise**2 + not_repeatable**2
@@ -57,5 +57,5 @@ def ladder(
     ]
     if len(floors) > 1:
         rms = again**0.5
-        rungs.append(Rung("not repeatable; asked of no model", (), rms, drops[-2] / whole, (rms, rms), floor=True))
-    return (*rungs, Rung("noise floor (unexplained rest above it)", (), noise, drops[-1] / whole, (noise, noise), floor=True))
+        rungs.append(Rung("not repeatable (trial-to-trial scatter)", (), rms, drops[-2] / whole, (rms, rms), floor=True))
+    return (*rungs, Rung("noise floor (share: unexplained remainder)", (), noise, drops[-1] / whole, (noise, noise), floor=True))

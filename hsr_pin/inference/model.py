@@ -1,4 +1,4 @@
-"""What the judgement needs to know of a fitted model and of the data that it was fitted to."""
+"""Summaries of a fitted model and of its data, from which the evidence is computed."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class Cause:
-    """One thing that a nominal model may lack.
+    """A physical cause that the nominal model may lack.
 
     Attributes:
-        name: of the law.
-        kind: of physics.
-        flexible: whether the law stands for its kind only, and is never named as a cause.
-        variants: how many variants of the law were offered.
+        name: name of the law.
+        kind: kind of physics.
+        flexible: whether the law only stands for its kind of physics, and is never named as a cause.
+        variants: number of variants of the law in the catalogue.
     """
 
     name: str
@@ -29,11 +29,11 @@ class Cause:
 
 @dataclass(frozen=True)
 class Data:
-    """The scale on which residuals count.
+    """Summary of the recordings.
 
     Attributes:
-        noise: variance of one coordinate by measurement noise alone.
-        count: number of coordinates.
+        noise: variance of one coordinate from measurement noise alone.
+        count: number of measured coordinates.
     """
 
     noise: float
@@ -42,13 +42,14 @@ class Data:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A fitted model, reduced to what the judgement needs.
+    """Summary of a fitted model for the evidence.
 
     Attributes:
-        causes: what it adds to the nominal model; empty: the nominal model with its own parameters fitted.
-        misfit: mean square of one coordinate of its residuals, beyond noise.
-        information: (P,) eigenvalues of L^-1/2 (J'J) L^-1/2, J the derivatives of the residuals and L the precision of the prior.
-        departures: (P,) distance of each parameter from the centre of its prior, in standard deviations of it.
+        causes: causes that the model adds to the nominal model; empty for the nominal model with its own parameters fitted.
+        misfit: mean square residual of one coordinate beyond noise.
+        information: (P,) eigenvalues of L^-1/2 (J'J) L^-1/2, where J are the derivatives of the residuals and L is the precision
+            of the prior.
+        departures: (P,) distance of each parameter from the centre of its prior, in standard deviations.
     """
 
     causes: tuple[Cause, ...]
@@ -58,7 +59,7 @@ class Model:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the causes, sorted."""
+        """Sorted names of the causes."""
         return tuple(sorted(cause.name for cause in self.causes))
 
     @property
@@ -68,10 +69,10 @@ class Model:
 
 
 def information(slopes: Sequence[Array], widths: Array) -> Array:
-    """(P,) eigenvalues of the information that residuals carry, in units of the prior.
+    """Return the eigenvalues (P,) of the information matrix of the residuals, in units of the prior.
 
     Args:
-        slopes: (n, P) derivatives of the residuals, block by block.
+        slopes: (n, P) derivatives of the residuals, in blocks.
         widths: (P,) standard deviations of the prior.
     """
     scaled = [block * widths for block in slopes]

@@ -1,4 +1,4 @@
-"""Probabilities of models, of sets of causes, of names and of kinds of physics."""
+"""Posterior probabilities of models, sets of causes, names and kinds of physics."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from hsr_pin.inference.evidence import log_evidence
 from hsr_pin.inference.model import Data, Model
 from hsr_pin.trajectory import Array
 
-#: Names of causes, sorted; empty: none of those that were offered.
+#: Sorted names of causes; empty if no cause of the catalogue is missing.
 Names = tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Probabilities of fitted models.
+    """Posterior probabilities of fitted models.
 
     Attributes:
-        models: all that were fitted.
-        evidence: (M,) log evidence of each [nats].
-        probabilities: (M,) of each, after each has given way to a special case that does as much.
+        models: all fitted models.
+        evidence: (M,) log evidence of each model [nats].
+        probabilities: (M,) probability of each model, after each model has been replaced by a special case that explains as much.
     """
 
     models: tuple[Model, ...]
@@ -44,15 +44,15 @@ class Posterior:
         return dict(sorted(found.items(), key=lambda each: (-each[1], each[0])))
 
     def of_name(self, name: str) -> float:
-        """Probability that a cause is there."""
+        """Return the probability that a cause is missing from the nominal model."""
         return self._sum(lambda model: name in model.names)
 
     def of_kind(self, kind: str) -> float:
-        """Probability that a cause of a kind is there."""
+        """Return the probability that a cause of a kind is missing from the nominal model."""
         return self._sum(lambda model: kind in model.kinds)
 
     def credible(self, level: float) -> tuple[Names, ...]:
-        """The smallest collection of sets of causes that has a probability of ``level`` together."""
+        """Return the smallest collection of sets of causes whose total probability reaches ``level``."""
         chosen: list[Names] = []
         total = 0.0
         for names, probability in self.sets.items():
@@ -63,7 +63,7 @@ class Posterior:
         return tuple(chosen)
 
     def leader(self, names: Names) -> Model:
-        """The most probable model with exactly these causes; where none has a probability, that with the largest evidence."""
+        """Return the most probable model with exactly these causes, or that with the largest evidence if all are improbable."""
         own = [k for k, model in enumerate(self.models) if model.names == names]
         return self.models[max(own, key=lambda k: (self.probabilities[k], self.evidence[k]))]
 
@@ -74,16 +74,17 @@ class Posterior:
 def posterior(
     models: Sequence[Model], data: Data, calibration: Calibration, special_case: Callable[[Model, Model], bool] | None = None
 ) -> Posterior:
-    """The posterior over fitted models, each equally likely beforehand but for what its causes cost.
+    """Return the posterior over fitted models, with a prior that depends only on the penalties of their causes.
 
-    A model hands its probability to the smallest special case of it that does all but a small share of what it does: no law is
-    told from a simpler one by that.
+    The probability of a model is transferred to its smallest special case that explains all of what the model explains except for
+    a small share, because such data do not support the general law.
 
     Args:
-        models: fitted; at least one without causes, the nominal model.
-        data: what they were fitted to.
-        calibration: the numbers of the judgement.
-        special_case: whether the first model is a special case of the second; default: it has fewer of the same causes.
+        models: fitted models, at least one of them without causes (the nominal model).
+        data: noise variance and number of coordinates of the recordings.
+        calibration: constants of the model evidence.
+        special_case: function that returns whether the first model is a special case of the second; default: it has a proper
+            subset of its causes.
     """
     inside = special_case or fewer_causes
     evidence = np.array([log_evidence(model, data, calibration) for model in models])
@@ -99,5 +100,5 @@ def posterior(
 
 
 def fewer_causes(one: Model, other: Model) -> bool:
-    """Whether a model has some, and not all, of the causes of another."""
+    """Return whether a model has some, but not all, of the causes of another model."""
     return bool(one.causes) and set(one.names) < set(other.names)

@@ -1,4 +1,4 @@
-"""What a model and its recordings have to offer to be fitted, searched and judged: an arm is one of them."""
+"""Interfaces between a model with its recordings and the identification: fits, search and evidence."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Group of starts of which the best is tried however much worse than others it looks.
+#: Group of start points whose best member is always tried, even if its misfit is much larger than that of others.
 ALWAYS = -1
 
 
@@ -21,74 +21,74 @@ class Part(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the cause."""
+        """Name of the cause."""
 
     @property
     def kind(self) -> str:
-        """Of physics."""
+        """Kind of physics."""
 
     @property
     def flexible(self) -> bool:
-        """Whether it stands for its kind only, and is never named."""
+        """Whether the law only stands for its kind of physics, and is never named as a cause."""
 
     @property
-    def reading(self) -> tuple[object, ...]:
-        """What tells this variant from others of the same cause."""
+    def variant(self) -> tuple[object, ...]:
+        """Key that distinguishes this variant from other variants of the same cause."""
 
     @property
-    def plain(self) -> Part:
-        """The variant whose probes serve this one too."""
+    def base_variant(self) -> Part:
+        """The variant whose probe simulations are valid for this variant too."""
 
     @property
     def special_cases(self) -> tuple[str, ...]:
-        """Names of simpler causes that its own numbers can make of it."""
+        """Names of simpler causes that this law becomes for certain values of its parameters."""
 
     def contains(self, other: Any) -> bool:
-        """Whether the other is a special case of this one."""
+        """Return whether another part is a special case of this one."""
 
 
 class Hypothesis(Protocol):
-    """A model with open parameters."""
+    """A model with free parameters."""
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Names of the open parameters; those of a part begin with its name and a dot."""
+        """Names of the free parameters; those of a part begin with its name and a dot."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What is known of each beforehand."""
+        """Prior knowledge about each free parameter."""
 
     @property
     def start(self) -> Array:
-        """(P,) values to start from."""
+        """Initial values (P,) of the free parameters."""
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        """The causes that it has, in the order in which they were added."""
+        """The causes in the model, in the order in which they were added."""
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from other models of the same recordings."""
+        """Key that distinguishes the model from other models of the same recordings."""
 
     @property
-    def labour(self) -> tuple[Any, ...]:
-        """Larger for a model that takes longer to fit."""
+    def cost(self) -> tuple[Any, ...]:
+        """Sort key of the time that a fit takes: larger for a slower model."""
 
     @property
     def rough(self) -> Hypothesis:
-        """The same, simulated more roughly: enough to see which of many models are worth a full fit."""
+        """The model with a coarser simulation, which is accurate enough to select the models that get a full fit."""
 
     def with_part(self, part: Any) -> Hypothesis:
-        """The same with one cause more."""
+        """Return the model with one more cause."""
 
     def without_part(self, name: str) -> tuple[Hypothesis, list[int]]:
-        """The same with one cause less, and which of the open parameters are left."""
+        """Return the model without one cause, and the indices of the free parameters that remain."""
 
-    def tried_from(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
-        """Values (P,) from which a fit might start, beside those proposed: each with its group, of which the best is kept.
+    def start_points(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
+        """Return the start points (P,) of a fit, each with its group; of each group only the best one is kept.
 
-        The proposed ones are among them; the group of what stems from the first is 0, of what stems from the second 1. The best
-        of the group :data:`ALWAYS` is tried in any case.
+        The proposed start points are included; the group of all points derived from the first is 0, from the second 1, and so on.
+        The best point of the group :data:`ALWAYS` is tried in any case.
         """
 
 
@@ -97,34 +97,34 @@ class Run(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the trial."""
+        """Name of the trial."""
 
     @property
     def time(self) -> Array:
-        """(N,) [s] of its samples."""
+        """Sampling times (N,) [s]."""
 
     @property
     def compared(self) -> Array:
-        """(T, M, A) what was measured, of the samples that are looked at; NaN in gaps."""
+        """Measured values (T, M, A) of the samples that the fit uses; NaN in gaps."""
 
     @property
     def moved(self) -> float:
-        """How far it goes from its mean: trials are chosen by it where not all are looked at."""
+        """Typical distance from the mean, by which trials are selected if not all are used."""
 
     @property
     def every(self) -> int:
-        """One in so many samples is looked at."""
+        """Sampling ratio: the fit uses one in this many samples."""
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What a model predicts for one run.
+    """Prediction of a model for one run.
 
     Attributes:
-        positions: (T, M, A) predicted; NaN where the simulation failed.
-        slopes: (T, M, A, P) derivatives to the open parameters; None if not asked for.
-        nuisance: (T, M, A, K) what one standard deviation of each number that belongs to the trial makes of them; None if not
-            asked for.
+        positions: (T, M, A) predicted values; NaN where the simulation failed.
+        slopes: (T, M, A, P) derivatives with respect to the free parameters; None if not requested.
+        nuisance: (T, M, A, K) change of the prediction for one prior standard deviation of each trial parameter; None if not
+            requested.
     """
 
     positions: Array
@@ -138,9 +138,11 @@ class Prediction:
 
 
 class Problem(Hashable, Protocol):
-    """Recordings, and who simulates them.
+    """Recordings together with their simulation.
 
-    A channel (an axis M of what is measured) is a marker, a joint, a force. It may have several coordinates (A).
+    A channel (axis M of the measured values) is a marker, a joint or a force. It may have several coordinates (axis A). A trial
+    parameter is a small parameter of one trial, such as an offset of its equilibrium. It is systematic if its mean over the
+    trials is an error of the model, and conditional if it is used only in trials whose recordings support it.
     """
 
     @property
@@ -149,42 +151,42 @@ class Problem(Hashable, Protocol):
 
     @property
     def noise(self) -> Array:
-        """(M,) standard deviation of the noise of each channel."""
+        """Standard deviation (M,) of the noise of each channel."""
 
     @property
     def floor(self) -> Array:
-        """(M,) what noise and the truest of models leave of a coordinate of each channel."""
+        """Standard deviation (M,) that noise and the best model leave in one coordinate of each channel."""
 
     @property
     def worst(self) -> float:
-        """What a failed simulation counts as."""
+        """Residual that stands for a failed simulation."""
 
     @property
-    def lasting(self) -> int:
-        """How many of the numbers that belong to a trial, from the first, say something of the model where all share them."""
+    def systematic(self) -> int:
+        """Number of trial parameters, counted from the first, whose mean over the trials is an error of the model."""
 
     @property
-    def seen(self) -> int:
-        """How many of them there are in any case; the rest count only where a trial shows them."""
+    def unconditional(self) -> int:
+        """Number of trial parameters that are always used; the remaining ones are conditional."""
 
     @property
-    def doubted(self) -> NDArray[Any]:
-        """(K,) those that could stand in for what a model lacks."""
+    def confounded(self) -> NDArray[Any]:
+        """For each trial parameter (K,), whether it is confounded with a discrepancy of the model."""
 
     def own(self, run: Any) -> int:
-        """How many numbers may belong to a run."""
+        """Return the largest number of trial parameters of a run."""
 
-    def shown(self, run: Any) -> bool:
-        """Whether a run may have numbers that count only where it shows them."""
+    def has_conditional(self, run: Any) -> bool:
+        """Return whether a run may have conditional trial parameters."""
 
     def some(self, kept: Sequence[int], samples: int) -> Problem:
-        """These runs alone, with hardly more than so many samples of each, and without numbers that trials have to show."""
+        """Return the problem with some runs, about ``samples`` samples of each, and no conditional trial parameters."""
 
     def of_runs(self, runs: Sequence[Any]) -> Problem:
-        """These runs alone."""
+        """Return the problem with some of its runs."""
 
     def predict(self, hypothesis: Any, cases: Sequence[tuple[Any, Array]]) -> list[Prediction]:
-        """For each run with its own values (P,)."""
+        """Return the prediction for each pair of a run and parameter values (P,)."""
 
     def predict_with_slopes(
         self,
@@ -192,22 +194,21 @@ class Problem(Hashable, Protocol):
         values: Array,
         *,
         central: bool = False,
-        shown: Sequence[bool] | None = None,
+        conditional: Sequence[bool] | None = None,
         own: bool = True,
     ) -> list[Prediction]:
-        """For every run at values (P,), with derivatives and what belongs to the trials.
+        """Return the prediction of every run with derivatives and the effect of trial parameters.
 
         Args:
             hypothesis: the model.
-            values: (P,) of its open parameters.
-            central: derivatives by central differences in place of one-sided ones.
-            shown: for each run whether the numbers that count only where it shows them are among those that belong to it;
-                default: where they may be.
-            own: whether what belongs to the trials is asked for.
+            values: (P,) values of its free parameters.
+            central: whether derivatives are central differences instead of one-sided ones.
+            conditional: for each run, whether its conditional trial parameters are included; default: wherever there are any.
+            own: whether the effect of trial parameters is requested.
         """
 
     def probe(self, hypothesis: Any, points: Array) -> list[Array]:
-        """For each run (T, C, M, A) about what is predicted at each of the points (C, P)."""
+        """Return for each run the approximate prediction (T, C, M, A) at each of the points (C, P)."""
 
-    def as_read(self, hypothesis: Any, new: Sequence[Parameter], run: Any, changes: Array) -> Array:
-        """(n, A') what the amplitudes of the last part make of a run's residuals, of (n, A) for its plain variant."""
+    def changes_of_variant(self, hypothesis: Any, new: Sequence[Parameter], run: Any, changes: Array) -> Array:
+        """Return the changes of a run's residuals (n, A') for a variant, from those (n, A) of its base variant."""

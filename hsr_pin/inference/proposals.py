@@ -1,75 +1,78 @@
-"""What may be added to a fitted model, where its fit would start, and how much it promises: probes and quick fits."""
+"""Proposals of causes to add to a fitted model, with initial estimates and predicted gains, from probe simulations."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 
 from hsr_pin.inference.fit import Fit, fit
 from hsr_pin.inference.misfit import scaled
-from hsr_pin.inference.own_numbers import Eliminated
 from hsr_pin.inference.problem import ALWAYS, Hypothesis, Part, Problem
+from hsr_pin.inference.trial_parameters import Eliminated
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Amplitudes with which an effect is probed, over its parameters' scales, as far as their bounds go: what it does need not grow
-#: with them. One with shape parameters is probed with a small and a large one.
+#: Scaled amplitudes with which an effect is probed, within its bounds; several, because its influence may be nonlinear. An effect
+#: with shape parameters is probed with the second list.
 _PROBES = (0.5, 8.0, 32.0)
 _SHAPED = (0.25, 2.0)
-#: Starts of the fit of an effect with shape parameters: their landscape has valleys.
+#: Number of start points of a quick fit, because the misfit has several minima in the shape parameters.
 _STARTS = 2
-#: Probes and quick fits look at this many runs at most, and at hardly more samples than this of each.
+#: Largest number of runs that probes and quick fits use, and approximate number of samples of each.
 _ENOUGH, _SAMPLES = 8, 400
-#: A start whose misfit is more than this many times that of the best is dropped.
+#: A start point whose misfit exceeds that of the best by more than this factor is dropped.
 _WORSE = 2.0
-#: No initial estimate goes further than this from neutral, over the parameter's scale, or than it was probed.
+#: Largest scaled distance of an initial estimate from neutral, unless it was probed with a larger one.
 _FARTHEST = 6.0
-#: What moves the residuals by less than this share of what the most telling number does tells nothing.
+#: Directions whose influence on the residuals is below this share of the strongest one are treated as undetermined.
 _BLIND = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """Where to start a fit from.
+    """A model with one additional cause and the start points of its fit.
 
     Attributes:
-        hypothesis: with the effect in it.
-        starts: (P,) values each, the most promising first.
-        gain: share of the squared misfit that the first start is predicted to take away, 0 to 1.
+        hypothesis: the model with the additional cause.
+        starts: start points (P,), the most promising first.
+        gain: share of the squared misfit that the fit from the first start point is predicted to remove, 0 to 1.
+        visibility: name of each amplitude -> RMS change of the weighted residuals for one unit of it, at the most visible values
+            of the shape parameters, beyond what a change of the other free parameters can hide.
     """
 
     hypothesis: Hypothesis
     starts: tuple[Array, ...]
     gain: float
+    visibility: Mapping[str, float] = field(default_factory=dict)
 
 
 def proposals(problem: Problem, base: Fit, effects: Sequence[Part]) -> list[Proposal]:
-    """Proposals for adding one effect to a fitted model, one for each effect, in the order of ``effects``.
+    """Return proposals for adding one effect to a fitted model, at most one for each effect, in the order of ``effects``.
 
-    Each effect is probed with a small amplitude (each of them, where it has several) at several values of its shape
-    parameters, all in one batch. The change it makes is taken as linear in the amplitudes; those that fit best, with the open
-    parameters adjusted along their known derivatives, and the misfit that it should leave, follow from linear least squares.
+    Each effect is probed with a small value of each of its amplitudes at several values of its shape parameters, all in one
+    batch. The change of the residuals is taken as linear in the amplitudes. Linear least squares yields the best amplitudes,
+    together with the changes of the free parameters along their known derivatives, and the predicted misfit.
     """
     problem, base = _thinned(problem, base)
-    told, without = base.whitened(), [base.eliminated(run) for run in range(len(problem.runs))]
-    residual, slopes = (np.concatenate(part) for part in zip(*told, strict=True))
+    whitened, without = base.whitened(), [base.eliminated(run) for run in range(len(problem.runs))]
+    residual, slopes = (np.concatenate(part) for part in zip(*whitened, strict=True))
     known = _Known(residual, slopes * scaled(base.hypothesis)[0])
     probed: dict[tuple[object, ...], list[Array]] = {}  # of each plain variant
     found: list[Proposal] = []
     for effect in effects:
-        plain = effect.plain
-        if plain.reading not in probed:
-            probed[plain.reading] = _changes(problem, base, plain, without)
-        found += _propose(problem, base, effect, known, probed[plain.reading])
+        plain = effect.base_variant
+        if plain.variant not in probed:
+            probed[plain.variant] = _changes(problem, base, plain, without)
+        found += _propose(problem, base, effect, known, probed[plain.variant])
     return found
 
 
 def _changes(problem: Problem, base: Fit, effect: Part, without: Sequence[Eliminated]) -> list[Array]:
-    """For each run (n, S A): what each of A amplitudes alone makes of the residuals, as large as in each of S probes."""
+    """Return for each run the changes (n, S A) of the residuals for each of A amplitudes in each of S probes."""
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     neutral = np.array([fact.neutral for fact in new])
@@ -83,11 +86,15 @@ def _changes(problem: Problem, base: Fit, effect: Part, without: Sequence[Elimin
 
 
 def _propose(problem: Problem, base: Fit, effect: Part, known: _Known, seen: Sequence[Array]) -> list[Proposal]:
+    """Return the proposal for one effect from its probes, or none if all of its simulations fail."""
     whole = base.hypothesis.with_part(effect)
     new = whole.parameters[len(base.values) :]
     amplitudes, probes = _amplitudes(new), _probes(new)
-    every = np.concatenate([problem.as_read(whole, new, run, own) for own, run in zip(seen, problem.runs, strict=True)])
+    every = np.concatenate(
+        [problem.changes_of_variant(whole, new, run, own) for own, run in zip(seen, problem.runs, strict=True)]
+    )
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
+    visibility: dict[str, float] = {}
     for n, probe in enumerate(probes):
         changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
         if not np.isfinite(changes).all():
@@ -95,22 +102,25 @@ def _propose(problem: Problem, base: Fit, effect: Part, known: _Known, seen: Seq
         answer = _linear_propose(base, whole, np.append(base.values, probe), known, changes)
         shape = tuple(value for value, fact in zip(probe, new, strict=True) if not fact.amplitude)
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
+        for k, own in zip(amplitudes, known.without(changes).T, strict=True):
+            if (size := abs(probe[k] - new[k].neutral)) > 0:
+                visibility[new[k].name] = max(visibility.get(new[k].name, 0.0), float(np.sqrt(np.mean(own**2))) / size)
     best = _distinct(answers)[:_STARTS]
-    return [Proposal(whole, tuple(start for _, start in best), best[0][0])] if best else []
+    return [Proposal(whole, tuple(start for _, start in best), best[0][0], visibility)] if best else []
 
 
 def _amplitudes(facts: Sequence[Parameter]) -> list[int]:
-    """Which of an effect's parameters are amplitudes; the first, where none is."""
+    """Return the indices of the amplitudes among an effect's parameters; the first parameter if none is an amplitude."""
     return [k for k, fact in enumerate(facts) if fact.amplitude] or [0]
 
 
 def _at_rest(facts: Sequence[Parameter], values: Array) -> Array:
-    """Values with the amplitudes neutral."""
+    """Return parameter values with neutral amplitudes."""
     return np.array([fact.neutral if fact.amplitude else value for fact, value in zip(facts, values, strict=True)])
 
 
 def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tuple[float, Array]]:
-    """The best first; of those that share their first shape parameter (where a local defect is), only the best."""
+    """Return the answers, the best first, with one answer for each value of the first shape parameter (a position)."""
     found: dict[tuple[float, ...], tuple[float, Array]] = {}
     for shape, answer in sorted(answers.items(), key=lambda each: -each[1][0]):
         found.setdefault(shape[:1], answer)
@@ -118,18 +128,18 @@ def _distinct(answers: dict[tuple[float, ...], tuple[float, Array]]) -> list[tup
 
 
 def _starts(problem: Problem, proposal: Proposal) -> tuple[Array, ...]:
-    """Of each of the proposed values, and those in the next valleys, the one that simulates best; then the best of the others.
+    """Return the best start points by simulation: one for each proposed point and its variations, then the best of the others.
 
-    The best of the group that is always tried is among them, however far it is from what was recorded.
+    The best point of the group :data:`~hsr_pin.inference.problem.ALWAYS` is included, whatever its misfit.
     """
-    groups, tried = zip(*proposal.hypothesis.tried_from(proposal.starts), strict=True)
+    groups, tried = zip(*proposal.hypothesis.start_points(proposal.starts), strict=True)
     points, squares = np.array(tried), []
     for run, seen in zip(problem.runs, problem.probe(proposal.hypothesis.rough, points), strict=True):
         missed = np.nan_to_num(seen - run.compared[:, None], nan=problem.worst)
         squares.append(np.where(np.isfinite(run.compared[:, None]), missed**2, 0.0).sum(axis=(0, 2, 3)))
     sizes = np.sqrt(np.sum(squares, axis=0))
     order = [int(k) for k in np.argsort(sizes, kind="stable")]
-    first: dict[int, int] = {}  # a local defect is looked for in two places, not twice in the one that looks best
+    first: dict[int, int] = {}  # a local defect is fitted at two positions, not twice at the best one
     for k in order:
         first.setdefault(groups[k], k)
     ranked = [*first.values(), *(k for k in order if k not in first.values())]
@@ -140,16 +150,16 @@ def _starts(problem: Problem, proposal: Proposal) -> tuple[Array, ...]:
 
 
 def quick_fit(problem: Problem, base: Fit, proposal: Proposal) -> Fit:
-    """A quick fit from the best of a proposal's starts, to some of the runs; the best of them."""
+    """Return the best of the quick fits from the start points of a proposal, to some of the runs."""
     problem, base = _thinned(problem, base)
     answers = [fit(problem, proposal.hypothesis.rough, start=start, quick=True) for start in _starts(problem, proposal)]
     return replace(min(answers, key=lambda fitted: fitted.rms), hypothesis=proposal.hypothesis)
 
 
-def looked_at(problem: Problem) -> list[int]:
-    """Which of the runs probes and quick fits look at: of many some in which little moves, some in which much does.
+def probed_runs(problem: Problem) -> list[int]:
+    """Return the indices of the runs that probes and quick fits use, from the least to the most moving ones.
 
-    A stop that is met in two trials of ten is not to be looked for in the others.
+    Both are needed, because a law such as a bending stop acts only in trials with large motion.
     """
     by_size = np.argsort([run.moved for run in problem.runs], kind="stable")
     chosen = np.linspace(0, len(by_size) - 1, min(_ENOUGH, len(by_size))).round().astype(int)
@@ -157,8 +167,8 @@ def looked_at(problem: Problem) -> list[int]:
 
 
 def _thinned(problem: Problem, base: Fit) -> tuple[Problem, Fit]:
-    """Some of the samples of some of the runs, and a fit as it stands on them."""
-    thin, kept = _some_of(problem), looked_at(problem)
+    """Return the problem and a fit, reduced to some of the samples of some of the runs."""
+    thin, kept = _some_of(problem), probed_runs(problem)
 
     def some(items: tuple[Array, ...]) -> tuple[Array, ...]:
         return tuple(items[k][:: run.every] for k, run in zip(kept, thin.runs, strict=True))
@@ -166,7 +176,7 @@ def _thinned(problem: Problem, base: Fit) -> tuple[Problem, Fit]:
     fewer = replace(
         base,
         residuals=some(base.residuals),
-        missed=some(base.missed),
+        raw_residuals=some(base.raw_residuals),
         slopes=some(base.slopes),
         weights=some(base.weights),
         nuisance=tuple(each[..., : thin.own(run)] for run, each in zip(thin.runs, some(base.nuisance), strict=True)),
@@ -176,13 +186,13 @@ def _thinned(problem: Problem, base: Fit) -> tuple[Problem, Fit]:
 
 @lru_cache(maxsize=2)
 def _some_of(problem: Problem) -> Problem:
-    """Some of the samples of some of the runs; the same at every call, which keep what they find out."""
-    return problem.some(looked_at(problem), _SAMPLES)
+    """Return the problem reduced to some samples of some runs; cached, so that its own caches are reused."""
+    return problem.some(probed_runs(problem), _SAMPLES)
 
 
 def _probes(facts: Sequence[Parameter]) -> list[Array]:
-    """Values of an effect's parameters: a small amplitude, at a few values of each shape parameter."""
-    shapes = [fact.across if not fact.amplitude else [0.0] for fact in facts]
+    """Return the probed values of an effect's parameters: a few amplitudes at a few values of each shape parameter."""
+    shapes = [fact.start_values if not fact.amplitude else [0.0] for fact in facts]
     shaped = any(not fact.amplitude for fact in facts)
     sizes = [n for n in (_SHAPED if shaped else _PROBES) if n < 1 or all(_holds(fact, n) for fact in facts if fact.amplitude)]
     return [
@@ -193,33 +203,33 @@ def _probes(facts: Sequence[Parameter]) -> list[Array]:
 
 
 def _holds(fact: Parameter, size: float) -> bool:
-    """Whether an amplitude of so many scales is within the bounds."""
+    """Return whether an amplitude of this many scales is within the bounds."""
     return fact.neutral + size * fact.scale <= fact.upper
 
 
 class _Known:
-    """What the open parameters of a fit make of its residuals (n,), for derivatives (n, P)."""
+    """Projection of residuals (n,) onto the derivatives (n, P) of the free parameters of a fit."""
 
     def __init__(self, residual: Array, slopes: Array) -> None:
         size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
         basis, strength, mix = np.linalg.svd(slopes / size, full_matrices=False)
-        told = strength > _BLIND * strength.max(initial=0.0)
-        self._basis, self._back = basis[:, told], (mix[told] / strength[told, None]).T / size[:, None]
+        determined = strength > _BLIND * strength.max(initial=0.0)
+        self._basis, self._back = basis[:, determined], (mix[determined] / strength[determined, None]).T / size[:, None]
         self.residual, self.left = residual, self.without(residual)
 
     def without(self, rows: Array) -> Array:
-        """(n, ...) what no change of theirs takes away."""
+        """Return the part of (n, ...) that no change of the free parameters can remove."""
         return np.asarray(rows - self._basis @ (self._basis.T @ rows))
 
     def step(self, rows: Array) -> Array:
-        """(P,) the change that takes most of (n,) away."""
+        """Return the change (P,) of the free parameters that removes most of (n,)."""
         return np.asarray(-self._back @ (self._basis.T @ rows))
 
 
 def _linear_propose(base: Fit, hypothesis: Hypothesis, start: Array, known: _Known, changes: Array) -> tuple[float, Array]:
-    """The predicted gain, and the values (P,) that should bring it.
+    """Return the predicted gain and the values (P,) that should achieve it.
 
-    ``changes`` (n, A): what each amplitude alone makes of the residuals (n,), as large as it is in ``start`` (P,).
+    ``changes`` (n, A) are the changes of the residuals (n,) for each amplitude alone, with its value in ``start`` (P,).
     """
     facts, old = hypothesis.parameters, len(base.values)
     own = known.without(changes)
@@ -241,9 +251,9 @@ def _linear_propose(base: Fit, hypothesis: Hypothesis, start: Array, known: _Kno
 
 
 def _allowed(fact: Parameter, wanted: float, farthest: float) -> float:
-    """The amplitude, over its scale, nearest to the wanted one that is within bounds, not farther away, and not neutral itself.
+    """Return the scaled amplitude nearest to the wanted one that is within all limits and not neutral.
 
-    On the neutral value shape parameters have no derivative, and a fit that starts there cannot move them.
+    At the neutral value the derivatives of shape parameters are zero, so that a fit that starts there cannot change them.
     """
     lowest = max(-farthest, (fact.lower - fact.neutral) / fact.scale)
     highest = min(farthest, (fact.upper - fact.neutral) / fact.scale)

@@ -1,4 +1,4 @@
-"""Is one model better than another on held-out trials, and by how much: resampling the trials."""
+"""Confidence intervals of held-out errors by resampling the trials."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ import numpy as np
 from hsr_pin.trajectory import Array
 
 _RESAMPLES = 2000
-#: Fewer trials than the first are cut into at least as many pieces as the second.
+#: If there are fewer trials than the first number, they are divided into at least as many blocks as the second.
 _FEW, _SOME = 5, 8
-#: Gains are looked at in at least so many pieces: one that shows in two trials out of six would be missing from every tenth draw
-#: of whole trials.
+#: Least number of blocks in a comparison of two models. With whole trials as blocks, a gain that is present in two of six trials
+#: would be missing from every tenth resample.
 _PIECES = 48
 
 
 @dataclass(frozen=True, eq=False)
 class Squares:
-    """Squared marker distances of one model on held-out data, in blocks that can be drawn anew.
+    """Squared marker distances of one model on held-out data, in blocks for resampling.
 
     Attributes:
-        sums: (K,) [m^2] of each block.
-        counts: (K,) markers seen in each block.
+        sums: (K,) sum of squared distances in each block [m^2].
+        counts: (K,) number of marker positions in each block.
     """
 
     sums: Array
@@ -32,14 +32,15 @@ class Squares:
 
     @property
     def mean(self) -> float:
-        """[m^2] mean squared distance."""
+        """Mean squared distance [m^2]."""
         return float(self.sums.sum() / self.counts.sum())
 
 
 def squares(heldout: Sequence[Array], blocks: int = _FEW) -> Squares:
-    """Held-out residuals [m] (one (T, M, 2) per run) as blocks.
+    """Return the squared distances of held-out residuals [m] (one (T, M, 2) per run) in blocks.
 
-    A block is a trial; with fewer trials than ``blocks``, each is cut into pieces in time: there must be something to draw from.
+    A block is a trial. If there are fewer trials than ``blocks``, each trial is divided in time, so that there are enough blocks
+    to resample.
     """
     pieces = 1 if len(heldout) >= blocks else -(-max(blocks, _SOME) // len(heldout))
     sums, counts = [], []
@@ -55,7 +56,7 @@ def squares(heldout: Sequence[Array], blocks: int = _FEW) -> Squares:
 
 @lru_cache(maxsize=32)
 def draws(blocks: int, seed: int) -> Array:
-    """(R, K) how often each block is drawn in each of R resamples."""
+    """Return how often each block is drawn in each of R resamples, (R, K)."""
     generator = np.random.default_rng(seed)
     drawn = generator.multinomial(blocks, np.full(blocks, 1 / blocks), size=_RESAMPLES).astype(float)
     drawn.flags.writeable = False
@@ -63,7 +64,7 @@ def draws(blocks: int, seed: int) -> Array:
 
 
 def interval(values: Squares, seed: int) -> tuple[float, float]:
-    """95 % interval [m] of the RMS distance over resampled blocks."""
+    """Return the 95 % interval of the RMS distance over resampled blocks [m]."""
     drawn = draws(len(values.sums), seed)
     means = drawn @ values.sums / (drawn @ values.counts)
     low, high = np.sqrt(np.percentile(means, (2.5, 97.5)))
@@ -71,15 +72,15 @@ def interval(values: Squares, seed: int) -> tuple[float, float]:
 
 
 def gain_interval(worse: Squares, better: Squares, seed: int) -> tuple[float, float]:
-    """95 % interval [m^2] of how much lower the mean squared distance of ``better`` is, on the same resampled blocks."""
+    """Return the 95 % interval of the decrease of the mean squared distance from ``worse`` to ``better`` [m^2]."""
     drawn = draws(len(worse.sums), seed)
     gains = drawn @ (worse.sums - better.sums) / (drawn @ worse.counts)
     low, high = np.percentile(gains, (2.5, 97.5))
     return float(low), float(high)
 
 
-def certainly_better(better: Sequence[Array], worse: Sequence[Array], seed: int) -> bool:
-    """Whether the interval of the gain excludes zero, and with five trials or more does so without any one of them too."""
+def significantly_better(better: Sequence[Array], worse: Sequence[Array], seed: int) -> bool:
+    """Return whether the interval of the gain excludes zero, and with five or more trials also without any one of them."""
     everything = list(range(len(worse)))
     kept = [everything, *([k for k in everything if k != one] for one in everything if len(worse) >= _FEW)]
     return all(

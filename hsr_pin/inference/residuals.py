@@ -1,4 +1,4 @@
-"""How far a model is from recordings, and what of that is no noise."""
+"""Residuals of a model, and the part of them that is not noise."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from hsr_pin.inference.problem import Prediction, Problem
 from hsr_pin.trajectory import Array
 
-#: Samples apart: white noise has no covariance over them, and whatever swings, at any frequency, shows seven tenths of its power
-#: in one of the three.
+#: Lags in samples. White noise has no covariance at them, and an oscillation of any frequency shows at least 0.7 of its power at
+#: one of the three.
 _LAGS = (1, 2, 3)
 
 
 def residuals(problem: Problem, predictions: Sequence[Prediction]) -> list[Array]:
-    """For each run (T, M, A) predicted minus measured; NaN in gaps, the worst there is where a simulation failed."""
+    """Return for each run (T, M, A) predicted minus measured; NaN in gaps, the worst value where a simulation failed."""
     return [
         np.where(np.isfinite(run.compared), np.nan_to_num(p.positions - run.compared, nan=problem.worst), np.nan)
         for run, p in zip(problem.runs, predictions, strict=True)
@@ -23,22 +23,23 @@ def residuals(problem: Problem, predictions: Sequence[Prediction]) -> list[Array
 
 
 def rms(residual: Sequence[Array]) -> float:
-    """RMS distance over all runs, samples and channels; NaN where none was seen."""
+    """Return the RMS distance over all runs, samples and channels; NaN if there is no measurement."""
     squares = np.concatenate([squared_distance(r) for r in residual])
     return float(np.sqrt(squares.mean())) if len(squares) else float("nan")
 
 
 def squared_distance(residual: Array) -> Array:
-    """(n,) of every channel at every sample at which it was seen."""
+    """Return the squared distance (n,) of every channel at every sample where it was measured."""
     squares = (residual**2).sum(axis=-1).ravel()
     return np.asarray(squares[np.isfinite(squares)])
 
 
 def lasting_square(residuals: Sequence[Array]) -> float:
-    """Mean square of the part of residuals that lasts from one sample to the next; in space of a distance, over its coordinates.
+    """Return the mean square of the part of residuals that is correlated from sample to sample.
 
-    It is the covariance of samples a few steps apart: white noise drops out of it by itself, whatever its size, so that it is
-    known ten times better than the mean square beyond an estimated noise floor.
+    The squares of the coordinates of a channel are added. The estimate is the covariance of samples a few steps apart. White
+    noise of any size does not contribute to it, so that its relative error is about ten times smaller than that of the mean
+    square minus an estimated noise floor.
 
     Args:
         residuals: for each trial (T, M, A), M channels of A coordinates; NaN in gaps.
@@ -47,7 +48,7 @@ def lasting_square(residuals: Sequence[Array]) -> float:
 
 
 def _covariance(residuals: Sequence[Array], lag: int) -> float:
-    """Of samples so far apart, where those between them were seen too."""
+    """Return the covariance at a lag, from samples between which there are no gaps."""
     total, count = 0.0, 0
     for residual in residuals:
         product = (residual[lag:] * residual[:-lag]).sum(axis=-1)

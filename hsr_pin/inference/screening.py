@@ -1,4 +1,4 @@
-"""What gets a quick fit: of all proposals those that promise most, so chosen that no law crowds out others."""
+"""Selection of the proposals that get a quick fit: the most promising ones, with a limit on the variants of each law."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.inference.proposals import Proposal
 from hsr_pin.trajectory import Array
 
-#: The most promising proposals that get a quick fit beside the model without causes, and beside each of several models.
+#: Number of proposals that get a quick fit: for the model without causes, and for each of several other models.
 _ALONE, _BESIDE = 12, 5
-#: Variants of one law that come before the variants of others.
+#: Number of variants of each law that come before further variants of any law.
 _VARIANTS = 3
-#: Two variants of one law whose predicted gains differ by less than this are the same on these recordings.
+#: Variants of one law whose predicted gains differ by less than this are equal on these recordings.
 _EQUAL = 1e-6
-#: A quick fit that ended at factors on declared numbers which differ by more than the first ratio from those of the best, and
-#: leaves more than the second times its error, is made once more from there: the misfit of what swings has several basins.
+#: A quick fit whose factors on declared numbers differ from those of the best fit by more than the first ratio, and whose error
+#: exceeds that of the best by more than the second, is repeated from there: the misfit of oscillations has several minima.
 _ELSEWHERE, _WORSE = 1.5, 1.2
 
 
 def screened(proposals: Sequence[Proposal], *, alone: bool) -> list[Proposal]:
-    """What gets a quick fit, the most promising first.
+    """Return the proposals that get a quick fit, the most promising first.
 
     Args:
-        proposals: for adding a part to one model.
-        alone: whether that model has no causes: then every law is among them, in its most promising variant.
+        proposals: proposals for adding a part to one model.
+        alone: whether the model has no causes; then every law is included, in its most promising variant.
     """
     ranked = _distinct(sorted(proposals, key=lambda each: -each.gain))
-    if alone:  # damping hides what is late where it was fitted without any law
+    if alone:  # the damping of the model without causes hides delays
         ranked = sorted(_no_less_than_special_cases(ranked), key=lambda each: -each.gain)
     ranked = _of_many_laws(ranked)
     chosen = ranked[: _ALONE if alone else _BESIDE]
@@ -46,7 +46,7 @@ def screened(proposals: Sequence[Proposal], *, alone: bool) -> list[Proposal]:
 
 
 def _distinct(proposals: Sequence[Proposal]) -> list[Proposal]:
-    """The first of each variant of a law; the others make no difference, as where a law differs for torques that never came."""
+    """Return the proposals without variants of one law that have equal gains, because these recordings cannot separate them."""
     kept: list[Proposal] = []
     for each in proposals:
         name = each.hypothesis.parts[-1].name
@@ -56,7 +56,7 @@ def _distinct(proposals: Sequence[Proposal]) -> list[Proposal]:
 
 
 def _of_many_laws(proposals: Sequence[Proposal]) -> list[Proposal]:
-    """In their order, but the first few variants of every law before the others."""
+    """Return the proposals in their order, but with the first few variants of every law before all others."""
     seen: Counter[str] = Counter()
     later: list[bool] = []
     for each in proposals:
@@ -67,16 +67,19 @@ def _of_many_laws(proposals: Sequence[Proposal]) -> list[Proposal]:
 
 
 def _no_less_than_special_cases(proposals: Sequence[Proposal]) -> list[Proposal]:
-    """A law that contains others, as a probe may not show where damping hides what is late, promises at least what they do."""
+    """Return the proposals with the gain of each law raised to the gains of its special cases.
+
+    A probe may underestimate a general law, because the fitted damping hides a delay.
+    """
     parts = [each.hypothesis.parts[-1] for each in proposals]
-    alone = [k for k, part in enumerate(parts) if part.plain.reading == part.reading]
+    alone = [k for k, part in enumerate(parts) if part.base_variant.variant == part.variant]
     gains = {parts[k].name: proposals[k].gain for k in reversed(alone)}
     inside = [[gains.get(name, 0.0) for name in part.special_cases] for part in parts]
     return [replace(each, gain=max(each.gain, *known, 0.0)) for each, known in zip(proposals, inside, strict=True)]
 
 
 def laws_first(fits: Sequence[Fit]) -> list[Fit]:
-    """The best variant of every law in their order, then the other variants: they shall not crowd out other laws."""
+    """Return the best variant of every law in their order, then the other variants, so that they do not displace other laws."""
     first: dict[frozenset[str], Fit] = {}
     for each in fits:
         first.setdefault(frozenset(part.name for part in each.hypothesis.parts), each)
@@ -85,7 +88,10 @@ def laws_first(fits: Sequence[Fit]) -> list[Fit]:
 
 
 def from_one_basin(tasks: Sequence[tuple[Fit, Proposal]], pool: FitPool) -> list[Fit]:
-    """Quick fits, the best first, of which none is worse for want of the factors on declared numbers that the best one found."""
+    """Return the quick fits of some proposals, the best first.
+
+    Fits that ended in another minimum are repeated with the factors on declared numbers of the best fit.
+    """
     quick = pool.quick(tasks)
     best = min(quick, key=lambda each: each.rms, default=None)
     again = [k for k, each in enumerate(quick) if best and each.rms > _WORSE * best.rms and _elsewhere(each, best)]
@@ -103,16 +109,17 @@ def from_one_basin(tasks: Sequence[tuple[Fit, Proposal]], pool: FitPool) -> list
 
 
 def _elsewhere(fitted: Fit, best: Fit) -> bool:
-    """Whether a fit ended at quite other factors on declared numbers than the best."""
+    """Return whether a fit ended at factors on declared numbers that differ strongly from those of the best fit."""
     own, other = _factors(fitted), _factors(best)
     return any(max(own[name] / other[name], other[name] / own[name]) > _ELSEWHERE for name in own.keys() & other)
 
 
 def _with_factors_of(best: Fit, fitted: Fit) -> Array:
-    """(P,) values of a fit, with the factors on declared numbers of another."""
+    """Return the values (P,) of a fit with the factors on declared numbers of another fit."""
     return np.array(list((fitted.named | {k: value for k, value in _factors(best).items() if k in fitted.named}).values()))
 
 
 def _factors(fitted: Fit) -> dict[str, float]:
+    """Return the factors on declared numbers of a fit by name."""
     facts = zip(fitted.hypothesis.parameters, fitted.values, strict=True)
     return {fact.name: float(value) for fact, value in facts if fact.ratio_width is not None}

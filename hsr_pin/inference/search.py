@@ -1,8 +1,9 @@
-"""Which models to fit: proposals for the most credible models, until none could enter the credible set.
+"""Search over models: which models to fit, until no other model could enter the credible set.
 
-One step expands a model: it is probed with every part that it lacks, the most promising get a quick fit, the best of these a full
-fit. Models are ranked by their evidence. The parts of the best model are expanded too, so that each of its causes has to stand
-against all others beside the rest; last come other variants and special cases of the laws of the most credible models.
+One step expands a model: the model is probed with every part that it lacks, the most promising parts get a quick fit, and the
+best quick fits a full fit. Models are ranked by their evidence. The sub-models of the best model are expanded too, so that each
+of its causes is compared with all alternatives. Finally, other variants and special cases of the laws in the most credible models
+are fitted.
 """
 
 from __future__ import annotations
@@ -15,41 +16,44 @@ import numpy as np
 
 from hsr_pin.inference.calibration import Calibration
 from hsr_pin.inference.candidate import Candidate, Key
+from hsr_pin.inference.detection import DetectionLimit, detection_limits, parts_for_limits
 from hsr_pin.inference.evidence import log_evidence, reachable, variance
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.inference.model import Data, Model
 from hsr_pin.inference.posterior import Posterior, posterior
-from hsr_pin.inference.problem import Part
+from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.inference.screening import from_one_basin, laws_first, screened
 
-#: A model whose odds against the best are longer than this is not credible.
+#: A model is credible if the best model is at most this many times as probable.
 _ODDS = 20.0
-#: Models of each number of causes that are expanded.
+#: Largest number of models with the same number of causes that are expanded in one step.
 _BEAM = 3
-#: Full fits of a step: at least, and at most.
+#: Least and largest number of full fits in a step.
 _LEAST, _MOST = 3, 6
-#: How far the evidence of a quick fit may be from that of a full one [nats].
+#: Tolerance of the log evidence of a quick fit compared with that of a full fit [nats].
 _ROUGH = 5.0
-#: Other variants and special cases that get a full fit, for each law of a credible model.
+#: Number of other variants and special cases that get a full fit, for each law of a credible model.
 _SIBLINGS = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What the search found.
+    """Result of a search.
 
     Attributes:
-        candidates: every model that was fitted, that without causes first.
-        posterior: over them, in their order, and over what has no model to fit, after them.
-        data: the scale on which residuals count.
+        candidates: all fitted models, the model without causes first.
+        posterior: posterior over the fitted models, in their order, followed by models that were not fitted here.
+        data: noise variance and number of coordinates of the recordings.
+        detection: sizes from which on causes that the best model lacks would have been found; empty if they were not computed.
     """
 
     candidates: tuple[Candidate, ...]
     posterior: Posterior
     data: Data
+    detection: tuple[DetectionLimit, ...] = ()
 
     @property
     def base(self) -> Candidate:
@@ -62,7 +66,7 @@ class Search:
         return self.candidates[int(np.argmax(self.posterior.probabilities[: len(self.candidates)]))]
 
     def leader(self, names: tuple[str, ...]) -> Candidate:
-        """The most probable model with exactly these causes.
+        """Return the most probable model with exactly these causes.
 
         Raises:
             KeyError: no model with these causes was fitted.
@@ -70,13 +74,13 @@ class Search:
         return {id(each.model): each for each in self.candidates}[id(self.posterior.leader(names))]
 
     def leaders(self, sets: Iterable[tuple[str, ...]]) -> list[Candidate]:
-        """The most probable model of each set of causes of which one was fitted."""
+        """Return the most probable model of each set of causes for which a model was fitted."""
         fitted = {each.names for each in self.candidates}
         return [self.leader(names) for names in sets if names in fitted]
 
     @property
     def path(self) -> tuple[Candidate, ...]:
-        """From the model without causes to the best, through the best of the fitted models whose causes the best has too."""
+        """Models from the one without causes to the best, through the best sub-models of the best model."""
         path = [self.best]
         while len(path[0].names) > 1:
             inside = [each for each in self.candidates if each.names and set(each.names) < set(path[0].names)]
@@ -91,7 +95,7 @@ class Search:
 
 @dataclass(eq=False)
 class _State:
-    """What the search knows so far; the only thing here that changes."""
+    """State of a search, the only mutable object in this module."""
 
     data: Data
     calibration: Calibration
@@ -101,42 +105,42 @@ class _State:
     varied: set[Key] = field(default_factory=set)
 
     def add(self, candidates: Sequence[Candidate]) -> None:
-        """Keep the better fit of each model."""
+        """Store the candidates; of two fits of one model the one with the larger evidence is kept."""
         for each in candidates:
             known = self.fitted.get(each.key)
             if known is None or self.evidence(each) > self.evidence(known):
                 self.fitted[each.key] = each
 
     def propose(self, asked: Sequence[tuple[Candidate, Sequence[Part]]], pool: FitPool) -> list[list[Proposal]]:
-        """Proposals for adding parts to models; each is made once."""
-        open_ = [(base, [p for p in parts if (base.key, p.reading) not in self.proposed]) for base, parts in asked]
+        """Return the proposals for adding parts to models; each proposal is computed once."""
+        open_ = [(base, [p for p in parts if (base.key, p.variant) not in self.proposed]) for base, parts in asked]
         new = [each for each in open_ if each[1]]
         for (base, parts), found in zip(new, pool.propose(new), strict=True):
-            made = {each.hypothesis.parts[-1].reading: each for each in found}
-            self.proposed |= {(base.key, part.reading): made[part.reading] for part in parts if part.reading in made}
-        return [[self.proposed[key] for p in parts if (key := (base.key, p.reading)) in self.proposed] for base, parts in asked]
+            made = {each.hypothesis.parts[-1].variant: each for each in found}
+            self.proposed |= {(base.key, part.variant): made[part.variant] for part in parts if part.variant in made}
+        return [[self.proposed[key] for p in parts if (key := (base.key, p.variant)) in self.proposed] for base, parts in asked]
 
     def evidence(self, candidate: Candidate) -> float:
         return log_evidence(candidate.model, self.data, self.calibration)
 
     @property
     def ranked(self) -> list[Candidate]:
-        """The largest evidence first."""
+        """All fitted models, the largest evidence first."""
         return sorted(self.fitted.values(), key=lambda each: -self.evidence(each))
 
     @property
     def least(self) -> float:
-        """The evidence that a model needs to be credible [nats]."""
+        """The log evidence that a model needs to be credible [nats]."""
         return self.evidence(self.ranked[0]) - log(_ODDS)
 
     def is_credible(self, candidate: Candidate) -> bool:
-        """Whether it may be the best, and its last cause explains more than its own numbers cost."""
+        """Return whether a model may be the best, and each of its causes improves the evidence enough."""
         own = self.evidence(candidate)
         parts = [self.evidence(each) for each in self.fitted.values() if set(each.names) < set(candidate.names)]
         return own >= max([self.least, *(part - self.calibration.cause for part in parts)])
 
     def can_grow(self, candidate: Candidate) -> bool:
-        """Whether one cause more could do what the judgement would notice."""
+        """Return whether an additional cause could improve a model enough to change the posterior."""
         nominal = max(each.model.misfit for each in self.fitted.values() if not each.names)
         noticed = candidate.model.misfit > self.calibration.share * nominal
         return noticed and reachable(candidate.model, self.data, self.calibration) >= self.least
@@ -152,16 +156,16 @@ def search(
     max_effects: int = 3,
     tell: Callable[[str], None] = lambda line: None,
 ) -> tuple[Candidate, ...]:
-    """Fit every model that may be credible.
+    """Fit every model that may be credible, and return all fitted models.
 
     Args:
-        starts: models that are fitted already, that without causes first.
-        parts: the catalogue, every variant of each cause.
-        pool: who does the fitting.
-        data: the scale on which residuals count.
-        calibration: the numbers of the judgement.
-        max_effects: at most this many causes together.
-        tell: called at each step.
+        starts: models that are already fitted, the one without causes first.
+        parts: the catalogue with every variant of each cause.
+        pool: pool that runs the fits.
+        data: noise variance and number of coordinates of the recordings.
+        calibration: constants of the model evidence.
+        max_effects: largest number of causes in a model.
+        tell: function that receives a progress message at each step.
     """
     state = _State(data, calibration)
     state.add(starts)
@@ -171,7 +175,7 @@ def search(
             state.expanded |= {each.key for each in targets}
             state.add(_expanded(targets, parts, pool, state))
         elif relatives := _relatives(state):
-            tell("other variants and special cases of the likely laws")
+            tell("trying other variants and special cases of the credible laws")
             state.varied |= {each.key for each in relatives}
             state.add(_varied(relatives, parts, pool, state))
         else:
@@ -180,7 +184,7 @@ def search(
 
 
 def judged(candidates: Sequence[Candidate], data: Data, calibration: Calibration, unfitted: Sequence[Model] = ()) -> Search:
-    """The posterior over fitted models, and over others of which no more is known than what they leave."""
+    """Return the posterior over fitted models and over models of which only the summary is known."""
     of_model = {id(each.model): each for each in candidates}
 
     def special_case(one: Model, other: Model) -> bool:
@@ -191,19 +195,34 @@ def judged(candidates: Sequence[Candidate], data: Data, calibration: Calibration
     return Search(tuple(candidates), posterior(models, data, calibration, special_case), data)
 
 
+def with_detection_limits(
+    found: Search, problem: Problem, parts: Sequence[Part], pool: FitPool, calibration: Calibration, closed: float
+) -> Search:
+    """Return the result of a search with the detection limits of the causes that its best model lacks.
+
+    No cause is sought for a gap whose mean square of one coordinate is below ``closed``.
+    """
+    left, nominal = found.best.model.misfit, max(each.model.misfit for each in found.candidates if not each.names)
+    share = calibration.share / (1 - calibration.share) * (nominal - left)
+    least = max(share, 0.0 if found.best.names else closed - left)
+    asked = parts_for_limits(parts, found.best)
+    (proposals,) = pool.propose([(found.best, asked)])
+    return replace(found, detection=detection_limits(problem, found.best, asked, proposals, found.data, calibration, least))
+
+
 def without(fit: Fit, name: str) -> Fit:
-    """Where to start the fit of a model without one of its parts."""
+    """Return the start of the fit of a model without one of its parts."""
     fewer, kept = fit.hypothesis.without_part(name)
     return replace(fit, hypothesis=fewer, values=fit.values[kept])
 
 
 def _described(targets: Sequence[Candidate], parts: Sequence[Part]) -> str:
-    models = f"beside {len(targets)} models" if len(targets) > 1 else f"beside {' + '.join(targets[0].names)}"
+    models = f"in addition to {' + '.join(targets[0].names) if len(targets) == 1 else f'each of {len(targets)} models'}"
     return f"trying {len(parts)} laws" + (f" {models}" if targets[0].names else "")
 
 
 def _targets(state: _State, max_effects: int) -> list[Candidate]:
-    """The models to expand next: those with the fewest causes among the most credible, and the parts of the best."""
+    """Return the models to expand next: the smallest of the most credible models, and the sub-models of the best one."""
     ranked = state.ranked
     best, base = ranked[0], next(iter(state.fitted.values()))
     for size in range(max_effects):
@@ -219,7 +238,7 @@ def _targets(state: _State, max_effects: int) -> list[Candidate]:
 
 
 def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool, state: _State) -> list[Candidate]:
-    """Full fits of the best models with one part more than the targets."""
+    """Return full fits of the best models with one part more than the targets."""
     asked = state.propose([(each, [part for part in parts if part.name not in each.names]) for each in targets], pool)
     tasks: dict[Key, tuple[Fit, Proposal]] = {}
     for base, proposals in zip(targets, asked, strict=True):
@@ -230,7 +249,7 @@ def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool
 
 
 def _promising(quick: Sequence[Fit], state: _State, least: int, most: int) -> list[Fit]:
-    """Of quick fits, the best first, those that may become credible; in any case the first few."""
+    """Return the quick fits that may become credible, and in any case the first few."""
     axes = 1.0 if not quick else float(quick[0].residuals[0].shape[-1])
 
     def fits(each: Fit) -> float:
@@ -243,7 +262,7 @@ def _promising(quick: Sequence[Fit], state: _State, least: int, most: int) -> li
 
 
 def _parts_of_best(pool: FitPool, state: _State) -> list[Candidate]:
-    """The best model without each of its parts, where that was never fitted."""
+    """Return full fits of the best model without each of its parts, unless they exist already."""
     best = state.ranked[0]
     if len(best.names) < 2:
         return []
@@ -252,13 +271,13 @@ def _parts_of_best(pool: FitPool, state: _State) -> list[Candidate]:
 
 
 def _relatives(state: _State) -> list[Candidate]:
-    """The most credible models whose laws were not varied yet."""
+    """Return the most credible models whose laws have not been replaced by their variants and special cases yet."""
     credible = [each for each in state.ranked if each.names and state.is_credible(each)]
     return [each for each in credible[:_BEAM] if each.key not in state.varied]
 
 
 def _varied(models: Sequence[Candidate], parts: Sequence[Part], pool: FitPool, state: _State) -> list[Candidate]:
-    """The same models with other variants of their laws, or special cases of them, in their place."""
+    """Return full fits of the models with other variants or special cases in place of each of their laws."""
     asked: list[tuple[Candidate, list[Part]]] = []
     for model in models:
         for part in model.fit.hypothesis.parts:

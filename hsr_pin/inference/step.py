@@ -1,4 +1,4 @@
-"""One Gauss-Newton step, damped so that it holds where the data do not move a parameter."""
+"""One damped Gauss-Newton step, which is stable even if the data do not determine a parameter."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from hsr_pin.trajectory import Array
 
-#: A parameter that moves the residuals less than this share of what the most telling one does stays about where it is.
+#: A parameter whose influence on the residuals is below this share of the strongest one stays nearly unchanged.
 _LEAST, _NOTHING = 1e-6, 1e-100
 
 
 def damped_inverse(slopes: Array, damping: float) -> Array:
-    """(P, P) inverse of the normal matrix of derivatives (n, P), with a share of its diagonal added.
+    """Return the inverse (P, P) of the normal matrix of derivatives (n, P), with a share of its diagonal added.
 
-    For a parameter that moves nothing its entry is large, and finite (D. W. Marquardt, SIAM J. Appl. Math. 11, 1963).
+    The entry of a parameter without influence is large and finite (D. W. Marquardt, SIAM J. Appl. Math. 11, 1963).
     """
     normal = slopes.T @ slopes
     size = np.sqrt(np.diag(normal))
@@ -22,5 +22,5 @@ def damped_inverse(slopes: Array, damping: float) -> Array:
 
 
 def damped_step(slopes: Array, residual: Array, damping: float) -> Array:
-    """(P,) the change of the parameters that takes most of a residual (n,) away, for derivatives (n, P)."""
+    """Return the change (P,) of the parameters that removes most of a residual (n,), for derivatives (n, P)."""
     return np.asarray(-damped_inverse(slopes, damping) @ (slopes.T @ residual))

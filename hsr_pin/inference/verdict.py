@@ -1,4 +1,4 @@
-"""From the posterior over models to what is reported of the gap, in words."""
+"""The reported verdict and its sentence, from the posterior over models."""
 
 from __future__ import annotations
 
@@ -12,37 +12,36 @@ from hsr_pin.inference.search import Search
 
 STATUSES = ("identified", "partly_identified", "ambiguous", "parameters", "no_gap", "unexplained", "insufficient", "unchanged")
 
-#: Verdict -> what it comes down to.
+#: Status of a verdict -> its headline.
 HEADLINES = {
     "identified": "Missing physics identified",
     "partly_identified": "Missing physics identified in part",
     "ambiguous": "More than one explanation",
-    "parameters": "Fitted parameters explain it",
+    "parameters": "Fitted parameters explain the gap",
     "no_gap": "No gap",
     "unexplained": "Not explained by any known effect",
-    "insufficient": "Too little to go on",
+    "insufficient": "Not enough data",
     "unchanged": "Nothing has changed",
 }
 
-
-#: Probability of the smallest collection of sets of causes whose names and kinds are listed.
+#: Total probability of the smallest collection of sets of causes whose names and kinds are listed.
 _CREDIBLE = 0.95
 
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """How a verdict calls what it speaks of.
+    """Words of a verdict for one kind of model.
 
     Attributes:
-        fitted: the numbers that are fitted without any cause, as in "stiffness and damping".
-        size: a distance as text.
-        kinds: of physics, in a few words each.
-        numbers: causes that are numbers of the model itself, in words: they are no missing effects.
-        session: those of them that change over the session.
-        missing: what is said of a cause.
-        nothing: status and beginning of the sentence where the declared model leaves no gap.
-        declared: the model as declared, as a row of the ladder.
-        headlines: what a verdict comes down to, by its status.
+        fitted: the parameters that are fitted without any cause, as in "stiffness and damping".
+        size: function that formats a distance.
+        kinds: short description of each kind of physics.
+        numbers: causes that are parameters of the nominal model, in words; they are not reported as missing effects.
+        session: those of them that change during the session.
+        missing: phrase that states that a cause is missing.
+        nothing: status and beginning of the sentence if the declared model leaves no gap.
+        declared: name of the declared model in the ladder.
+        headlines: headline for each status.
     """
 
     fitted: str
@@ -57,18 +56,18 @@ class Vocabulary:
 
     @property
     def at_best(self) -> str:
-        """The numbers as they are at best without any cause."""
+        """Phrase for the best model without any cause."""
         return self.fitted if self.fitted.startswith("the ") else f"fitted {self.fitted}"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What is too small to report.
+    """Thresholds below which a gap is not reported.
 
     Attributes:
-        noise: RMS distance that noise alone leaves.
-        closed: an RMS distance beyond noise that is too small to ask about.
-        share: of the squared gap, what may be left where causes are said to explain it.
+        noise: RMS distance that noise alone leaves [m].
+        closed: RMS distance beyond noise below which a gap counts as closed [m].
+        share: share of the squared gap that may remain if causes are said to explain it.
     """
 
     noise: float
@@ -77,23 +76,23 @@ class Limits:
 
     @classmethod
     def of(cls, noise: float, truest: float) -> Limits:
-        """For noise, and what the truest of models leaves: three tenths of the one, or one and a half times the other."""
+        """Return the thresholds for the noise and the error of the best models: 0.3 times the noise or 1.5 times the error."""
         return cls(noise, max(0.3 * noise, 1.5 * truest))
 
     def explains(self, left: float, gap: float) -> bool:
-        """Whether a mean square that is left beyond noise is next to nothing, by itself or of a squared gap."""
+        """Return whether a mean square beyond noise is negligible, absolutely or relative to a squared gap."""
         return left <= max(self.closed**2, self.share * gap)
 
 
 @dataclass(frozen=True)
-class Left:
-    """What the best model leaves beyond noise.
+class Remainder:
+    """Gap that the best model leaves beyond noise.
 
     Attributes:
-        rms: distance.
-        share: of the squared gap that the model without causes left.
-        length: that distances are compared with: of the arm.
-        not_repeatable: RMS distance between trials that repeat one another; None where none do.
+        rms: RMS distance [m].
+        share: share of the squared gap of the model without causes.
+        length: reference length that distances are compared with, such as that of the arm [m].
+        not_repeatable: trial-to-trial scatter (RMS distance between repeated trials) [m]; None without repeated trials.
     """
 
     rms: float
@@ -104,17 +103,17 @@ class Left:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the recordings say.
+    """Conclusion from the recordings.
 
     Attributes:
         status: one of :data:`STATUSES`.
-        effects: names of the effects that are reported as missing, sorted (those that all alternatives share).
-        alternatives: sets of names that these recordings cannot tell apart, the most probable first.
-        sentence: the verdict as a person would say it.
-        kinds: of physics that are reported, sorted.
+        effects: sorted names of the effects that are reported as missing (those common to all alternatives).
+        alternatives: sets of names that these recordings cannot distinguish, the most probable first.
+        sentence: the verdict as one sentence.
+        kinds: sorted kinds of physics that are reported.
         confidence: name or kind -> its probability.
-        left: what is left; None where nothing was fitted.
-        decision: the report that the loss chose; None where nothing was fitted.
+        left: gap that remains; None if nothing was fitted.
+        decision: the report chosen by the loss table; None if nothing was fitted.
     """
 
     status: str
@@ -123,7 +122,7 @@ class Verdict:
     sentence: str
     kinds: tuple[str, ...] = ()
     confidence: Mapping[str, float] = field(default_factory=dict)
-    left: Left | None = None
+    left: Remainder | None = None
     decision: Decision | None = None
 
 
@@ -137,20 +136,20 @@ def verdict_of(
     scatter: float | None = None,
     loss: Loss | None = None,
 ) -> Verdict:
-    """The verdict on what a search found.
+    """Return the verdict on the result of a search.
 
     Args:
         found: fitted models and their posterior.
-        limits: what is too small to report.
-        nominal: mean square beyond noise of the declared model.
-        words: how it calls what it speaks of.
-        length: that distances are compared with.
-        scatter: RMS distance between trials that repeat one another; None where none do.
-        loss: what each report gains or loses; default: the table of :class:`~hsr_pin.inference.Loss`.
+        limits: thresholds below which a gap is not reported.
+        nominal: mean square beyond noise of the declared model [m^2].
+        words: vocabulary of the sentence.
+        length: reference length that distances are compared with [m].
+        scatter: trial-to-trial scatter (RMS distance between repeated trials) [m]; None without repeated trials.
+        loss: gains and losses of a report; default: the table of :class:`~hsr_pin.inference.Loss`.
     """
     axes = len(found.base.fit.residuals[0][0, 0])
     gap, rest = axes * found.base.model.misfit, axes * found.best.model.misfit
-    left = Left(sqrt(rest), rest / max(gap, 1e-300), length, scatter)
+    left = Remainder(sqrt(rest), rest / max(gap, 1e-300), length, scatter)
     if sqrt(nominal) <= limits.closed:
         status, sentence = words.nothing
         return Verdict(status, (), (), f"{sentence} to within {words.size(limits.closed)} of their noise.", left=left)
@@ -164,19 +163,19 @@ def verdict_of(
 
 
 def predicted_no_better(verdict: Verdict, alone: float, best: float, names: Sequence[str], words: Vocabulary) -> Verdict:
-    """A verdict names nothing where trials set aside are predicted no better with it than by the model without causes.
+    """Return the verdict, without any causes if they do not improve the prediction of held-out trials.
 
     Args:
-        verdict: on the trials that were fitted.
-        alone: RMS distance that the model without causes leaves on the trials set aside.
-        best: likewise the best model.
-        names: of its causes.
-        words: how it calls what it speaks of.
+        verdict: verdict from the fitted trials.
+        alone: RMS distance of the model without causes on the held-out trials [m].
+        best: RMS distance of the best model on the held-out trials [m].
+        names: causes of the best model.
+        words: vocabulary of the sentence.
     """
     if best < alone or not (verdict.effects or verdict.alternatives or verdict.kinds):
         return verdict
     sentence = (
-        f"No cause is reported: {' with '.join(names)} fits best, but predicts the trials set aside no better "
+        f"No cause is reported: {' with '.join(names)} fits best, but predicts the held-out trials no better "
         f"({words.size(best)}) than {words.fitted} alone ({words.size(alone)})."
     )
     return replace(verdict, status="unexplained", effects=(), alternatives=(), kinds=(), confidence={}, sentence=sentence)
@@ -184,7 +183,7 @@ def predicted_no_better(verdict: Verdict, alone: float, best: float, names: Sequ
 
 @dataclass(frozen=True, eq=False)
 class _Words:
-    """A decision in words; arguments as of :func:`verdict_of`."""
+    """Sentence of a decision; the fields are the arguments of :func:`verdict_of`."""
 
     found: Search
     decision: Decision
@@ -194,16 +193,17 @@ class _Words:
     words: Vocabulary
 
     @property
-    def sure(self) -> str:
+    def probability(self) -> str:
+        """Probability of the report as text."""
         return f"probability {self.decision.probability:.2f}"
 
     @property
     def gap(self) -> float:
-        """Squared, of the model without causes."""
+        """Squared gap of the model without causes."""
         return self.axes * self.found.base.model.misfit
 
     def said(self) -> tuple[str, tuple[Names, ...], str]:
-        """Status, alternatives and sentence."""
+        """Return the status, the alternatives and the sentence."""
         if not self.decision.sets and not self.decision.kinds:
             return self._nothing()
         if not self.decision.sets:
@@ -215,52 +215,53 @@ class _Words:
         common = f" Each contains {listed(names)}." if names else ""
         each = ", or ".join(f"{' with '.join(some)} ({judged[some]:.2f})" for some in sets)
         none = judged.get((), 0.0)
-        unknown = f" That no known cause is missing has the probability {none:.2f}." if none >= 1 - _CREDIBLE else ""
-        return "ambiguous", sets, f"One of these is {self.words.missing} ({self.sure}): {each}.{common}{unknown}"
+        unknown = f" The probability that no known cause is missing is {none:.2f}." if none >= 1 - _CREDIBLE else ""
+        return "ambiguous", sets, f"One of these is {self.words.missing} ({self.probability}): {each}.{common}{unknown}"
 
     def _in_part(self) -> str:
         names, kinds = self.decision.names, _kinds(self.found)
-        beside = sorted(set(self.decision.kinds) - {kinds.get(name, "") for name in names})
-        what = "; ".join(self.words.kinds.get(kind, kind) for kind in beside)
-        of_kind = f"something of the kind {listed(beside)} ({what})" if beside else ""
+        further_kinds = sorted(set(self.decision.kinds) - {kinds.get(name, "") for name in names})
+        what = "; ".join(self.words.kinds.get(kind, kind) for kind in further_kinds)
+        of_kind = f"something of the kind {listed(further_kinds)} ({what})" if further_kinds else ""
         both = _capital(", and ".join(filter(None, (listed(names), of_kind))))
-        verb = "are" if len(names) + bool(beside) > 1 else "is"
-        return f"{both} {verb} {self.words.missing}, in part of its gap ({self.sure})."
+        many = len(names) + bool(further_kinds) > 1
+        explains = "and explain part of the gap" if many else "and explains part of the gap"
+        return f"{both} {'are' if many else 'is'} {self.words.missing} {explains} ({self.probability})."
 
     def _one(self) -> tuple[str, tuple[Names, ...], str]:
         names, many = self.decision.names, len(self.decision.names) > 1
         left = self.axes * self.found.leader(self.decision.sets[0]).model.misfit
         share = 100 * (1 - left / max(self.gap, 1e-300))
         goes = (
-            f"with {'them' if many else 'it'} {share:.0f} % of the squared gap that {self.words.fitted} leave is gone, "
-            f"{self.words.size(sqrt(left))} beyond noise is left"
+            f"{'they explain' if many else 'it explains'} {share:.0f} % of the squared gap that {self.words.fitted} leave, "
+            f"and {self.words.size(sqrt(left))} beyond noise remains"
         )
         if set(names) <= set(self.words.numbers):
             status = "partly_identified" if set(names) & self.words.session else "parameters"
             what = _capital(listed([self.words.numbers[name] for name in names]))
-            return status, (), f"{what} {'explain' if many else 'explains'} it ({self.sure}): {goes}."
+            return status, (), f"{what} {'explain' if many else 'explains'} the gap ({self.probability}): {goes}."
         whole = self.limits.explains(left, self.gap)
-        rest = "" if whole else "; something else is left"
-        sentence = f"{listed(names)} {'are' if many else 'is'} {self.words.missing} ({self.sure}): {goes}{rest}."
+        rest = "" if whole else "; another cause is not identified"
+        sentence = f"{listed(names)} {'are' if many else 'is'} {self.words.missing} ({self.probability}): {goes}{rest}."
         return ("identified" if whole else "partly_identified"), (), sentence
 
     def _nothing(self) -> tuple[str, tuple[Names, ...], str]:
-        """Where no cause is reported: the numbers that are fitted anyway explain the gap, or nothing does."""
+        """Return the verdict if no cause is reported: the fitted parameters explain the gap, or nothing does."""
         found, alone = self.found, self.found.leader(())
         left = self.axes * alone.model.misfit
         if self.limits.explains(left, self.nominal if alone is found.base else self.gap):
             return "parameters", (), _parameters(found, sqrt(self.nominal), sqrt(left), self.words)
         named = [(names, probability) for names, probability in found.posterior.sets.items() if names]
-        hint = "no effect of the catalogue takes away enough of it to be named"
+        hint = "no effect of the catalogue explains enough of it to be reported"
         if named:
             names, probability = named[0]
-            hint = f"the most probable cause ({listed(names)}, probability {probability:.2f}) is not certain enough to be named"
+            hint = f"the most probable cause ({listed(names)}, probability {probability:.2f}) is too uncertain to be reported"
         size = self.words.size(sqrt(self.gap))
-        return "unexplained", (), f"A gap of {size} beyond noise is left with {self.words.at_best}, and {hint}."
+        return "unexplained", (), f"A gap of {size} beyond noise remains with {self.words.at_best}, and {hint}."
 
 
 def _confidence(found: Search) -> dict[str, float]:
-    """Probability of each cause, and of each kind, of the smallest collection of sets of causes that is credible."""
+    """Return the probabilities of the causes and kinds in the smallest credible collection of sets."""
     sets = found.posterior.credible(_CREDIBLE)
     causes = [cause for names in sets for cause in found.posterior.leader(names).causes]
     stated = {cause.name: found.posterior.of_name(cause.name) for cause in causes if not cause.flexible}
@@ -269,23 +270,23 @@ def _confidence(found: Search) -> dict[str, float]:
 
 
 def _kinds(found: Search) -> dict[str, str]:
-    """Of every cause that was fitted."""
+    """Return the kind of every cause that was fitted."""
     return {cause.name: cause.kind for model in found.posterior.models for cause in model.causes}
 
 
 def _parameters(found: Search, before: float, after: float, words: Vocabulary) -> str:
     values = ", ".join(f"{name} {value:.3g}" for name, value in found.leader(()).fit.named.items())
     falls = f"the gap beyond noise falls from {words.size(before)} to {words.size(after)}"
-    return f"{_capital(words.fitted)} explain it ({values}): {falls}."
+    return f"{_capital(words.fitted)} explain the gap ({values}): {falls}."
 
 
 def headline(verdict: Verdict) -> str:
-    """What a verdict comes down to."""
+    """Return the headline of a verdict."""
     return HEADLINES[verdict.status]
 
 
 def listed(names: Sequence[str]) -> str:
-    """``a, b and c``."""
+    """Return names as ``a, b and c``."""
     return "" if not names else names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 

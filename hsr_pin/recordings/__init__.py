@@ -1,4 +1,4 @@
-"""Recordings: what motion capture gives, read, imported, cleaned and written."""
+"""Motion-capture recordings: reading, importing, cleaning and writing."""
 
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import noise_floor, noise_per_axis

@@ -1,4 +1,4 @@
-"""Cleaning: what a tracking system got wrong becomes a gap, and a note says so. Files are never touched."""
+"""Cleaning of recordings: errors of the tracking system become gaps, and notes report them. Files are not changed."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ def clean(
     smoothing: int | None = None,
     long_gap: float = 0.1,
 ) -> Recording:
-    """Clean a recording.
+    """Return a recording without the spikes and the exchanged markers of the tracking system.
 
     Args:
         recording: a trajectory, a trial, or a dataset.
-        remove_spikes: make gaps of samples far off their neighbours (:func:`~hsr_pin.recordings.outliers.spikes`).
-        restore_exchanges: give markers back their names where they were taken for one another.
-        threshold: of a spike, in standard deviations.
-        half_window: samples on either side that a spike is judged by.
-        smoothing: width of the moving average that the paper smooths its recordings with, an odd number of samples;
-            None: none. It rounds off fast motion.
-        long_gap: gaps longer than this [s] are reported.
+        remove_spikes: replace samples far from their neighbours by gaps (:func:`~hsr_pin.recordings.outliers.spikes`).
+        restore_exchanges: restore the names of markers that were exchanged.
+        threshold: threshold for spikes, in standard deviations.
+        half_window: number of samples on either side with which a sample is compared.
+        smoothing: width of a moving average, an odd number of samples, as used in the paper; None: no smoothing. Smoothing
+            attenuates fast motion.
+        long_gap: duration [s] from which gaps are reported.
 
     Returns:
-        A new one, at even times; ``notes`` of each trajectory say what was done.
+        The cleaned recording at even times; the ``notes`` of each trajectory list the changes.
 
     Raises:
-        InputError: ``smoothing`` is not an odd number of samples, ``half_window`` or ``threshold`` not positive, or sampling so
-            uneven that an even grid would be almost all gap.
+        InputError: ``smoothing`` is not an odd number of samples, ``half_window`` or ``threshold`` is not positive, or sampling
+            is so uneven that almost all of an even grid would be gaps.
     """
     if smoothing is not None and (smoothing < 1 or smoothing % 2 == 0):
         raise InputError("smoothing", expected="an odd number of samples", received=smoothing)
@@ -79,12 +79,13 @@ def _with_each_trajectory(
     try:
         even = evened(recording) if isinstance(recording, Trial) else on_even_grid(recording)[0]
     except ValueError as error:
-        raise InputError("time", expected="nearly even sampling", received=error, hint="split it at long pauses") from error
+        hint = "split the recording at long pauses"
+        raise InputError("time", expected="nearly even sampling", received=error, hint=hint) from error
     return replace(even, trajectory=change(even.trajectory)) if isinstance(even, Trial) else change(even)
 
 
 def moving_average(positions: Array, width: int) -> Array:
-    """(T, M, 3) the mean over ``width`` samples around each; fewer towards the ends, as many on either side; gaps stay gaps."""
+    """Return the centred moving average (T, M, 3) over ``width`` samples, fewer towards the ends; gaps remain gaps."""
     samples = len(positions)
     seen = np.isfinite(positions)
     total = np.concatenate([np.zeros((1, *positions.shape[1:])), np.cumsum(np.where(seen, positions, 0.0), axis=0)])
@@ -102,7 +103,7 @@ def _restore(positions: Array, trajectory: Trajectory, notes: list[str]) -> Arra
     if wrong.any():
         names = ", ".join(marker.name for index, marker in enumerate(trajectory.markers) if wrong[:, index].any())
         frames = int(wrong.any(axis=1).sum())
-        notes.append(f"{names}: exchanged for one another in {frames} of {len(wrong)} samples, given back their names")
+        notes.append(f"{names}: exchanged in {frames} of {len(wrong)} samples; the names were restored")
     return np.asarray(np.take_along_axis(positions, order[:, :, None], axis=1))
 
 
@@ -111,7 +112,7 @@ def _without_spikes(positions: Array, trajectory: Trajectory, notes: list[str], 
     for index, marker in enumerate(trajectory.markers):
         if found[:, index].any():
             notes.append(
-                f"{marker.name}: {_of(found[:, index])} samples removed as spikes (Hampel, {2 * half_window + 1} samples, "
+                f"{marker.name}: {_of(found[:, index])} samples were removed as spikes (Hampel, {2 * half_window + 1} samples, "
                 f"{threshold:g} standard deviations)"
             )
     return np.where(found[:, :, None], np.nan, positions)
@@ -123,7 +124,7 @@ def _report_gaps(positions: Array, trajectory: Trajectory, notes: list[str], lon
         edges = np.flatnonzero(np.diff(np.concatenate([[False], missing[:, index], [False]]).astype(int)))
         longest = int((edges[1::2] - edges[::2]).max(initial=0)) * trajectory.step
         if longest > long_gap and not missing[:, index].all():
-            notes.append(f"{marker.name}: {_of(missing[:, index])} samples missing, the longest gap {longest:.3g} s")
+            notes.append(f"{marker.name}: {_of(missing[:, index])} samples are missing; the longest gap is {longest:.3g} s")
 
 
 def _of(flags: NDArray[np.bool_]) -> str:

@@ -1,6 +1,6 @@
-"""Commands over time from a CSV file: columns ``t,P1,P2``, ``t,tau`` or, for an arm in space, ``t,tau_x,tau_y``.
+"""Reading of commands over time from a CSV file: columns ``t,P1,P2``, ``t,tau`` or, for an arm in space, ``t,tau_x,tau_y``.
 
-In s, bar and N m; each is held until the next row.
+The units are s, bar and N m. Each command is held until the next row.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from hsr_pin.recordings.grid import hold
 from hsr_pin.recordings.text import Table, read_table
 from hsr_pin.trajectory import Array
 
-#: Even steps [s] that are tried, the longest first, until every row of the file falls on one.
+#: Candidate even steps [s], longest first; the first one that fits every row of the file is used.
 STEPS = (0.01, 0.005, 0.002, 0.001)
-#: The file's own even step is taken up to here [s]; rows farther apart are held.
+#: Longest step of an evenly sampled file that is used as it is [s]; longer steps are held.
 COARSEST = 0.02
-#: A row this close to an even instant [s] stands on it.
+#: Tolerance between the time of a row and an even instant [s].
 TOLERANCE = 1e-6
 #: Largest torque accepted [N m].
 LARGEST_TORQUE = 1e3
@@ -36,7 +36,7 @@ class CommandFile:
         time: (T,) [s].
         torque: (T,) [N m], in space (T, 2), or None.
         pressures: (T, 2) [bar], or None.
-        note: one sentence, if rows had to be moved; else empty.
+        note: one sentence if rows had to be moved, otherwise empty.
     """
 
     time: Array
@@ -46,16 +46,16 @@ class CommandFile:
 
 
 def read_commands(path: str | Path, *, max_pressure: float, duration: float | None = None) -> CommandFile:
-    """Read commands.
+    """Read commands from a file and sample them evenly.
 
     Args:
-        path: the file.
-        max_pressure: pressures go from 0 up to here [bar].
-        duration: how long the run is [s], the last row being held or the rest left away; None: up to the file's last row.
+        path: the CSV file.
+        max_pressure: largest accepted pressure [bar].
+        duration: length of the run [s]; the last row is held, or later rows are left out; None: until the last row.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
-        InputError: a duration that is shorter than two samples, or too long.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
+        InputError: the duration is shorter than two samples, or too long.
     """
     table = read_table(Path(path))
     names = _inputs(table)
@@ -67,7 +67,7 @@ def read_commands(path: str | Path, *, max_pressure: float, duration: float | No
         raise InputError("duration", expected=f"{2 * step:g} to {LONGEST:g} s", received=f"{span:g}")
     time = rows[0] + np.arange(round(span / step) + 1) * step
     held = hold(rows, np.stack([table.column(name) for name in names], axis=1), time + (TOLERANCE if exact else step / 2))
-    note = "" if exact else f"rows of {path} were moved by up to {step / 2:g} s, onto even steps of {step:g} s"
+    note = "" if exact else f"rows of {path} were moved by up to {step / 2:g} s to even steps of {step:g} s"
     torque = held[:, 0] if names == ("tau",) else held if names == _IN_SPACE else None
     return CommandFile(time, torque, held if torque is None else None, note)
 
@@ -90,14 +90,14 @@ def _check(table: Table, names: tuple[str, ...], max_pressure: float) -> None:
             if name == "t" and np.isnan(value):
                 raise table.fault("column t", row, field, expected="a time [s]", received="no value")
             if name == "t" and row and not value > table.values[row - 1, field]:
-                before = f"more than {table.values[row - 1, field]:.9g} s, the time before it"
+                before = f"more than {table.values[row - 1, field]:.9g} s, the previous time"
                 raise table.fault("column t", row, field, expected=before, received=f"{value:.9g}")
     if len(table.values) < 2:
         raise table.fault("commands", 0, 0, expected="at least two rows", received="one")
 
 
 def _step(rows: Array) -> tuple[float, bool]:
-    """An even step [s], and whether every row falls on it."""
+    """Return an even step [s], and whether the times of all rows are multiples of it."""
     elapsed = rows - rows[0]
     own = elapsed[-1] / (len(rows) - 1)
     for step in (*STEPS, own if own <= COARSEST else STEPS[-1]):

@@ -1,4 +1,4 @@
-"""What a ``dataset.toml`` declares, checked value by value."""
+"""Reading and validation of the file ``dataset.toml`` that declares a dataset."""
 
 from __future__ import annotations
 
@@ -7,37 +7,37 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from hsr_pin.recordings.document import Section, read_document
-from hsr_pin.recordings.plausible import payload_doubt, size_doubt
+from hsr_pin.recordings.plausible import implausible_payload, implausible_size
 from hsr_pin.recordings.poses import PARTS
 from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
 from hsr_pin.recordings.text import nearest
 from hsr_pin.trajectory import BENDS, MOUNTS, Channel, Marker
 from hsr_pin.trajectory import Section as ArmSection
 
-#: The versions of the format that are read and written; the second knows arms in space.
+#: Versions of the format that are read and written; version 2 adds arms that bend in space.
 VERSIONS = (1, 2)
-#: Keys of [robot] in both.
+#: Keys of [robot] in both versions.
 _ROBOT = ("length", "mass", "diameter", "mount", "keq", "damping", "input", "smoothed", "weighed")
-#: What only the second has: tables, and keys in [robot] and in [[marker]].
+#: Additions of version 2: tables, and keys in [robot] and in [[marker]].
 _TABLES_IN_SPACE = ("section", "input", "measured")
 _ROBOT_IN_SPACE, _MARKER_IN_SPACE = ("bending", "torsion"), ("radius", "angle", "orientation")
-#: Name of the file that makes a folder a dataset.
+#: Name of the file that declares a folder to be a dataset.
 FILE_NAME = "dataset.toml"
-#: An arm outside of these lengths [m] is not measured in metres.
+#: Accepted lengths of an arm [m]; any other length is probably not in metres.
 SHORTEST, LONGEST = 1e-3, 50.0
-#: No arm carries more markers; what all pairs of them take grows with their square.
+#: Largest number of markers; computations over all pairs of markers grow with its square.
 MOST_MARKERS = 200
-#: Of the chain that simulated a dataset: most links, and where its joints may be.
+#: Of the chain that simulated a dataset: largest number of links, and accepted placements of the joints.
 MOST_LINKS, PLACEMENTS = 1000, ("base", "mid", "shifted")
-#: No tracks are smoothed over more samples.
+#: Largest width of the moving average that tracks may have passed through [samples].
 WIDEST = 101
-#: What the input does from sample to sample, the default first.
+#: Accepted interpolations of the input between samples, the default first.
 INPUTS = ("held", "interpolated")
 
 
 @dataclass(frozen=True, eq=False)
 class TrialDeclaration:
-    """One ``[[trial]]``: its file (relative to the dataset) and numbers as in :class:`~hsr_pin.trajectory.Trial`."""
+    """Contents of a table ``[[trial]]``: the file (relative to the dataset) and numbers of :class:`~hsr_pin.trajectory.Trial`."""
 
     file: str
     keq: float
@@ -49,15 +49,15 @@ class TrialDeclaration:
 
     @property
     def name(self) -> str:
-        """The file's stem."""
+        """Name of the trial: the stem of its file name."""
         return PurePosixPath(self.file).stem
 
 
 @dataclass(frozen=True, eq=False)
 class Declaration:
-    """A ``dataset.toml``; the attributes are those of :class:`~hsr_pin.trajectory.Dataset`, and ``posed``.
+    """Contents of a ``dataset.toml``.
 
-    ``posed`` are those of the markers whose orientation is recorded too.
+    The attributes are those of :class:`~hsr_pin.trajectory.Dataset`, and ``posed``: the markers whose orientation is recorded.
     """
 
     name: str
@@ -79,7 +79,7 @@ class Declaration:
 
     @property
     def inputs(self) -> tuple[tuple[str, ...], ...]:
-        """The sets of columns that may hold a trial's input."""
+        """Accepted sets of columns for the input of a trial."""
         if self.bending == "plane":
             return ("P1", "P2"), ("tau",)
         channels = tuple(channel.name for channel in self.channels)
@@ -87,7 +87,7 @@ class Declaration:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """All others."""
+        """Names of all columns that are not input."""
         places = (f"{marker.name}_{axis}" for marker in self.markers for axis in "xyz")
         return "t", *places, *(f"{marker.name}_{part}" for marker in self.posed for part in PARTS)
 
@@ -96,7 +96,7 @@ def read_declaration(path: Path) -> Declaration:
     """Read and check a ``dataset.toml``.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
     """
     top = read_document(path)
     newer = _version(top) == VERSIONS[1]
@@ -123,11 +123,11 @@ def read_declaration(path: Path) -> Declaration:
     space = bending == "space"
     for table, key in ((robot, "torsion"), *((top, name) for name in _TABLES_IN_SPACE)):
         if key in table.values and not space:
-            raise table.fault(key, key, expected='bending = "space" with it', received=bending)
+            raise table.fault(key, key, expected='bending = "space" together with this key', received=bending)
     mass, markers = robot.number("mass", "kg"), _markers(top, length, space)
     diameter = robot.number("diameter", "m")
-    if doubt := size_doubt(length, mass, diameter):
-        raise robot.fault(doubt.key, doubt.key, **doubt.facts)
+    if reason := implausible_size(length, mass, diameter):
+        raise robot.fault(reason.key, reason.key, **reason.facts)
     sections = sections_of(top, robot, length, mass)
     declaration = Declaration(
         name=top.text("name"),
@@ -152,7 +152,7 @@ def read_declaration(path: Path) -> Declaration:
 
 
 def _chain(top: Section) -> tuple[int, str] | None:
-    """The chain of a simulated dataset, from its table ``simulation``."""
+    """Return the number of links and the joint placement of a simulated dataset, from its table ``simulation``."""
     if "simulation" not in top.values:
         return None
     table = top.section("simulation")
@@ -166,7 +166,7 @@ def _chain(top: Section) -> tuple[int, str] | None:
 
 
 def _weighed(robot: Section) -> bool:
-    """Whether the mass was weighed, so that no other is considered."""
+    """Return whether the declared mass was weighed, in which case it is not questioned."""
     value = robot.values.get("weighed", False)
     if not isinstance(value, bool):
         raise robot.fault("weighed", "weighed", expected="true or false", received=repr(value)[:60])
@@ -174,7 +174,7 @@ def _weighed(robot: Section) -> bool:
 
 
 def _smoothed(robot: Section) -> int | None:
-    """Samples of the moving average that the tracks went through, 1: none; None: nobody says."""
+    """Return the width of the moving average that the tracks passed through [samples]; 1: not smoothed; None: not declared."""
     if "smoothed" not in robot.values:
         return None
     width = robot.number("smoothed", "samples")
@@ -191,7 +191,7 @@ def _version(top: Section) -> int:
             "format",
             expected=" or ".join(f"format = {version}" for version in VERSIONS),
             received="none" if version is None else repr(version)[:60],
-            hint="no other version is known",
+            hint="this version of hsr_pin reads no other version",
         )
     return int(version)
 
@@ -205,9 +205,9 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
         section.only("name", "arc_length", *(_MARKER_IN_SPACE if space else ()))
         name = section.text("name")
         if name != name.strip():
-            raise section.fault("marker name", "name", expected="no space around it", received=repr(name))
+            raise section.fault("marker name", "name", expected="a name without leading or trailing spaces", received=repr(name))
         if name in taken:
-            raise section.fault(f"two markers are named {name!r}", "name", hint="give each its own name")
+            raise section.fault(f"two markers are named {name!r}", "name", hint="give each marker its own name")
         taken |= {name, *(f"{name}:{axis}" for axis in "xy" if section.values.get("orientation"))}
         arc_length = section.number("arc_length", "m", zero=True)
         if arc_length > length * (1 + 1e-9):
@@ -222,7 +222,7 @@ def _markers(top: Section, length: float, space: bool) -> tuple[Marker, ...]:
             raise section.fault("orientation", "orientation", expected="true or false", received=repr(turned)[:60])
         markers.append(Marker(name, arc_length, radius, angle))
     if all(marker.arc_length == 0 for marker in markers):
-        raise top.sections("marker")[0].fault("no moving marker", expected="at least one with arc_length above 0")
+        raise top.sections("marker")[0].fault("no moving marker", expected="at least one marker with arc_length above 0")
     return tuple(markers)
 
 
@@ -235,7 +235,7 @@ def _trials(top: Section, robot: Section, sections: dict[str, float], mass: floa
         section.only("file", "keq", "damping", "tip_mass", "t_start", "input")
         values = section.values
         if keq is None and "keq" not in values:
-            raise section.fault("keq is missing", expected="a number [Nm/rad], in [robot] or in this [[trial]]")
+            raise section.fault("keq is missing", expected="a number [Nm/rad] in [robot] or in this [[trial]]")
         trial = TrialDeclaration(
             file=section.text("file"),
             keq=section.number("keq", "Nm/rad") if keq is None or "keq" in values else keq,
@@ -245,20 +245,20 @@ def _trials(top: Section, robot: Section, sections: dict[str, float], mass: floa
             interpolated=interpolated_in(section if "input" in values else robot),
             section=section,
         )
-        if doubt := payload_doubt(mass, trial.tip_mass):
-            raise section.fault(doubt.key, doubt.key, **doubt.facts)
+        if reason := implausible_payload(mass, trial.tip_mass):
+            raise section.fault(reason.key, reason.key, **reason.facts)
         parts = PurePosixPath(trial.file).parts
         if not trial.name or ".." in parts or PurePosixPath(trial.file).is_absolute() or "\\" in trial.file:
-            raise section.fault("file", "file", expected="a file inside of the dataset's folder", received=repr(trial.file))
+            raise section.fault("file", "file", expected="a file inside the dataset's folder", received=repr(trial.file))
         if trial.name in taken:
-            raise section.fault(f"two trials are named {trial.name!r}", "file", hint="give each its own file")
+            raise section.fault(f"two trials are named {trial.name!r}", "file", hint="give each trial its own file")
         taken.add(trial.name)
         trials.append(trial)
     return tuple(trials)
 
 
 def interpolated_in(section: Section) -> bool | None:
-    """Whether an input goes straight from sample to sample instead of being held; None: nobody says."""
+    """Return whether the input is interpolated linearly between samples instead of held; None: not declared."""
     if "input" not in section.values:
         return None
     word = section.text("input")

@@ -1,4 +1,4 @@
-"""Numbers of a delimited text, by NumPy's reader in C: fast, exact, and with memory for little more than the numbers."""
+"""Parsing of the numbers in delimited text with NumPy's C reader, which is fast and exact and needs little extra memory."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ import numpy as np
 
 from hsr_pin.trajectory import Array
 
-#: So much text is read at once [bytes].
+#: Size of the pieces in which text is parsed [bytes].
 CHUNK = 1 << 24
-#: What stands in a field that holds no number, besides nothing and ``nan``, in lower case.
+#: Words that mark a missing number, in addition to an empty field and ``nan``, in lower case.
 GAPS = (b"null", b"none")
 
 
 def number(text: str) -> float:
-    """The number in a field; NaN for an empty field or ``nan``.
+    """Return the number in a field; NaN for an empty field or ``nan``.
 
     Raises:
-        ValueError: anything else, infinity among it.
+        ValueError: the field holds anything else, including infinity.
     """
     text = text.strip()
     if text == "" or text.lower() == "nan":
@@ -42,18 +42,18 @@ def numbers(
     columns: list[int] | None = None,
     strict: bool = True,
 ) -> Array:
-    """(rows, columns) the numbers of the lines that are not blank; NaN where a field is empty or ``nan``.
+    """Return the numbers (rows, columns) of the lines that are not blank; NaN where a field is empty or ``nan``.
 
     Args:
-        body: lines of text, of bytes that ASCII is a part of.
-        width: fields in a row.
-        separator: between fields.
-        decimal: mark in a number.
-        columns: those that are wanted, in this order; None: all.
-        strict: every row has ``width`` fields; else, missing ones at its end are empty.
+        body: lines of text in an encoding that contains ASCII.
+        width: number of fields in a row.
+        separator: character between fields.
+        decimal: decimal mark of the numbers.
+        columns: indices of the columns to return, in this order; None: all.
+        strict: require ``width`` fields in every row; otherwise missing fields at the end of a row are empty.
 
     Raises:
-        ValueError: some row is not of this form. Which one, reading row by row will tell.
+        ValueError: a row is not of this form. Reading row by row finds which one.
     """
     form = separator.encode(), decimal.encode(), columns, strict
     values = np.empty((_lines(body), width if columns is None else len(columns)))  # at least as many as there are rows
@@ -71,13 +71,13 @@ def _lines(body: memoryview) -> int:
 
 
 def _chunks(body: memoryview) -> Iterator[bytes]:
-    """Pieces that end with a line."""
+    """Yield pieces of text that end at the end of a line."""
     start = 0
     while start < len(body):
         piece = bytes(body[start : start + CHUNK])
         end = piece.rfind(b"\n") + 1 if start + CHUNK < len(body) else len(piece)
         if end == 0:
-            raise ValueError("a line without end")
+            raise ValueError("a line is longer than the read buffer")
         yield piece[:end]
         start += end
 
@@ -88,7 +88,7 @@ def _part(text: bytes, width: int, separator: bytes, decimal: bytes, columns: li
     if decimal != b".":
         text = text.replace(decimal, b".")
     if b"_" in text or b"\0" in text:
-        raise ValueError("no number has this character")
+        raise ValueError("numbers do not contain underscores or null bytes")
     for repair in (_as_it_is, _lengthened, _stripped):
         if repair is _lengthened and strict:
             continue
@@ -104,13 +104,13 @@ def _as_it_is(text: bytes, width: int, separator: bytes) -> bytes:
 
 
 def _lengthened(text: bytes, width: int, separator: bytes) -> bytes:
-    """Rows of at least so many fields."""
+    """Return the text with every row padded to at least ``width`` fields."""
     rows = text.split(b"\n")
     return b"\n".join(row + separator * (width - 1 - row.count(separator)) for row in rows if row.strip())
 
 
 def _stripped(text: bytes, width: int, separator: bytes) -> bytes:
-    """Fields without spaces and quotes, and with ``nan`` for the words of a gap: ten times as slow."""
+    """Return the text without spaces and quotes around fields, with ``nan`` for the words that mark a gap (ten times slower)."""
     rows = [row for row in text.split(b"\n") if row.strip()]
     return b"\n".join(separator.join(_gap_to_nan(field) for field in row.split(separator)) for row in rows)
 
@@ -121,7 +121,7 @@ def _gap_to_nan(field: bytes) -> bytes:
 
 
 def _filled(text: bytes, separator: bytes) -> bytes:
-    """The same with ``nan`` in every empty field."""
+    """Return the text with ``nan`` in every empty field."""
     gap = separator + b"nan" + separator
     for empty, filled in (
         (separator * 2, gap),
@@ -136,11 +136,11 @@ def _filled(text: bytes, separator: bytes) -> bytes:
 
 def _loaded(text: bytes, width: int, separator: bytes, columns: list[int] | None, strict: bool) -> Array:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # no rows
+        warnings.simplefilter("ignore", UserWarning)  # raised for a piece without rows
         form: dict[str, Any] = {"delimiter": separator.decode(), "comments": None, "quotechar": '"', "encoding": "latin-1"}
         values = np.loadtxt(io.BytesIO(text), usecols=columns, ndmin=2, **form)
     if values.size and strict and columns is None and values.shape[1] != width:
-        raise ValueError("rows of another length")
+        raise ValueError("a row has the wrong number of fields")
     if np.isinf(values).any():
         raise ValueError("infinity")
     return np.asarray(values)

@@ -1,4 +1,4 @@
-"""The even grid of sampling instants that every trajectory stands on: as even as simulations demand it."""
+"""Resampling of unevenly sampled recordings onto the even time grid that simulations require."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from numpy.typing import NDArray
 
 from hsr_pin.trajectory import Array, Trajectory, Trial
 
-#: Steps that differ by less than this share are even.
+#: Largest relative difference between the steps of an even grid.
 EXACT = 1e-7
-#: A sample this close to an instant of the grid, in steps, is the sample of that instant, moved along the line to its neighbour.
+#: A sample this close to an instant of the grid [steps] is assigned to that instant and moved along the line to its neighbour.
 TOLERANCE = 0.01
-#: Samples are missing where two are farther apart than this, in steps; closer ones may merely jitter.
+#: Distance of two samples [steps] from which samples are missing between them; smaller distances may be jitter.
 GAP = 1.75
-#: Times that were rounded when they were written lie within this share of their last digit around an even grid: half of it, and
-#: what fitting the grid adds.
+#: Largest distance of rounded times from an even grid, as a share of their last digit: a half, and a margin for the fit of the
+#: grid.
 ROUNDED = 0.75
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """How to bring samples taken at uneven times onto even ones.
+    """Mapping of samples at uneven times onto an even time grid.
 
     Attributes:
-        source: (T,) [s] the times that were recorded, less ``origin``.
-        time: (G,) [s] the even times.
-        step: [s] between them.
-        origin: [s] what was taken off the recorded times: 0, or the first of them where they are so large (Unix time) that their
-            last digits make steps uneven.
-        rounding: [s] a sample this close to an instant was taken at it, its time merely rounded.
+        source: (T,) recorded times minus ``origin`` [s].
+        time: (G,) even times [s].
+        step: step of the even times [s].
+        origin: value subtracted from the recorded times [s]: 0, or the first time where the times are so large (Unix time) that
+            rounding makes steps uneven.
+        rounding: a sample this close to an instant [s] was taken at that instant, and its time was rounded.
     """
 
     source: Array
@@ -41,9 +41,9 @@ class Grid:
     rounding: float
 
     def positions(self, values: Array) -> Array:
-        """(G, ...) of (T, ...): a straight line between neighbouring samples; NaN inside of a gap, and beside a NaN.
+        """Return values (G, ...) of (T, ...), interpolated linearly; NaN inside a gap and next to a NaN.
 
-        A sample next to its instant is not lost: beside a gap the line is that to its other neighbour.
+        A sample at the edge of a gap is moved to its instant along the line to its other neighbour.
         """
         source, flat = self.source, values.reshape(len(values), -1)
         after = np.clip(np.searchsorted(source, self.time), 1, len(source) - 1)
@@ -58,15 +58,15 @@ class Grid:
             part = share[moved, None]
             line = (1 - part) * flat[before[moved]] + part * flat[after[moved]]
             line[(span[moved] > GAP * self.step) | (part[:, 0] > 1)] = np.nan
-            beside = np.flatnonzero((np.abs(off[moved]) <= TOLERANCE * self.step) & np.isnan(line).any(axis=1))
-            index = closest[moved[beside]]
-            alone = flat[index] + off[moved[beside], None] * self._slopes(flat, index)
-            line[beside] = np.where(np.isnan(line[beside]), alone, line[beside])
+            edge = np.flatnonzero((np.abs(off[moved]) <= TOLERANCE * self.step) & np.isnan(line).any(axis=1))
+            index = closest[moved[edge]]
+            alone = flat[index] + off[moved[edge], None] * self._slopes(flat, index)
+            line[edge] = np.where(np.isnan(line[edge]), alone, line[edge])
             placed[moved] = line
         return placed.reshape(len(placed), *values.shape[1:])
 
     def _slopes(self, flat: Array, index: NDArray[np.intp]) -> Array:
-        """(I, C) from some samples to the next, or from the one before; 0 where neither was seen."""
+        """Return the slopes (I, C) from samples to the next or, if missing, from the previous sample; 0 if both are missing."""
         slopes = []
         for first in (np.minimum(index, len(flat) - 2), np.maximum(index - 1, 0)):
             span = (self.source[first + 1] - self.source[first])[:, None]
@@ -74,39 +74,39 @@ class Grid:
         return np.nan_to_num(np.where(np.isnan(slopes[0]), slopes[1], slopes[0]))
 
     def held(self, values: Array) -> Array:
-        """(G, ...) of (T, ...): each value holds until the next."""
+        """Return values (G, ...) of (T, ...), each held until the next one."""
         return hold(self.source, values, self.time + max(TOLERANCE * self.step, self.rounding))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was done, one sentence each; nothing where times were even but for their last digits."""
+        """Notes on the resampling, one sentence each; none where only the rounding of the times was uneven."""
         notes = []
         steps = np.diff(self.source)
         uneven = float(np.abs(steps - self.step).max())
-        said = f"steps of {steps.min():.4g} to {steps.max():.4g} s"
+        steps_text = f"steps of {steps.min():.4g} to {steps.max():.4g} s"
         if uneven > 2 * max(TOLERANCE * self.step, self.rounding) or len(self.time) != len(self.source):
             notes.append(
-                f"sampling was uneven ({said}): resampled onto an even step of {self.step:.6g} s "
-                f"({len(self.source)} samples became {len(self.time)}), gaps left as gaps, the input held"
+                f"uneven sampling ({steps_text}) was resampled to an even step of {self.step:.6g} s "
+                f"({len(self.source)} samples became {len(self.time)}); gaps remain gaps, and the input is held"
             )
         elif uneven > 2 * TOLERANCE * self.step:
-            notes.append(f"times are rounded ({said}): taken for an even step of {self.step:.6g} s")
+            notes.append(f"rounded times ({steps_text}) were replaced by an even step of {self.step:.6g} s")
         elif uneven > 2 * self.rounding:
-            notes.append(f"sampling jitters ({said}): samples moved onto an even step of {self.step:.6g} s, along their motion")
+            notes.append(f"jittering samples ({steps_text}) were interpolated onto an even step of {self.step:.6g} s")
         if self.origin:
-            notes.append(f"times count from the first sample, at {self.origin:.6f} s")
+            notes.append(f"times are counted from the first sample, which was at {self.origin:.6f} s")
         return tuple(notes)
 
 
 def hold(source: Array, values: Array, time: Array) -> Array:
-    """Values given at ``source`` times, each held until the next, at other times (before the first: the first)."""
+    """Return values given at ``source`` times, each held until the next, at other times (the first value before the first)."""
     return np.asarray(values[np.clip(np.searchsorted(source, time, side="right") - 1, 0, len(source) - 1)])
 
 
 def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, tuple[str, ...]]:
-    """(T, C) commands (R, C) that are held from their ``source`` times on, as means over each step of even times; and a note.
+    """Return held commands (R, C) as means (T, C) over the steps of even times, and notes.
 
-    What changes on a sample stays as it was. What changes between two keeps its time: the sample before it holds the mean.
+    A change at a sample stays as it was. For a change between two samples, the sample before it takes the mean over the step.
     """
     step = float(time[-1] - time[0]) / (len(time) - 1)
     slack = TOLERANCE * step
@@ -120,17 +120,17 @@ def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, t
     passed = np.concatenate([[0.0 * values[0]], np.cumsum(values[:-1] * np.diff(source)[:, None], axis=0)])
     begin = passed[first] + values[first] * (time - source[first])[:, None]
     end = passed[last] + values[last] * (time + step - source[last])[:, None]
-    note = f"the command changes within {int(mixed.sum())} steps between samples: the sample before holds its mean until the next"
+    note = f"the command changes between samples in {int(mixed.sum())} steps; the sample before takes the mean over its step"
     return np.where(mixed[:, None], (end - begin) / step, values[first]), (note,)
 
 
 def even_grid(time: Array) -> Grid | None:
-    """The even grid for increasing times; None where they are even already.
+    """Return the even grid for increasing times; None if the times are even already.
 
-    The step is that of the recording's own clock where samples are merely missing, and the mean step where they jitter.
+    If samples are missing, the step is that of the recording's own clock; if samples jitter, it is the mean step.
 
     Raises:
-        ValueError: so uneven that the grid would be almost all gap.
+        ValueError: the times are so uneven that almost all of the grid would be gaps.
     """
     steps = np.diff(time)
     if np.ptp(steps) <= EXACT * steps.mean():
@@ -150,33 +150,33 @@ def even_grid(time: Array) -> Grid | None:
     else:
         step = float(counts @ (source - source[0]) / (counts @ counts))
         instants = int(np.floor((source[-1] - source[0]) / step + TOLERANCE)) + 1
-    rounding = 2 * off if rounded else 0.0  # twice: the grid begins at the first sample, whose time is rounded too
+    rounding = 2 * off if rounded else 0.0  # twice, as the first time, at which the grid begins, is rounded too
     return Grid(source, source[0] + step * np.arange(instants), step, origin, rounding)
 
 
 def fit(counts: Array, time: Array) -> tuple[float, float]:
-    """The step of the line through times at counted instants, and the largest distance from it."""
+    """Return the step [s] of a line fitted to the times of counted instants, and the largest distance [s] from that line."""
     centred, elapsed = counts - counts.mean(), time - time.mean()
     step = float(centred @ elapsed / (centred @ centred))
     return step, float(np.abs(elapsed - step * centred).max())
 
 
 def _counts(time: Array) -> Array:
-    """(T,) the instants of a regular clock at which times lie, some of them without a sample."""
+    """Return the counts (T,) of a regular clock at the given times; counts without a sample are skipped."""
     steps = np.diff(time)
     usual = float(np.median(steps))
     usual = float(steps[steps <= GAP * usual].mean())
     for _ in range(3):
         ratios = steps / usual
         if ratios.sum() > 10 * len(time) + 10_000:
-            raise ValueError("almost all gap")
+            raise ValueError("almost all of the even grid would be gaps")
         counts = np.concatenate([[0.0], np.cumsum(np.where(ratios > GAP, np.round(ratios), 1.0))])
         usual, _ = fit(counts, time)
     return counts
 
 
 def last_digit(time: Array, spacing: float) -> float:
-    """The power of ten [s] that all times are multiples of; 0 where they have more digits than that."""
+    """Return the largest power of ten [s] of which all times are multiples within rounding ``spacing`` [s]; 0 if none."""
     for digit in (10.0**-power for power in range(1, 10)):
         if np.all(np.abs(time - np.round(time / digit) * digit) <= 4 * spacing):
             return digit
@@ -184,10 +184,10 @@ def last_digit(time: Array, spacing: float) -> float:
 
 
 def on_even_grid(trajectory: Trajectory) -> tuple[Trajectory, float]:
-    """A trajectory at even times, its notes saying what was done; and what was taken off its times [s].
+    """Return a trajectory at even times, with notes on the resampling, and the time subtracted from its times [s].
 
     Raises:
-        ValueError: so uneven that the grid would be almost all gap.
+        ValueError: the times are so uneven that almost all of the grid would be gaps.
     """
     grid = even_grid(trajectory.time)
     if grid is None:
@@ -207,7 +207,7 @@ def on_even_grid(trajectory: Trajectory) -> tuple[Trajectory, float]:
 
 
 def instants_between(trajectory: Trajectory) -> NDArray[np.bool_]:
-    """(T,) rows without any marker that lie between the samples of otherwise even times: instants at which a command changes."""
+    """Return a mask (T,) of rows without markers between otherwise even samples: the instants at which a command changes."""
     time, empty = trajectory.time, np.array(np.isnan(trajectory.positions).all(axis=(1, 2)))
     empty[[0, -1]] = False
     if not empty.any() or np.ptp(np.diff(time)) <= EXACT * np.diff(time).mean():
@@ -218,7 +218,7 @@ def instants_between(trajectory: Trajectory) -> NDArray[np.bool_]:
 
 
 def with_commands_between(trajectory: Trajectory, instants: NDArray[np.bool_]) -> tuple[Trajectory, float]:
-    """As :func:`on_even_grid` of a trajectory without these rows, whose command changes at their times nevertheless."""
+    """Return :func:`on_even_grid` of a trajectory without some rows, while keeping the command changes at their times."""
     names = [name for name in ("torque", "pressures", "channels") if getattr(trajectory, name) is not None]
     kept: dict[str, Any] = {name: getattr(trajectory, name)[~instants] for name in ("time", "positions", *names)}
     even, origin = on_even_grid(replace(trajectory, **kept))
@@ -232,10 +232,10 @@ def with_commands_between(trajectory: Trajectory, instants: NDArray[np.bool_]) -
 
 
 def evened(trial: Trial) -> Trial:
-    """A trial at even times.
+    """Return a trial at even times.
 
     Raises:
-        ValueError: so uneven that the grid would be almost all gap.
+        ValueError: the times are so uneven that almost all of the grid would be gaps.
     """
     trajectory, origin = on_even_grid(trial.trajectory)
     start = None if trial.t_start is None else trial.t_start - origin

@@ -1,4 +1,4 @@
-"""How long after its command a motion comes, from the two alone: cross-correlation with a command that passed through an arm."""
+"""Estimation of the delay between a command and the motion, by cross-correlation with the filtered command."""
 
 from __future__ import annotations
 
@@ -11,50 +11,50 @@ import numpy as np
 from hsr_pin.recordings.grid import hold
 from hsr_pin.trajectory import Array
 
-#: Natural frequencies that are tried, evenly in their logarithm between what the recording's length and its samples can show; and
-#: damping ratios, from one that rings to one that creeps.
+#: Number of natural frequencies of the filters, log-spaced between the limits set by the length and the step of the recording;
+#: and their damping ratios, from weakly damped to overdamped.
 FREQUENCIES, RATIOS = 12, (0.1, 0.4, 0.9, 3.0)
-#: Less of the motion's variance than this, and the motion does not follow from the command.
+#: Smallest explained share of the motion's variance for which the motion is said to follow from the command.
 FOLLOWS = 0.5
-#: A command that was filtered before it was logged lags by up to so much [s]; more is a clock's.
+#: Longest lag of a command that was filtered before it was logged [s]; a longer lag is a clock offset.
 FILTERED = 0.2
-#: A stretch of the command that varies less than this share of the most varied one tells nothing.
+#: Segments of the command with less variance than this share of the largest one are ignored.
 STILL = 0.01
-#: Longest correlation that is computed [samples]; longer logs are looked at in coarser steps.
+#: Longest correlation that is computed [samples]; longer logs are resampled at coarser steps.
 MOST = 1 << 18
-#: Standard deviations of an interval, and of a lead that is reported: where the command is slow, the interval is too short.
-CLEAR, CERTAIN = 2.0, 5.0
+#: Standard deviations of the interval, and of a reported lead (larger, as the interval is too narrow for slow commands).
+INTERVAL_SIGMAS, LEAD_SIGMAS = 2.0, 5.0
 
 
 @dataclass(frozen=True)
 class Lag:
-    """What a motion and its command tell of their clocks.
+    """Estimated delay of a motion after its command.
 
     Attributes:
-        value: [s] by which the motion comes after the command, beyond what mass, spring and damper take; below zero: before.
-        sigma: its standard deviation [s].
-        share: of the motion's variance that the command then explains.
-        unless: the share that it explains if the motion does not come before it.
-        apart: whether other lags, apart from this one, explain nearly as much: a motion that repeats itself.
-        step: [s] of the samples.
+        value: delay of the motion after the command [s], in addition to that of mass, spring and damper; negative: a lead.
+        sigma: standard deviation of the delay [s].
+        share: share of the motion's variance that the command explains at this delay.
+        share_without_lead: largest share that the command explains at delays of zero or more.
+        ambiguous: whether other, separate delays explain nearly as much, as for periodic motion.
+        step: step of the samples [s].
     """
 
     value: float
     sigma: float
     share: float
-    unless: float
-    apart: bool
+    share_without_lead: float
+    ambiguous: bool
     step: float
 
     @property
     def follows(self) -> bool:
-        """Whether the motion follows from the command at all."""
+        """Whether the command explains the motion at all."""
         return self.share >= FOLLOWS
 
     @property
     def is_early(self) -> bool:
-        """Whether the motion clearly comes before its command: that explains at least half of what else is left."""
-        clear = self.value + CERTAIN * self.sigma < 0 and 1 - self.share < (1 - self.unless) / 2
+        """Whether the motion significantly leads its command: a lead halves the unexplained variance at least."""
+        clear = self.value + LEAD_SIGMAS * self.sigma < 0 and 1 - self.share < (1 - self.share_without_lead) / 2
         return self.follows and clear and self.value < -max(FILTERED, 2 * self.step)
 
     def __str__(self) -> str:
@@ -62,18 +62,18 @@ class Lag:
 
 
 def find_lag(source: Array, command: Array, time: Array, motion: Array, *, signed: bool = False) -> Lag | None:
-    """Find by how much a motion lags behind its command; None where one of them does not change.
+    """Estimate the delay of a motion after its command; None if one of them does not change.
 
-    The command passes through second-order systems of many frequencies and damping ratios, and each is slid along the motion
-    (normalised cross-correlation). The interval holds all lags whose residual is not clearly larger than the least one's, which
-    counts as many independent samples as its autocorrelation leaves.
+    The command is filtered by second-order systems of many frequencies and damping ratios, and each output is correlated with the
+    motion (normalised cross-correlation). The interval contains all delays whose residual is not significantly larger than the
+    smallest one; the number of independent samples follows from the autocorrelation of the residual.
 
     Args:
-        source: (R,) [s] when the command was given; each row holds until the next.
-        command: (R,); complex in space, as the motion.
-        time: (T,) [s] of the motion, even.
-        motion: (T,) along one direction; NaN where not seen.
-        signed: the motion goes where the command does, not the other way.
+        source: (R,) times of the command [s]; each row holds until the next.
+        command: (R,) values; complex in space, like the motion.
+        time: (T,) even times of the motion [s].
+        motion: (T,) displacement along one direction; NaN where not seen.
+        signed: the motion has the same sign as the command.
     """
     seen = np.isfinite(motion)
     if seen.sum() < 3 or np.ptp(motion[seen]) == 0 or np.ptp(command) == 0:
@@ -87,32 +87,32 @@ def find_lag(source: Array, command: Array, time: Array, motion: Array, *, signe
     begin = source[0] - span
     given = hold(source, command, np.arange(begin, source[-1] + span + step, step) + 1e-9 * step)
     given = given - given[0]
-    answers = list(_passed(given, step, len(moved)))
+    answers = list(_filtered(given, step, len(moved)))
     matches = np.stack([_match(each, moved, signed) for each in answers])
     model, at = (int(place) for place in np.unravel_index(int(np.argmax(matches)), matches.shape))
     share = float(matches[model, at])
     alone = _independent(answers[model][at : at + len(moved)], moved)
-    near = np.flatnonzero(1 - matches.max(axis=0) <= max(1 - share, 1e-9) * (1 + CLEAR**2 / alone))
-    sigma = max(float(np.ptp(near)) * step / (2 * CLEAR), step / np.sqrt(12))
+    near = np.flatnonzero(1 - matches.max(axis=0) <= max(1 - share, 1e-9) * (1 + INTERVAL_SIGMAS**2 / alone))
+    sigma = max(float(np.ptp(near)) * step / (2 * INTERVAL_SIGMAS), step / np.sqrt(12))
     lags = time[0] - begin - np.arange(matches.shape[1]) * step
-    unless = float(matches[:, lags >= -step / 2].max(initial=0.0))
-    return Lag(float(lags[at]), sigma, share, unless, bool(np.any(np.diff(near) * step > FILTERED)), step)
+    without_lead = float(matches[:, lags >= -step / 2].max(initial=0.0))
+    return Lag(float(lags[at]), sigma, share, without_lead, bool(np.any(np.diff(near) * step > FILTERED)), step)
 
 
-def _passed(given: Array, step: float, count: int) -> Iterator[Array]:
-    """A command (N,) as it is, and behind second-order systems, from rest."""
+def _filtered(given: Array, step: float, count: int) -> Iterator[Array]:
+    """Yield a command (N,) as it is, and the responses of second-order systems to it, starting from rest."""
     yield given
     for frequency in np.geomspace(2 * np.pi / (count * step), np.pi / (2 * step), FREQUENCIES):
         for ratio in RATIOS:
-            yield passed(given, step, frequency, ratio)
+            yield second_order_response(given, step, frequency, ratio)
 
 
-def passed(given: Array, step: float, frequency: float, ratio: float) -> Array:
-    """(N,) what a second-order system of unit gain, at rest, makes of an input (N,) that is held from sample to sample.
+def second_order_response(given: Array, step: float, frequency: float, ratio: float) -> Array:
+    """Return the response (N,) of a second-order system of unit gain, starting from rest, to a held input (N,).
 
     Args:
-        given: zero at first; real or complex.
-        step: [s].
+        given: input, zero at first; real or complex.
+        step: step of the samples [s].
         frequency: natural frequency [rad/s].
         ratio: damping ratio.
     """
@@ -126,7 +126,7 @@ def passed(given: Array, step: float, frequency: float, ratio: float) -> Array:
 
 
 def _match(given: Array, moved: Array, signed: bool) -> Array:
-    """(N - n + 1,) share of the variance of a motion (n,) that a command (N,) explains, from each of its samples on."""
+    """Return the share (N - n + 1,) of a motion's (n,) variance that a command (N,) explains, for each start sample."""
     size, count = len(given), len(moved)
     total, squares = (np.append(0.0, np.cumsum(values)) for values in (given, np.abs(given) ** 2))
     window = total[count:] - total[:-count]
@@ -139,7 +139,7 @@ def _match(given: Array, moved: Array, signed: bool) -> Array:
 
 
 def _independent(given: Array, moved: Array) -> float:
-    """How many independent samples the residual (n,) of a motion counts as, from its autocorrelation over one sample."""
+    """Return the effective number of independent samples of a residual (n,), from its lag-one autocorrelation."""
     given = given - given.mean()
     residual = moved - given * (np.vdot(given, moved) / np.vdot(given, given))
     whole, over_one = (float(np.vdot(residual[: len(residual) - by], residual[by:]).real) for by in (0, 1))

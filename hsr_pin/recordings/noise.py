@@ -1,4 +1,4 @@
-"""How much of a recording is noise, from the recording alone."""
+"""Estimation of the measurement noise of a recording from the recording alone."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import numpy as np
 
 from hsr_pin.trajectory import Array, Trajectory, Trial
 
-#: Order of the differences taken: motion that is a cubic over five samples leaves no trace in them.
+#: Order of the differences, which vanish for motion that is a cubic polynomial over five samples.
 ORDER = 4
-#: Fewer differences than this say nothing.
+#: Smallest number of differences from which noise is estimated.
 FEWEST = 8
-#: Median absolute deviation to standard deviation, for a normal distribution.
+#: Ratio of standard deviation to median absolute deviation of a normal distribution.
 MAD_TO_SIGMA = 1.482602218505602
 
 
 def white_noise(values: Array) -> Array:
-    """(...) standard deviation of the white noise in (T, ...) evenly sampled values; NaN where too few follow one another.
+    """Return the standard deviation (...) of the white noise in evenly sampled values (T, ...); NaN if there are too few.
 
-    The fourth difference of white noise of unit variance has the variance binom(8, 4) = 70; its median absolute deviation is
-    blind to outliers, and smooth motion leaves next to nothing in it (T. Gasser, L. Sroka, C. Jennen-Steinmetz, Residual
+    The fourth difference of white noise of unit variance has the variance binom(8, 4) = 70. Its median absolute deviation is
+    insensitive to outliers and to smooth motion (T. Gasser, L. Sroka, C. Jennen-Steinmetz, Residual
     variance and residual pattern in nonlinear regression, Biometrika 73, 1986, with second differences).
     """
     shape = values.shape[1:]
@@ -36,17 +36,17 @@ def white_noise(values: Array) -> Array:
 
 
 def noise_per_axis(recording: Trial | Trajectory) -> Array:
-    """(M, 3) [m] standard deviation of the noise in x, y and z of each marker; NaN for a marker that was hardly seen.
+    """Return the standard deviation (M, 3) [m] of the noise in x, y and z of each marker; NaN for a marker rarely seen.
 
-    Robust against outliers, gaps and real motion: it comes from fourth differences.
+    The estimate comes from fourth differences and is robust against outliers, gaps and real motion.
     """
     trajectory = recording.trajectory if isinstance(recording, Trial) else recording
     return white_noise(trajectory.positions)
 
 
 def noise_floor(recording: Trial | Trajectory) -> Array:
-    """(M,) [m] standard deviation of the noise in a coordinate of each marker, its root mean square over x, y and z.
+    """Return the noise (M,) [m] in a coordinate of each marker: the RMS over x, y and z of its standard deviations.
 
-    Noise alone puts a marker sqrt(3) times this (root mean square) from its true place.
+    The RMS distance of a marker from its true position is sqrt(3) times this.
     """
     return np.asarray(np.sqrt(np.mean(noise_per_axis(recording) ** 2, axis=1)))

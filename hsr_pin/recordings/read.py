@@ -1,4 +1,4 @@
-"""A dataset on disk into the frozen types of :mod:`hsr_pin.trajectory`. The format: see the documentation of recordings."""
+"""Reading of datasets from disk into the types of :mod:`hsr_pin.trajectory` (docs/recording-format.md)."""
 
 from __future__ import annotations
 
@@ -12,52 +12,52 @@ from hsr_pin.errors import RecordingError, quoted
 from hsr_pin.recordings.declaration import FILE_NAME, Declaration, TrialDeclaration, read_declaration
 from hsr_pin.recordings.files import is_inside
 from hsr_pin.recordings.grid import instants_between, on_even_grid, with_commands_between
-from hsr_pin.recordings.plausible import exchanged, mount_doubt
+from hsr_pin.recordings.plausible import exchanged, implausible_mount
 from hsr_pin.recordings.poses import points_of, seen_points
 from hsr_pin.recordings.samples import FIRST, SAMPLES, sample_folder
 from hsr_pin.recordings.sampling import implausible
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
-#: No coordinate [m], time [s] or input is larger.
+#: Largest accepted coordinate [m], time [s] or input.
 LARGEST = 1e10
-#: No two samples are closer [s].
+#: Smallest accepted time between two samples [s].
 SHORTEST_STEP = 1e-9
-#: A marker is never farther from the base than its arc length; times this, it is not measured in metres.
+#: Largest accepted ratio of a marker's distance from the base to the arm's length; more is probably not in metres.
 TOO_FAR = 5.0
-#: Nor does an arm fold up so far that a marker stays closer to the base than this share of its arc length.
+#: Smallest accepted ratio of a marker's median distance from the base to its arc length.
 TOO_NEAR = 0.02
-#: A marker that moves less than this in every trial [m] does not move.
+#: Largest displacement of a marker that counts as not moving [m].
 STILL = 1e-9
 
 
 def read_dataset(path: str | Path) -> Dataset:
-    """Read a dataset.
+    """Read a dataset from a folder.
 
     Args:
-        path: its folder (or its ``dataset.toml``), or the name of a sample where no such folder is there.
+        path: the folder or its ``dataset.toml``, or the name of a sample if no such folder exists.
 
     Returns:
-        The dataset; what was done to a trial's data (resampling) stands in its trajectory's ``notes``.
+        The dataset. The ``notes`` of each trajectory report changes of its data, such as resampling.
 
     Raises:
-        RecordingError: with file, line and column of the first fault, what was expected there, and what to try.
+        RecordingError: the dataset is invalid; the error names file, line and column of the first fault and what to try.
     """
     folder = Path(path)
     if folder.name == FILE_NAME:
         folder = folder.parent
-    if not _holds(folder.is_dir):
+    if not _is_true(folder.is_dir):
         known = sample_folder(str(path))
         if known is None:
-            hint = f"or the name of a sample: {', '.join(SAMPLES)}"
-            raise RecordingError("no such dataset", expected=f"a folder with a {FILE_NAME} in it", hint=hint, file=path)
+            hint = f"samples can be given by name: {', '.join(SAMPLES)}"
+            raise RecordingError("no such dataset", expected=f"a folder that contains {FILE_NAME}", hint=hint, file=path)
         folder = known
-    if _holds((folder / FILE_NAME).exists) and not is_inside(folder / FILE_NAME, folder):
+    if _is_true((folder / FILE_NAME).exists) and not is_inside(folder / FILE_NAME, folder):
         raise RecordingError(
             "cannot read the declaration",
-            expected="a file in its folder",
-            received="a link out of it",
-            hint="copy the file there",
+            expected="a file in the folder of the dataset",
+            received="a link out of the folder",
+            hint="copy the file into the folder",
             file=folder / FILE_NAME,
         )
     declaration = read_declaration(folder / FILE_NAME)
@@ -85,13 +85,13 @@ def read_dataset(path: str | Path) -> Dataset:
 
 
 def sample(name: str = FIRST) -> Dataset:
-    """Read a sample dataset.
+    """Read a sample dataset that is installed with the package.
 
     Args:
-        name: one of :data:`SAMPLES`; default: the first.
+        name: name of the sample, one of :data:`SAMPLES`; default: the first one.
 
     Raises:
-        RecordingError: there is no sample of this name.
+        RecordingError: no sample has this name.
     """
     folder = sample_folder(name)
     if folder is None:
@@ -99,21 +99,22 @@ def sample(name: str = FIRST) -> Dataset:
     return read_dataset(folder)
 
 
-def _holds(question: Callable[[], bool]) -> bool:
+def _is_true(question: Callable[[], bool]) -> bool:
     try:
         return question()
-    except (OSError, ValueError):  # a name too long; a null byte in it
+    except (OSError, ValueError):  # the name is too long or contains a null byte
         return False
 
 
 def _table(folder: Path, trial: TrialDeclaration) -> Table:
     path = folder / trial.file
-    if not _holds(path.exists):
+    if not _is_true(path.exists):
         there = sorted(other.name for other in folder.glob("*.csv"))
-        raise trial.section.fault(f"trial file {trial.file!r} is not there", "file", hint=nearest(trial.file, there, "CSV files"))
+        hint = nearest(trial.file, there, "CSV files")
+        raise trial.section.fault(f"trial file {trial.file!r} does not exist", "file", hint=hint)
     if not is_inside(path, folder):
-        expected, received = "a file inside of the dataset's folder", f"{trial.file!r}, a link out of it"
-        raise trial.section.fault("file", "file", expected=expected, received=received, hint="copy the file there")
+        expected, received = "a file inside the dataset's folder", f"{trial.file!r}, a link out of the folder"
+        raise trial.section.fault("file", "file", expected=expected, received=received, hint="copy the file into the folder")
     return read_table(path)
 
 
@@ -133,8 +134,9 @@ def _check_columns(table: Table, declaration: Declaration) -> None:
     every = [name for names in possible for name in names]
     inputs = [name for name in every if name in table.header]
     if inputs and inputs not in possible:
-        field, expected = table.place[inputs[-1]], ", or ".join(" and ".join(names) for names in possible)
-        raise table.fault("input columns", None, field, expected=f"{expected}, or none", received=" and ".join(inputs))
+        field, every_set = table.place[inputs[-1]], [" and ".join(names) for names in possible]
+        expected = ", or ".join([*every_set, "no input columns"])
+        raise table.fault("input columns", None, field, expected=expected, received=" and ".join(inputs))
     known, there = {*wanted, *(inputs or every)}, table.place
     missing = [name for name in wanted if name not in there]
     for field, name in enumerate(table.header):
@@ -146,7 +148,7 @@ def _check_columns(table: Table, declaration: Declaration) -> None:
             None,
             len(table.header),
             expected=", ".join(wanted),
-            hint="a marker that was never seen has empty fields",
+            hint="leave the fields empty for a marker that was never seen",
         )
 
 
@@ -173,7 +175,7 @@ def _check_size(table: Table, declaration: Declaration) -> None:
         row = int(np.argmax(steps < SHORTEST_STEP)) + 1
         before, here = table.column("t")[row - 1 : row + 1]
         raise table.fault(
-            "time", row, table.place["t"], expected=f"more than {before:.9g} s, the time before it", received=f"{here:.9g}"
+            "time", row, table.place["t"], expected=f"more than {before:.9g} s, the previous time", received=f"{here:.9g}"
         )
 
 
@@ -204,13 +206,13 @@ def _on_even_grid(table: Table, declaration: Declaration) -> tuple[Trajectory, f
             row,
             table.place["t"],
             expected="nearly even sampling",
-            received=f"a step of {np.diff(time).max():.3g} s where {np.median(np.diff(time)):.3g} s is usual",
+            received=f"a step of {np.diff(time).max():.3g} s where the median is {np.median(np.diff(time)):.3g} s",
             hint="times are in seconds; split the recording at long pauses",
         ) from None
 
 
 def _input(table: Table, declaration: Declaration) -> dict[str, Array]:
-    """What drove the arm, by the names that a trajectory has for it; empty: nothing."""
+    """Return the input as keyword arguments of a trajectory; empty if the table has no input."""
     names = next((names for names in declaration.inputs if names[0] in table.header), ())
     if not names:
         return {}
@@ -229,30 +231,30 @@ def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:
 
 
 def _in_plane(positions: Array, declaration: Declaration) -> tuple[Array, list[str]]:
-    """Positions of an arm in a plane, where a marker that has no y in any sample is in it; and a note on each."""
+    """Return positions in which planar markers without any y have y = 0, and a note on each of these markers."""
     some = np.asarray(np.isfinite(positions).any(axis=0))
     wanted = [True, False, True] if declaration.bending == "plane" else [False] * 4
     flat = [index for index, axes in enumerate(some.tolist()) if axes == wanted]
     positions = np.array(positions)
     for index in flat:
         positions[np.isfinite(positions[:, index, 0]), index, 1] = 0.0
-    return positions, [f"{declaration.markers[index].name}: no y in any sample, taken as 0" for index in flat]
+    return positions, [f"{declaration.markers[index].name}: y is missing in all samples and was set to 0" for index in flat]
 
 
 def _seen(positions: Array) -> bool:
-    """Whether (..., 3) positions hold a whole one."""
+    """Return whether any of the positions (..., 3) is complete."""
     return bool(np.isfinite(positions).all(axis=-1).any())
 
 
 def _check_order(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
-    """Refuse an arm that points elsewhere, and markers that stand in each other's places in most samples of a trial."""
+    """Check that the arm points as its mount declares, and that no markers are exchanged in most samples of a trial."""
     markers = declaration.markers
     last = max(range(len(markers)), key=lambda index: markers[index].arc_length)
     tracks = [trial.trajectory.positions[:, last] for trial in trials]
     places = [np.median(track[seen], axis=0) for track in tracks if (seen := np.isfinite(track).all(axis=1)).any()]
-    if doubt := mount_doubt(declaration.mount, [tuple(place) for place in places], markers[last].arc_length):
+    if reason := implausible_mount(declaration.mount, [tuple(place) for place in places], markers[last].arc_length):
         table = tables[0]
-        raise table.fault("mount", None, table.place[f"{markers[last].name}_x"], **doubt.facts)
+        raise table.fault("mount", None, table.place[f"{markers[last].name}_x"], **reason.facts)
     for trial, table in zip(trials, tables, strict=True):
         apart = np.linalg.norm(trial.trajectory.positions[:, : len(markers)], axis=2)
         distances = [float(np.median(each[np.isfinite(each)])) if np.isfinite(each).any() else np.nan for each in apart.T]
@@ -265,18 +267,18 @@ def _check_order(declaration: Declaration, trials: tuple[Trial, ...], tables: li
             table.place[f"{near.name}_x"],
             expected=f"{near.name!r} at most {near.arc_length:g} m from the base, its arc length",
             received=f"{distances[pair[0]]:.3g} m, and {distances[pair[1]]:.3g} m for {far.name!r} (medians)",
-            hint="exchange their names in the header, or their arc lengths",
+            hint="exchange the names of the two markers in the header, or their arc lengths",
         )
 
 
 def _without_data(tables: list[Table], name: str, field: int) -> RecordingError:
     empty = [axis for axis in "xyz" if all(np.isnan(table.column(f"{name}_{axis}")).all() for table in tables)]
     if len(empty) in (1, 2):
-        subject, expected = f"marker {name!r} has no {' and no '.join(empty)} in any trial", "x, y and z in the world: z is up"
+        subject, expected = f"marker {name!r} has no {' and no '.join(empty)} in any trial", "x, y and z in the world frame, z up"
         return tables[0].fault(
-            subject, None, field, expected=expected, hint="a camera's plane is x and z, and y is then empty or 0"
+            subject, None, field, expected=expected, hint="for a single camera use x and z, and leave y empty or 0"
         )
-    return tables[0].fault(f"marker {name!r} has no data in any trial", None, field, hint="take it out of the dataset")
+    return tables[0].fault(f"marker {name!r} has no data in any trial", None, field, hint="remove it from the dataset")
 
 
 def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
@@ -297,12 +299,12 @@ def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: 
             if not low <= distance <= TOO_FAR * declaration.length:
                 row = int(np.argmax(np.isfinite(table.column(f"{marker.name}_x"))))
                 raise table.fault(
-                    f"marker {marker.name!r} cannot be in metres, or not from the base of this arm",
+                    f"position of marker {marker.name!r} is not in metres, or not relative to the base of the arm",
                     row,
                     table.place[f"{marker.name}_x"],
                     expected=f"{low:.3g} to {TOO_FAR * declaration.length:.3g} m from the origin",
                     received=f"{distance:.4g} (median)",
-                    hint="if it is in millimetres, divide by 1000; hsr-import converts units",
+                    hint="divide millimetres by 1000; hsr-import converts units",
                 )
     if moved <= STILL:
         raise tables[0].fault("no moving marker", None, 0, expected="a marker with arc_length above 0 that moves in some trial")

@@ -1,4 +1,4 @@
-"""What a ``dataset.toml`` declares of sections, and of the channels that drive them: version 2 of the format, arms in space."""
+"""Sections of an arm and the channels that drive them, as declared in a ``dataset.toml`` of version 2 (arms in space)."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from typing import Any
 from hsr_pin.recordings.document import Section as Table
 from hsr_pin.trajectory import Channel, Section
 
-#: No arm has more sections, and no recording more channels.
+#: Largest numbers of sections of an arm and of channels of a recording.
 MOST_SECTIONS, MOST_CHANNELS = 50, 200
-#: By how much of itself what sections are together may differ from what is declared of the whole arm.
+#: Relative tolerance between the sum over the sections and the number declared for the whole arm.
 _ROUNDED = 1e-3
 
 
 def sections_of(top: Table, robot: Table, length: float, mass: float) -> tuple[Section, ...]:
-    """The tables ``[[section]]``, from the base on; what none of them says is spread evenly over the arm.
+    """Return the sections of the tables ``[[section]]`` from base to tip; properties they omit are spread evenly over the arm.
 
     Args:
-        top: of the file.
-        robot: its table of the whole arm.
-        length: of the whole arm [m].
-        mass: of the whole arm [kg].
+        top: top-level table of the file.
+        robot: table of the whole arm.
+        length: length of the whole arm [m].
+        mass: mass of the whole arm [kg].
 
     Raises:
-        RecordingError: they are not what is declared of the whole arm.
+        RecordingError: the sections together contradict the declaration of the whole arm.
     """
     if "section" not in top.values:
         return ()
@@ -44,7 +44,7 @@ def sections_of(top: Table, robot: Table, length: float, mass: float) -> tuple[S
 
     masses = each("mass", "kg", lambda share: mass * share)
     _check_whole(robot, "mass", "kg", mass, sum(masses))
-    whole = {key: _first_said(key, robot.values, *top.values.get("trial", ())) for key in ("keq", "damping")}
+    whole = {key: _first_declared(key, robot.values, *top.values.get("trial", ())) for key in ("keq", "damping")}
     springs = each("keq", "Nm/rad", lambda share: whole["keq"] / share)
     dampers = each("damping", "Nm s/rad", lambda share: whole["damping"] / share)
     for key, unit, value in (("keq", "Nm/rad", series(springs)), ("damping", "Nm s/rad", averaged(dampers, parts))):
@@ -53,58 +53,58 @@ def sections_of(top: Table, robot: Table, length: float, mass: float) -> tuple[S
     return tuple(Section(*numbers) for numbers in zip(parts, masses, springs, dampers, strict=True))
 
 
-def _first_said(key: str, *tables: Any) -> float:
-    """A number of the whole arm as the first table has it; 1 where nobody says it: sections then differ by length alone."""
-    said = (table.get(key) for table in tables if isinstance(table, dict))
-    numbers = (float(value) for value in said if isinstance(value, int | float) and 0 <= value < inf)
+def _first_declared(key: str, *tables: Any) -> float:
+    """Return a number of the whole arm from the first table that has it; 1 if none has (sections then differ in length only)."""
+    declared = (table.get(key) for table in tables if isinstance(table, dict))
+    numbers = (float(value) for value in declared if isinstance(value, int | float) and 0 <= value < inf)
     return next((value for value in numbers if value or key == "damping"), 1.0)
 
 
 def declared_whole(top: Table, sections: tuple[Section, ...]) -> dict[str, float]:
-    """Stiffness and damping of the whole arm, where the sections' own say them."""
-    said = {key for table in top.values.get("section", ()) for key in table}
+    """Return stiffness and damping of the whole arm where the sections determine them."""
+    declared = {key for table in top.values.get("section", ()) for key in table}
     found = {}
-    if "keq" in said:
+    if "keq" in declared:
         found["keq"] = series([section.keq for section in sections])
-    if "damping" in said:
+    if "damping" in declared:
         found["damping"] = averaged([section.damping for section in sections], [section.length for section in sections])
     return found
 
 
 def series(springs: list[float]) -> float:
-    """Stiffness [Nm/rad] of springs in series."""
+    """Return the stiffness [Nm/rad] of springs in series."""
     return 1 / sum(1 / spring for spring in springs)
 
 
 def averaged(dampers: list[float], lengths: list[float]) -> float:
-    """Damping [Nm s/rad] of an arm whose sections have these, and these lengths [m]."""
+    """Return the damping [Nm s/rad] of an arm from the dampers [Nm s/rad] and lengths [m] of its sections."""
     return sum(damper * (length / sum(lengths)) ** 2 for damper, length in zip(dampers, lengths, strict=True))
 
 
 def _check_whole(robot: Table, key: str, unit: str, declared: float, together: float) -> None:
     if not isclose(declared, together, rel_tol=_ROUNDED):
-        expected = f"{together:.6g} {unit}, as all sections together"
+        expected = f"{together:.6g} {unit}, the value of all sections together"
         raise robot.fault(key, key, expected=expected, received=f"{declared:.6g}", hint="[robot] declares the whole arm")
 
 
 def torque_columns(sections: int) -> tuple[str, ...]:
-    """Columns of the torque of so many sections: ``tau_x``, ``tau_y``; of more than one ``tau_x_1``, ``tau_y_1``, ..."""
+    """Return the names of the torque columns: ``tau_x``, ``tau_y``; for several sections ``tau_x_1``, ``tau_y_1``, ..."""
     if sections < 2:
         return "tau_x", "tau_y"
     return tuple(f"tau_{axis}_{section + 1}" for section in range(sections) for axis in "xy")
 
 
 def channels_of(top: Table, sections: int, taken: Collection[str], besides: Collection[str] = ()) -> tuple[Channel, ...]:
-    """The tables ``[[input]]`` and ``[[measured]]``, column by column.
+    """Return the channels of the tables ``[[input]]`` and ``[[measured]]``, one for each column.
 
     Args:
-        top: of the file.
-        sections: how many the arm has, at least one.
-        taken: names of columns that they must not have.
-        besides: keys that such a table may have too, and that are read elsewhere.
+        top: top-level table of the file.
+        sections: number of sections of the arm, at least one.
+        taken: names of columns that are already in use.
+        besides: further keys that such a table may have and that are read elsewhere.
 
     Raises:
-        RecordingError: a name that is taken, or a torque of other sections than there are.
+        RecordingError: a name is already in use, or a torque refers to a section that does not exist.
     """
     found: list[Channel] = []
     for kind in ("input", "measured"):
@@ -116,7 +116,7 @@ def channels_of(top: Table, sections: int, taken: Collection[str], besides: Coll
             if len(found) > MOST_CHANNELS:
                 raise table.fault("channels", "columns", expected=f"at most {MOST_CHANNELS}", received=len(found))
     if found and not any(channel.torque for channel in found):
-        raise top.fault("channels", "measured", expected="a table [[input]] beside them, for what drives the arm")
+        raise top.fault("channels", "measured", expected="also a table [[input]] that declares what drives the arm")
     return tuple(found)
 
 
@@ -124,10 +124,10 @@ def _names(table: Table, taken: Collection[str]) -> list[str]:
     names: Any = table.values.get("columns")
     good = isinstance(names, list) and names and all(isinstance(name, str) and _is_name(name) for name in names)
     if not good:
-        raise table.fault("columns", "columns", expected='names of columns, as ["P1", "P2", "P3"]', received=repr(names)[:60])
+        raise table.fault("columns", "columns", expected='column names, such as ["P1", "P2", "P3"]', received=repr(names)[:60])
     for place, name in enumerate(names):
         if name in taken or name in names[:place]:
-            raise table.fault(f"column {name!r} is there already", "columns", hint="give each column its own name")
+            raise table.fault(f"column {name!r} is declared twice", "columns", hint="give each column its own name")
     return list(names)
 
 
@@ -136,20 +136,20 @@ def _is_name(name: str) -> bool:
 
 
 def _torques(table: Table, count: int, sections: int) -> list[tuple[float, ...]]:
-    """For each of the columns (2 S,) [N m per unit]."""
+    """Return the torque (2 S,) [N m per unit] of each column."""
     if "torque" in table.values:
         for key in ("section", "gain", "angle"):
             if key in table.values:
-                raise table.fault(key, key, expected="no torque beside it, or torque alone")
+                raise table.fault(key, key, expected="either this key or torque, not both")
         rows: Any = table.values["torque"]
         good = isinstance(rows, list) and len(rows) == count and all(_are_numbers(row, 2 * sections) for row in rows)
         if not good:
-            expected = f"for each of {count} columns {2 * sections} numbers [N m per unit]: towards x and y for each section"
+            expected = f"{2 * sections} numbers [N m per unit] for each of {count} columns: towards x and y per section"
             raise table.fault("torque", "torque", expected=expected, received=repr(rows)[:60])
         return [tuple(map(float, row)) for row in rows]
     section = table.values.get("section", 1 if sections == 1 else None)
     if isinstance(section, bool) or not isinstance(section, int) or not 1 <= section <= sections:
-        expected = f"the section that they bend, 1 to {sections}, or torque"
+        expected = f"the section that the columns bend, 1 to {sections}, or torque"
         raise table.fault("section", "section", expected=expected, received=repr(section)[:60])
     gain = table.number("gain", "N m per unit", sign=True)
     angle = table.angle("angle") if "angle" in table.values else 0.0
@@ -157,14 +157,14 @@ def _torques(table: Table, count: int, sections: int) -> list[tuple[float, ...]]
 
 
 def around(count: int, gain: float, angle: float, section: int = 1, sections: int = 1) -> list[tuple[float, ...]]:
-    """What columns that lie evenly around a section give: for each (2 S,) [N m per unit].
+    """Return the torque (2 S,) [N m per unit] of each of several columns spaced evenly around a section.
 
     Args:
-        count: of columns.
-        gain: [N m per unit] of each.
-        angle: [rad] of the first, from x towards y of the base.
-        section: that they bend, from 1.
-        sections: S, how many the arm has.
+        count: number of columns.
+        gain: torque per unit of each column [N m per unit].
+        angle: angle of the first column from x towards y of the base [rad].
+        section: section that the columns bend, counted from 1.
+        sections: number S of sections of the arm.
     """
     torques = []
     for k in range(count):

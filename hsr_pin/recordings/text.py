@@ -1,4 +1,4 @@
-"""Text files and the tables of numbers in them, with the place of every fault."""
+"""Text files and numeric CSV tables, with the line and column of every fault."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _MARK = b"\xef\xbb\xbf"
 
 
 def read_text(path: Path, largest: int = LARGEST) -> str:
-    """The text of a UTF-8 file (a byte order mark is taken off).
+    """Return the text of a UTF-8 file without its byte order mark.
 
     Raises:
-        RecordingError: no such file, not a regular file, too large, not UTF-8 (with line and column of the first wrong byte), or
-            empty.
+        RecordingError: the file does not exist, is not a regular file, is too large or empty, or is not UTF-8 (with line and
+            column of the first wrong byte).
     """
     return _decoded(read_bytes(path, largest), path)
 
@@ -49,7 +49,7 @@ def _decoded(data: bytes, path: Path) -> str:
 
 
 def nearest(name: str, known: Iterable[str], what: str) -> str:
-    """A hint: the known name that looks most like ``name``, or all of them."""
+    """Return a hint with the known name most similar to ``name``, or with all known names."""
     names = list(known)
     close = difflib.get_close_matches(name.lower(), [candidate.lower() for candidate in names], n=1, cutoff=0.5)
     if close:
@@ -58,7 +58,7 @@ def nearest(name: str, known: Iterable[str], what: str) -> str:
 
 
 def field_column(line: str, field: int, separator: str = ",") -> int:
-    """The column, counted from 1, at which a field (counted from 0) starts in its line."""
+    """Return the text column, counted from 1, at which a field (counted from 0) starts in its line."""
     quoted = False
     line = line.rstrip("\r\n")
     for place, character in enumerate(line):
@@ -72,10 +72,10 @@ def field_column(line: str, field: int, separator: str = ",") -> int:
 
 
 def split_fields(line: str, separator: str = ",") -> list[str]:
-    """The fields of one line of a delimited text, stripped.
+    """Return the fields of one line of delimited text, stripped.
 
     Raises:
-        csv.Error: the line is none.
+        csv.Error: the line is not valid delimited text.
     """
     return [field.strip() for row in csv.reader([line.rstrip("\r\n")], delimiter=separator) for field in row]
 
@@ -85,11 +85,11 @@ class Table:
     """A CSV table with one header line.
 
     Attributes:
-        path: its file.
-        text: all of the file.
+        path: the file.
+        text: content of the file.
         header: (C,) names of the columns.
-        header_line: the line they stand in, counted from 1.
-        values: (T, C) its numbers; NaN where a field is empty or ``nan``.
+        header_line: line of the header, counted from 1.
+        values: (T, C) numbers; NaN where a field is empty or ``nan``.
     """
 
     path: Path
@@ -100,17 +100,17 @@ class Table:
 
     @cached_property
     def place(self) -> dict[str, int]:
-        """Where each column stands, counted from 0."""
+        """Index of each column, counted from 0, by name."""
         return {name: field for field, name in enumerate(self.header)}
 
     def column(self, name: str) -> Array:
-        """(T,) the values under a name that is in the header."""
+        """Return the values (T,) of a column that is in the header."""
         return np.asarray(self.values[:, self.place[name]])
 
     def fault(
         self, subject: str, row: int | None, field: int, *, expected: str = "", received: object = None, hint: str = ""
     ) -> RecordingError:
-        """An error at a field of a row (None: of the header)."""
+        """Return an error at a field of a row (None: of the header)."""
         line, content = next(iter(_rows(self.text, 0 if row is None else row + 1)), (self.header_line, ""))
         column = field_column(content, field)
         facts: dict[str, Any] = {"expected": expected, "received": received, "hint": hint}
@@ -118,13 +118,13 @@ class Table:
 
 
 def _rows(text: bytes, first: int = 0) -> Iterable[tuple[int, str]]:
-    """Line and text of each line that is not blank, from the ``first`` of them on; a longer one than :data:`CHUNK` is cut."""
+    """Yield line number and text of each non-blank line after the first ``first``; lines beyond :data:`CHUNK` bytes are cut."""
     at, line, found = 0, 0, 0
     while at < len(text):
         end = text.find(b"\n", at)
         end = len(text) if end < 0 else end
         line += 1
-        content = text[at : min(end, at + CHUNK)]  # no row is longer: its beginning tells what is wrong
+        content = text[at : min(end, at + CHUNK)]  # no valid row is longer, and its beginning shows the fault
         at = end + 1
         if content.strip(b' ,"\r\t\xef\xbb\xbf'):
             if found >= first:
@@ -136,7 +136,8 @@ def read_table(path: Path) -> Table:
     """Read a CSV file of numbers under one header line.
 
     Raises:
-        RecordingError: unreadable, no rows, a column named twice, a row of another length, or a field that is no number.
+        RecordingError: the file cannot be read or has no rows, a column is named twice, a row has the wrong number of fields, or
+            a field is not a number.
     """
     text = read_bytes(path)
     if not text.isascii() or not text or text.isspace():
@@ -160,10 +161,10 @@ def _check_header(table: Table, first: str) -> None:
     taken: set[str] = set()
     for field, name in enumerate(table.header):
         if name in taken:
-            raise table.fault(f"column {name!r} stands twice in the header", None, field)
+            raise table.fault(f"column {name!r} occurs twice in the header", None, field)
         taken.add(name)
     if len(table.header) == 1 and any(mark in first for mark in ";|\t"):
-        hint = "separate by commas, and write decimals with points"
+        hint = "separate the columns by commas, and use decimal points"
         raise table.fault("header", None, 0, expected="columns separated by commas", received=first[:40], hint=hint)
 
 
@@ -180,7 +181,7 @@ def _values(table: Table) -> Array:
 
 
 def _row_by_row(table: Table) -> Array:
-    """The same, slowly, up to the first fault."""
+    """Return the numbers of a table parsed row by row, and raise an error at the first fault."""
     found = []
     for index, (_, content) in enumerate(_rows(table.text, 1)):
         try:
@@ -190,7 +191,7 @@ def _row_by_row(table: Table) -> Array:
         if len(row) != len(table.header):
             at, hint = min(len(row), len(table.header)), ""
             if len(row) > len(table.header):
-                hint = "decimals have points, not commas"
+                hint = "use decimal points, not commas"
             raise table.fault("row", index, at, expected=f"{len(table.header)} fields", received=len(row), hint=hint)
         values = []
         for field, part in enumerate(row):

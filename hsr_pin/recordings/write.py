@@ -1,4 +1,4 @@
-"""A dataset onto the disk: whole, exact, and never over something else."""
+"""Writing of datasets to disk: complete, exact, and without overwriting other files."""
 
 from __future__ import annotations
 
@@ -17,21 +17,20 @@ from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.trajectory import Channel, Dataset, Section, Trajectory, Trial
 
-#: Ending of the name under which the older dataset stands while a newer one takes its place.
+#: Suffix of the temporary name of an existing dataset while a newer one replaces it.
 _OLD = "old"
 
 
 def write_dataset(dataset: Dataset, path: str | Path) -> None:
-    """Write a dataset into a folder, so that it reads back equal to the last bit.
+    """Write a dataset into a folder so that it reads back bit for bit.
 
-    The folder is written beside its place, read back, and moved there in one step; an older dataset there is replaced.
-    Notes become comments in ``dataset.toml``. Joint angles and rates have no place in the format and are left out;
-    so is the torque where there are pressures or channels, which determine it. Orientations were read as points, and stay so.
+    The folder is written under a temporary name, read back, and renamed in one step; an older dataset there is replaced.
+    Notes become comments in ``dataset.toml``. Joint angles and rates are not part of the format and are left out, as is the
+    torque where pressures or channels determine it. Orientations were read as points and are written as points.
 
     Raises:
-        OutputError: the place is a file, or a folder that holds anything but a dataset, or the folder that the dataset was
-            read from (raw recordings are never overwritten), or cannot be written; or the dataset is not one that the
-            format can hold.
+        OutputError: the path is a file, a folder that contains anything but a dataset, the folder that the dataset was read from
+            (raw recordings are never overwritten), or not writable; or the format cannot hold the dataset.
     """
     check_target(path, dataset)
     draft = None
@@ -61,7 +60,7 @@ def write_dataset(dataset: Dataset, path: str | Path) -> None:
 
 
 def _check_names(dataset: Dataset, draft: Path) -> None:
-    """Each trial's name must be that of a file in the folder."""
+    """Check that the name of each trial is the name of its file."""
     written = [trial.name for trial in read_declaration(draft / FILE_NAME).trials]
     for trial, name in zip(dataset.trials, written, strict=True):
         if trial.name != name:
@@ -69,14 +68,14 @@ def _check_names(dataset: Dataset, draft: Path) -> None:
 
 
 def check_target(path: str | Path, dataset: Dataset | None = None) -> None:
-    """Refuse a place that a dataset cannot be written to, before anything is computed.
+    """Check that a dataset can be written to a folder, before anything is computed.
 
     Args:
-        path: the folder to be written.
-        dataset: what will be written, if it exists already: it must not go where it came from.
+        path: the folder to write.
+        dataset: the dataset, if it exists already; it must not be written to the folder it was read from.
 
     Raises:
-        OutputError: saying what is there.
+        OutputError: the folder cannot be written; the error names what it contains.
     """
     try:
         target = Path(path).resolve()
@@ -94,38 +93,38 @@ def check_target(path: str | Path, dataset: Dataset | None = None) -> None:
         raise OutputError(
             "will not replace the folder",
             expected="a new or empty folder, or a dataset",
-            received=f"a folder with {(strange or sorted(there))[0]!r} in it",
+            received=f"a folder that contains {(strange or sorted(there))[0]!r}",
             file=path,
         )
 
 
-def mend(path: str | Path) -> list[str]:
-    """Undo what killed writers of a dataset left, drafts and a dataset without its name, and tell it, one sentence each.
+def recover(path: str | Path) -> list[str]:
+    """Remove the temporary folders of interrupted writers and restore a renamed dataset; return a sentence on each change.
 
     Raises:
-        OutputError: it cannot be undone.
+        OutputError: a folder cannot be removed or renamed.
     """
-    told = []
+    messages = []
     try:
         target = Path(path).resolve()
         for old in left_by_killed(target, _OLD):
             if target.exists():
                 shutil.rmtree(old)
-                told.append(f"{path}: took away {old.name}, an older dataset that a killed command left")
+                messages.append(f"{path}: removed {old.name}, an older dataset left behind by an interrupted command")
             else:
                 old.rename(target)
-                told.append(f"{path}: put back from {old.name}, as which a killed command left it")
+                messages.append(f"{path}: restored from {old.name}, the name given to it by an interrupted command")
         for draft in left_by_killed(target, DRAFT):
             shutil.rmtree(draft)
-            told.append(f"{path}: took away {draft.name}, which a killed command left half written")
+            messages.append(f"{path}: removed {draft.name}, an incomplete dataset left behind by an interrupted command")
     except (OSError, ValueError, RuntimeError) as error:
         raise _cannot_write(path, error) from error
-    return told
+    return messages
 
 
 def _cannot_write(path: str | Path, error: Exception) -> OutputError:
     reason = getattr(error, "strerror", None) or str(error)  # ValueError: a null byte in the name; RuntimeError: a loop of links
-    return OutputError("cannot write the dataset", expected="a place that can be written", received=reason, file=path)
+    return OutputError("cannot write the dataset", expected="a writable location", received=reason, file=path)
 
 
 def _move(draft: Path, target: Path) -> None:
@@ -175,7 +174,7 @@ def _declaration(dataset: Dataset) -> str:
 
 
 def _section(section: Section, damped: bool) -> list[str]:
-    """Its lines; the damping is left out where no trial has one: what stands in memory is then a placeholder."""
+    """Return the lines of a table ``[[section]]``; damping is left out if no trial has one, as it is then a placeholder."""
     units = {"length": "m", "mass": "kg", "keq": "Nm/rad"} | ({"damping": "Nm s/rad"} if damped else {})
     return ["", "[[section]]", *(_entry(key, getattr(section, key), unit) for key, unit in units.items())]
 
@@ -196,7 +195,7 @@ def _trial_declaration(trial: Trial) -> list[str]:
     if trial.t_start is not None:
         lines.append(_entry("t_start", trial.t_start, "s"))
     if trial.interpolated is not None:
-        says = "straight from sample to sample" if trial.interpolated else "from sample to sample"
+        says = "linearly between samples" if trial.interpolated else "until the next sample"
         lines.append(f"input = {_quoted(INPUTS[trial.interpolated])}  # {says}")
     return lines
 
@@ -206,7 +205,7 @@ def _entry(key: str, value: float, unit: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # a JSON string is a TOML string, but for DEL
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # a JSON string is a TOML string, except for DEL
 
 
 def _one_line(text: str) -> str:

@@ -1,11 +1,11 @@
-"""Simulation and measurement to look at.
+"""Animations and plots of simulated and measured motion.
 
 - ``animation``: arms, markers, trails and gaps in meshcat
-- ``bodies``: the visuals of the URDF in motion
-- ``drawn``: Drawn: what every picture takes
+- ``bodies``: visuals of the URDF in motion
+- ``drawn``: Drawn: a run as input of every picture
 - ``labels``: text in the scene
-- ``live``: in the browser, live
-- ``page``: as one self-contained HTML file
-- ``plots``: tip paths and errors, for print
+- ``live``: animation in the browser
+- ``page``: animation as a self-contained HTML file
+- ``plots``: figures of tip paths and errors
 - ``viewer``: meshcat, imported without its warnings
 """

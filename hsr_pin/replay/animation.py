@@ -1,7 +1,7 @@
-"""Arms in motion in a meshcat scene: drawn the same way into a live viewer and into a page.
+"""Animation of arms in a meshcat scene, for a live viewer or a page.
 
-The plane of bending faces the camera, which stands at negative y. Several arms stand side by side. Trails, measured markers and
-the gaps to them lie just in front of the arm, so that it does not hide them.
+The camera is at negative y and faces the plane of bending. Several arms are placed side by side. Trails, measured markers and the
+gaps to them are drawn just in front of the arm, so that it does not hide them.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from hsr_pin.replay.viewer import geometry as mg
 from hsr_pin.replay.viewer import transformations as mt
 from hsr_pin.trajectory import Array
 
-#: Frames per second, and the largest number of frames; a longer run has fewer per second.
+#: Frames per second, and largest number of frames; longer runs have fewer frames per second.
 RATE, MOST_FRAMES = 50.0, 2000
-#: A property that changes less than this from frame to frame stands still.
+#: Largest change of a property from frame to frame that counts as no change.
 STILL = 1e-6
-#: Side of a square of the grid behind the arms [m].
+#: Side of the squares of the grid behind the arms [m].
 GRID = 0.05
-#: Simulated and measured, where there is a measurement: Okabe and Ito's blue and vermilion.
+#: Colours of simulated and measured motion (Okabe and Ito's blue and vermilion).
 SIMULATED, MEASURED = 0x0072B2, 0xD55E00
-#: Trails of several simulated runs.
+#: Colours of the trails of several simulated runs.
 TRAILS = (0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00)
 
-#: Width over height of a window that the scene is laid out for.
+#: Aspect ratio (width to height) of the window for which the scene is arranged.
 ASPECT = 1.5
 _FIELD_OF_VIEW = 30.0
 _HALF_VIEW = math.tan(math.radians(_FIELD_OF_VIEW / 2))
@@ -44,18 +44,18 @@ _VIEW_IN_SPACE = np.array([0.55, -1.0, 0.4]) / np.linalg.norm([0.55, -1.0, 0.4])
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """Common frames of several runs: ``time`` (F,) [s] of each, in the recordings' own time, and frames per second."""
+    """Common frames of several runs: times ``time`` (F,) [s] on the clock of the recordings, and frames per second."""
 
     time: Array
     rate: float
 
 
 def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
-    """Put arms, markers, trails and their motion into a viewer, and its camera where all of it is in view.
+    """Draw arms, markers, trails and their motion in a viewer, and place its camera so that everything is visible.
 
     Args:
-        viewer: live, or one that records what it is sent.
-        runs: drawn side by side.
+        viewer: a live viewer, or one that records its commands.
+        runs: runs to draw side by side.
 
     Returns:
         The frames of the animation that the viewer now plays.
@@ -86,7 +86,7 @@ def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
 
 
 def trail_colour(run: Drawn, number: int) -> int:
-    """0xRRGGBB of the simulated trail of a run and its place in the row."""
+    """Return the colour 0xRRGGBB of the simulated trail of a run with a given number."""
     return SIMULATED if run.measured is not None else TRAILS[number % len(TRAILS)]
 
 
@@ -98,7 +98,7 @@ def _clip(runs: Sequence[Drawn]) -> Clip:
 
 
 def _reach(runs: Sequence[Drawn]) -> tuple[Array, Array]:
-    """Lowest and highest corner (3,) of all that any run sweeps, seen from its base [m]."""
+    """Return the corners (3,) [m] of the bounding box of the motion of all runs, relative to their bases."""
     points = [np.zeros((1, 3))]
     for run in runs:
         points.append(run.simulated.positions.reshape(-1, 3))
@@ -110,7 +110,7 @@ def _reach(runs: Sequence[Drawn]) -> tuple[Array, Array]:
 
 
 def _arrangement(extent: Array) -> Array:
-    """(3,) [m] from one arm to the next: beside each other, or below each other where they are wide."""
+    """Return the offset (3,) [m] from one arm to the next, sideways or, for wide motions, downwards."""
     if extent[0] > 1.3 * extent[2]:
         return np.array([0.0, 0.0, -1.2 * extent[2]])
     return np.array([1.1 * extent[0], 0.0, 0.0])
@@ -119,7 +119,7 @@ def _arrangement(extent: Array) -> Array:
 def _draw_arm(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Animation) -> None:
     for body in bodies(run.arm):
         if run.measured is not None and body.height is None:
-            continue  # the arm's own markers would be taken for measured ones
+            continue  # the markers of the URDF could be mistaken for measured ones
         node = place[f"joint_{body.joint}"][body.name]
         node.set_object(_geometry(body), mg.MeshLambertMaterial(color=body.colour))
         node.set_transform(body.placement)
@@ -159,7 +159,7 @@ def _draw_measured(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Anim
 
 
 def _draw_trail(node: Visualizer, path: Array, colour: int, size: float, *, between: bool = True) -> None:
-    """A path (T, 3) as dots of a size [m]: so close that they are a line, or the samples alone. Nothing where it was not seen."""
+    """Draw a path (T, 3) as dots of a size [m], either so dense that they form a line or at the samples only; NaN is skipped."""
     points = path[np.isfinite(path).all(axis=1)]
     if between:
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
@@ -171,7 +171,7 @@ def _draw_trail(node: Visualizer, path: Array, colour: int, size: float, *, betw
 
 
 def _draw_wall(node: Visualizer, corners: Array, behind: float) -> None:
-    """A grid in the plane of bending, behind the arms."""
+    """Draw a grid in the plane of bending, behind the arms."""
     low, high = np.floor(corners[0] / GRID) * GRID, np.ceil(corners[1] / GRID) * GRID
     lines = [[[x, behind, low[2]], [x, behind, high[2]]] for x in np.arange(low[0], high[0] + GRID / 2, GRID)] + [
         [[low[0], behind, z], [high[0], behind, z]] for z in np.arange(low[2], high[2] + GRID / 2, GRID)
@@ -181,9 +181,9 @@ def _draw_wall(node: Visualizer, corners: Array, behind: float) -> None:
 
 
 def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array, view: Array) -> None:
-    """Background, and a camera that sees all between two corners (2, 3) [m]; it looks at the origin, so the scene moves there.
+    """Set the background and a camera that sees all between two corners (2, 3) [m], by moving the scene to the origin.
 
-    It stands in the direction ``view`` (3,) of it.
+    The camera is in the direction ``view`` (3,) from the scene.
     """
     scene.set_transform(mt.translation_matrix(-corners.mean(axis=0)))
     width, depth, height = corners[1] - corners[0]
@@ -192,7 +192,7 @@ def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array, view: Arra
     x, y, z = distance * view
     camera = viewer["/Cameras/default/rotated/<object>"]
     camera.set_property("fov", _FIELD_OF_VIEW)
-    camera.set_property("position", [x, z, -y])  # the camera's own frame has y up
+    camera.set_property("position", [x, z, -y])  # the frame of the camera has y up
     viewer["/Grid"].set_property("visible", False)
     viewer["/Axes"].set_property("visible", False)
     viewer["/Background"].set_property("top_color", [0.97, 0.98, 1.0])
@@ -200,7 +200,7 @@ def _set_stage(viewer: Visualizer, scene: Visualizer, corners: Array, view: Arra
 
 
 def _animate(animation: ma.Animation, path: Path, clip: Clip, **tracks: NDArray[Any]) -> None:
-    """Key frames of some properties: position, scale (F, 3), quaternion (F, 4) as x, y, z, w, visible (F,)."""
+    """Set key frames of properties: position and scale (F, 3), quaternion (F, 4) as x, y, z, w, visible (F,)."""
     kinds = {"position": "vector3", "scale": "vector3", "quaternion": "quaternion", "visible": "boolean"}
     animation.clips[path] = ma.AnimationClip({}, fps=clip.rate)
     for name, values in tracks.items():
@@ -209,17 +209,17 @@ def _animate(animation: ma.Animation, path: Path, clip: Clip, **tracks: NDArray[
 
 
 def _key_frames(values: NDArray[Any]) -> NDArray[np.intp]:
-    """Which frames must be given, the viewer drawing straight lines between: the ends, and where something changes."""
+    """Return the frames that must be given, as the viewer interpolates linearly: both ends, and frames with changes."""
     changes = np.abs(np.diff(values.reshape(len(values), -1).astype(float), axis=0)).max(axis=1) > STILL
     return np.flatnonzero(np.append(True, changes) | np.append(changes, True))
 
 
 def _rod(start: Array, end: Array, radius: float) -> dict[str, Array]:
-    """Position, quaternion and scale that lay a unit cylinder along y between points (F, 3)."""
+    """Return position, quaternion and scale that place a unit cylinder along y between points (F, 3)."""
     way = end - start
     length = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
     x, y, z = (way / length[:, None]).T
-    quaternion = np.stack([z, 0 * x, -x, 1 + y], axis=1)  # turns y onto the way; undefined for exactly -y
+    quaternion = np.stack([z, 0 * x, -x, 1 + y], axis=1)  # rotates y onto the axis; undefined for exactly -y
     quaternion[y < -1 + 1e-9] = [1.0, 0.0, 0.0, 0.0]
     quaternion /= np.linalg.norm(quaternion, axis=1)[:, None]
     thin = np.full_like(length, radius)
@@ -227,18 +227,18 @@ def _rod(start: Array, end: Array, radius: float) -> dict[str, Array]:
 
 
 def _at_frames(frames: Array, time: Array, values: Array) -> Array:
-    """(F, n) of (T, n), on straight lines between samples; NaN beside NaN."""
+    """Return values (F, n) of (T, n), interpolated linearly at the frames; NaN next to NaN."""
     return np.stack([np.interp(frames, time, column) for column in values.T], axis=-1)
 
 
 def _front(run: Drawn) -> Array:
     if run.arm.bending == "space":
-        return np.zeros(3)  # it is seen from all sides
+        return np.zeros(3)  # no offset, as the view may be from any side
     return np.array([0.0, -0.65 * run.arm.diameter, 0.0])
 
 
 def _label_place(run: Drawn, low: Array, high: Array, height: float) -> Array:
-    """Where the arm does not go: above it, or below an upright one."""
+    """Return a position for a label outside the motion of the arm: above it, or below an upright arm."""
     along = 0.5 * run.arm.length if run.arm.mount == "horizontal" else 0.0
     return np.array([along, 0.0, low[2] - 0.1 * height if run.arm.mount == "upright" else high[2] + 0.1 * height])
 

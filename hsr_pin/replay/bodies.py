@@ -1,4 +1,4 @@
-"""The arm's visuals and where they are: read from its own URDF, moved by Pinocchio's forward kinematics, or by ours in space."""
+"""Visuals of the arm from its URDF, and their poses by the forward kinematics of Pinocchio or, in space, of hsr_pin."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.urdf import arm_to_urdf
 from hsr_pin.trajectory import Array
 
-#: Cylinders lie along z in a URDF and along y in meshcat.
+#: Rotation of cylinders, which are along z in a URDF and along y in meshcat.
 _Z_TO_Y = pin.SE3(pin.utils.rotate("x", math.pi / 2), np.zeros(3)).homogeneous
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """One visual.
+    """One visual of the arm.
 
     Attributes:
-        name: as in the URDF, with a number.
-        joint: that carries it, from 1; 0: fixed.
-        placement: (4, 4) in the joint's frame, of a sphere or a cylinder along y.
-        radius: [m].
-        height: of a cylinder [m]; None: a sphere.
-        colour: 0xRRGGBB.
+        name: name in the URDF, with a number.
+        joint: number of the joint that carries it, from 1; 0: fixed.
+        placement: (4, 4) pose of the sphere, or of the cylinder along y, in the frame of the joint.
+        radius: radius [m].
+        height: height of a cylinder [m]; None: a sphere.
+        colour: colour 0xRRGGBB.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Body:
 
 
 def bodies(arm: ArmSpecification) -> list[Body]:
-    """All visuals of an arm; one in space looks as its straight self in the plane does."""
+    """Return all visuals of an arm; an arm in space has those of the straight arm in the plane."""
     arm = replace(arm, bending="plane", torsion=math.inf, cross_tilt=0.0, sections=())
     model = build_model(arm).model
     visuals = pin.buildGeomFromUrdfString(model, arm_to_urdf(arm), pin.GeometryType.VISUAL)
@@ -63,22 +63,22 @@ def bodies(arm: ArmSpecification) -> list[Body]:
 
 
 def poses(arm: ArmSpecification, angles: Array) -> tuple[Array, Array]:
-    """Translations (T, N + 1, 3) [m] and quaternions (T, N + 1, 4), x y z w, of the base and the N joints, in the world frame.
+    """Return translations (T, N + 1, 3) [m] and quaternions (T, N + 1, 4), x y z w, of base and joints in the world frame.
 
     Args:
         arm: the arm.
-        angles: (T, N) [rad], in space (T, N, 3).
+        angles: (T, N) joint angles [rad], in space (T, N, 3).
     """
     if arm.bending == "space":
         return _poses_in_space(arm, angles)
     model = build_model(arm).model
-    base = model.frames[model.getFrameId("base")].placement  # Pinocchio's data of a thousand links would take 20 GB
+    base = model.frames[model.getFrameId("base")].placement  # Pinocchio's data of 1000 links takes 20 GB
     turned = np.pad(np.cumsum(angles, axis=1), ((0, 0), (1, 0)))[:, :, None]
     lengths = np.diff(arm.joint_arc_lengths, prepend=0.0) * arm.length
     ways = lengths[:, None] * (np.cos(turned) * base.rotation[:, 2] + np.sin(turned) * base.rotation[:, 0])[:, :-1]
     translations = base.translation + np.pad(np.cumsum(ways, axis=1), ((0, 0), (1, 0), (0, 0)))
     x, y, z, w = pin.Quaternion(base.rotation).coeffs()
-    quaternions = np.cos(turned / 2) * np.array([x, y, z, w]) + np.sin(turned / 2) * np.array([-z, w, x, -y])  # about base y
+    quaternions = np.cos(turned / 2) * np.array([x, y, z, w]) + np.sin(turned / 2) * np.array([-z, w, x, -y])  # about y
     return translations, quaternions
 
 

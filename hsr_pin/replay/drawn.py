@@ -1,4 +1,4 @@
-"""What is drawn: a simulated motion, its arm, and the measured motion beside it where there is one."""
+"""Input of every picture: a simulated motion, its arm, and the measured motion if there is one."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from hsr_pin.trajectory import Array, Marker, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """One run, for pictures.
+    """Simulated run with its measurement, as input of pictures.
 
     Attributes:
-        label: what tells it from others in the same picture.
-        arm: as it was simulated.
-        simulated: its motion, with joint angles.
-        measured: of the same markers; None where there is no measurement.
+        label: text that distinguishes it from others in the same picture.
+        arm: the simulated arm.
+        simulated: simulated motion, with joint angles.
+        measured: measured motion of the same markers; None without a measurement.
     """
 
     label: str
@@ -33,28 +33,28 @@ class Drawn:
 
     @property
     def angles(self) -> Array:
-        """(T, N) [rad] of the simulated motion; in space (T, N, 3)."""
+        """Joint angles (T, N) [rad] of the simulated motion; in space (T, N, 3)."""
         assert self.simulated.joint_angles is not None
         return self.simulated.joint_angles
 
     @property
     def tip(self) -> Marker:
-        """The simulated marker farthest along the arm."""
+        """Simulated marker with the largest arc length."""
         return max(self.simulated.markers, key=lambda marker: marker.arc_length)
 
     @property
     def tip_path(self) -> Array:
-        """(T', 3) [m] where the simulated tip went, without corners: five points to a sample."""
+        """Smooth path (T', 3) [m] of the simulated tip, with five points for each sample."""
         time, path = self.simulated.time, self.simulated.marker(self.tip.name)
         if len(time) < 4:
             return path
-        from scipy.interpolate import Akima1DInterpolator  # here: only pictures need it
+        from scipy.interpolate import Akima1DInterpolator  # imported here, as only pictures need it
 
         return np.asarray(Akima1DInterpolator(time, path)(np.linspace(time[0], time[-1], 5 * len(time) - 4)))
 
     @property
     def common(self) -> tuple[Marker, ...]:
-        """The markers that were both simulated and measured."""
+        """Markers that were both simulated and measured."""
         if self.measured is None:
             return ()
         names = {marker.name for marker in self.measured.markers}
@@ -62,16 +62,16 @@ class Drawn:
 
     @property
     def moving(self) -> tuple[Marker, ...]:
-        """Those of them that are not at the base."""
+        """Markers that were both simulated and measured and are not at the base."""
         return tuple(marker for marker in self.common if marker.arc_length > 0)
 
     def simulated_at(self, time: Array, marker: str) -> Array:
-        """(len(time), 3) [m] where the simulation has a marker; NaN outside of its time."""
+        """Return the simulated positions (len(time), 3) [m] of a marker; NaN outside the simulated time."""
         own, path = self.simulated.time, self.simulated.marker(marker)
         return np.stack([np.interp(time, own, axis, left=np.nan, right=np.nan) for axis in path.T], axis=-1)
 
     def gap(self, marker: str) -> Array:
-        """(T,) [m] distance from simulation to measurement, at the measured times; NaN where there is none."""
+        """Return the distance (T,) [m] from simulation to measurement of a marker at the measured times; NaN if unknown."""
         if self.measured is None:
             raise ValueError("there is no measurement")
         there = self.measured.marker(marker)

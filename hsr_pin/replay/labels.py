@@ -1,4 +1,4 @@
-"""A line of text as an object of a meshcat scene."""
+"""Text labels as objects of a meshcat scene."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from hsr_pin.replay.viewer import geometry as mg
 
 
 def label(text: str, colour: str, height: float) -> tuple[Any, Any]:
-    """Geometry and material of a thin box in the x-y plane, with a text on it that reads from positive z.
+    """Return geometry and material of a thin box in the x-y plane with a text that is readable from positive z.
 
     Args:
-        text: one line.
-        colour: as matplotlib has it.
-        height: of the plane [m]; its width follows from the text.
+        text: one line of text.
+        colour: colour in the notation of Matplotlib.
+        height: height of the box [m]; its width follows from the text.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -28,5 +28,5 @@ def label(text: str, colour: str, height: float) -> tuple[Any, Any]:
     figure.savefig(picture, format="png", transparent=True)
     width, tall = figure.get_size_inches()
     texture = mg.ImageTexture(mg.PngImage(picture.getvalue()))
-    material = mg.MeshBasicMaterial(map=texture, transparent=True, side=0)  # the back would show through, mirrored
+    material = mg.MeshBasicMaterial(map=texture, transparent=True, side=0)  # one-sided, as the back would show the text mirrored
     return mg.Box([height * width / tall, height, 1e-4 * height]), material

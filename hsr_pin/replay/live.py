@@ -1,4 +1,4 @@
-"""The animation in the browser: the page, served by this process to this machine alone, for as long as the process runs."""
+"""Animation in the browser, served by this process to this machine only."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ def show(runs: Sequence[Drawn]) -> None:
     """Open the animation in the browser and keep it there until Ctrl-C."""
     text = page(runs, runs[0].label) if len(runs) == 1 else page(runs)
     with PageServer(text.encode("utf-8")) as server, contextlib.suppress(KeyboardInterrupt):
-        print(f"The animation is at {server.address}, for this machine alone. Ctrl-C ends.", file=sys.stderr)  # stdout: results
-        Thread(target=webbrowser.open, args=(server.address, 2), daemon=True).start()  # some come back only when they are closed
+        print(f"The animation is at {server.address}, for this machine only. Ctrl-C ends.", file=sys.stderr)  # not stdout
+        Thread(target=webbrowser.open, args=(server.address, 2), daemon=True).start()  # returns late in some browsers
         server.serve_forever()

@@ -1,4 +1,4 @@
-"""The animation as one HTML file that needs nothing else: no server, no network."""
+"""Animation as one self-contained HTML file that needs neither a server nor a network."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ _HINT = f"Squares of {100 * GRID:g} cm. Drag to turn, scroll to zoom, space to p
 
 
 class _Recorder:
-    """Stands in for meshcat's connection to a server: keeps what it is sent."""
+    """Substitute for meshcat's connection to a server that records the commands sent to it."""
 
     def __init__(self) -> None:
         self.commands: list[bytes] = []
         self._names: dict[str, str] = {}
 
     def send(self, command: Any) -> None:
-        """Keep a command as meshcat would send it."""
+        """Record a command as meshcat would send it."""
         self.commands.append(umsgpack.packb(self._renamed(command.lower()), force_float_precision="single"))
 
     def _renamed(self, part: Any) -> Any:
-        """A part of a command whose objects are numbered: meshcat names them after the machine's network card and the time."""
+        """Return a part of a command with numbered objects, as meshcat's names contain the time and the network address."""
         if isinstance(part, dict):
             return {key: self._renamed(value) for key, value in part.items()}
         if isinstance(part, list):
@@ -47,10 +47,10 @@ def write_page(runs: Sequence[Drawn], path: str | Path, title: str = "Hybrid sof
     """Write runs as an animation that plays in any browser.
 
     Args:
-        runs: drawn side by side.
+        runs: runs to draw side by side.
         path: the HTML file.
-        title: of the page.
-        text: what is shown, a line each.
+        title: title of the page.
+        text: lines of text shown on the page.
 
     Raises:
         OutputError: the file cannot be written.
@@ -59,10 +59,10 @@ def write_page(runs: Sequence[Drawn], path: str | Path, title: str = "Hybrid sof
 
 
 def page(runs: Sequence[Drawn], title: str = "Hybrid soft robot", text: Sequence[str] = ()) -> str:
-    """The text of that file."""
+    """Return an HTML page with runs as an animation that plays in any browser."""
     recorder = _Recorder()
     clip = draw(Visualizer(window=recorder), runs)
-    surroundings = Environment(autoescape=True, undefined=StrictUndefined)  # what comes from outside is text
+    surroundings = Environment(autoescape=True, undefined=StrictUndefined)  # escapes text from data
     template = surroundings.from_string(Path(__file__).with_name("page.html.jinja").read_text(encoding="utf-8"))
     return template.render(
         signature=PAGE_SIGNATURE,
@@ -79,5 +79,5 @@ def page(runs: Sequence[Drawn], title: str = "Hybrid soft robot", text: Sequence
 
 def _legend(runs: Sequence[Drawn]) -> list[tuple[int, str]]:
     if any(run.measured is not None for run in runs):
-        return [(SIMULATED, "simulated"), (MEASURED, "measured"), (0x333333, "the gap between them")]
+        return [(SIMULATED, "simulated"), (MEASURED, "measured"), (0x333333, "gap between them")]
     return [(trail_colour(run, number), run.label) for number, run in enumerate(runs)]

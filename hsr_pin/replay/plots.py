@@ -1,7 +1,8 @@
-"""Pictures for paper and screen: tip paths, markers against time, error against time.
+"""Figures for print and screen: tip paths, markers over time, and errors over time.
 
-Matplotlib's objects only, no pyplot: nothing global is touched and no display is needed. Colours are Okabe and Ito's, which
-colour-blind readers can tell apart; dashes and shapes tell in grey what colours tell, and dots what is measured.
+The figures use Matplotlib's objects without pyplot, so that they change no global state and need no display. The colours are
+those of Okabe and Ito, which colour-blind readers can distinguish. Dashes and shapes distinguish runs in greyscale, and dots
+show measurements.
 """
 
 from __future__ import annotations
@@ -28,20 +29,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Of runs: Okabe and Ito, Color Universal Design, 2008; without the yellow, which is too light for lines on white.
+#: Colours of runs: Okabe and Ito, Color Universal Design, 2008, without yellow, which is too light on white.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-#: Of markers, from the tip: the rest, where the first two mean simulated and measured.
+#: Colours of markers, from the tip; the first two colours of runs stand for simulated and measured.
 MARKER_COLOURS = COLOURS[2:]
 
-#: Dashes of curves, in the order of their colours, and shapes of their ends.
+#: Dashes of curves, in the order of their colours, and shapes of their end points.
 DASHES: tuple[Any, ...] = ("-", (0, (7, 2)), (0, (2, 1.5)), (0, (7, 2, 2, 2)), (0, (4, 1)), (0, (1, 1)), (0, (9, 2, 2, 2, 2, 2)))
 SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 
 FORMATS = ("png", "pdf", "svg")
 
-#: Characters of a text in a picture, at most.
+#: Largest number of characters of a text in a figure.
 LONGEST_TEXT = 80
-#: Names side by side in a legend, and characters of each, at most.
+#: Largest number of names in a row of a legend, and of characters of each name.
 _ACROSS, _LONGEST_NAME = 6, 20
 
 _STYLE: Any = {
@@ -59,7 +60,7 @@ _STYLE: Any = {
     "savefig.dpi": 200,
     "svg.hashsalt": "hsr_pin",
 }
-#: Format -> where it says who made it.
+#: Format -> metadata field for the creator.
 _METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": GENERATOR},
     "pdf": {"Creator": GENERATOR},
@@ -68,10 +69,10 @@ _METADATA: dict[str, dict[str, Any]] = {
 
 
 def picture_format(path: str | Path) -> str:
-    """The format that a file's name asks for.
+    """Return the picture format given by the ending of a file name.
 
     Raises:
-        OutputError: none that is known.
+        OutputError: the ending is not known.
     """
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in FORMATS:
@@ -80,22 +81,22 @@ def picture_format(path: str | Path) -> str:
 
 
 def save(figure: Figure, path: str | Path) -> None:
-    """Write a figure whole or not at all, as the name's ending says.
+    """Write a figure completely or not at all, in the format given by the ending of its name.
 
     Raises:
-        OutputError: an unknown ending, or the file cannot be written.
+        OutputError: the ending is unknown, or the file cannot be written.
     """
     kind = picture_format(path)
     _make_plain(figure)
     content = io.BytesIO()
     with matplotlib.rc_context(_STYLE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # a box stands for it
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # a box is drawn instead
         figure.savefig(content, format=kind, metadata=_METADATA[kind])
     write_bytes(path, content.getvalue())
 
 
 def _make_plain(figure: Figure) -> None:
-    """Let every text in a figure stand as it is: a name may hold any sign, dollars among them, and be of any length."""
+    """Disable the interpretation of special characters in all texts of a figure, and shorten long texts."""
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
@@ -109,9 +110,9 @@ def _cut(text: str, room: int) -> str:
 
 
 def tip_figure(runs: Sequence[Drawn]) -> Figure:
-    """The tips' paths in the plane of bending, as the paper's Fig. 4: one colour per run, constant curvature for reference.
+    """Return a figure of the tip paths in the plane of bending, like Fig. 4 of the paper, with a constant-curvature reference.
 
-    In space there are two pictures, x-z and y-z, and no reference.
+    In space there are two views, x-z and y-z, and no reference.
     """
     from matplotlib.figure import Figure
 
@@ -126,9 +127,9 @@ def tip_figure(runs: Sequence[Drawn]) -> Figure:
 
 
 def comparison_figure(run: Drawn) -> Figure:
-    """One run beside its measurement: tip paths, every marker against time, error against time.
+    """Return a figure that compares a run with its measurement: tip paths, markers over time, and error over time.
 
-    In space the paths are seen from the side to which the tip goes farther.
+    In space the paths are shown in the plane in which the tip moves farther.
     """
     from matplotlib.figure import Figure
 
@@ -150,7 +151,7 @@ def comparison_figure(run: Drawn) -> Figure:
 
 
 def constant_curvature(arm: ArmSpecification, bending: Array) -> Array:
-    """(n, 2) [m] x and z of the tip of an arm bent into a circular arc of its length, by angles (n,) [rad]."""
+    """Return x and z (n, 2) [m] of the tip of an arm bent into a circular arc by angles (n,) [rad]."""
     model = build_model(arm)
     normal = np.cross(model.joint_axis, model.direction)
     half = np.asarray(bending)[:, None] / 2
@@ -160,17 +161,17 @@ def constant_curvature(arm: ArmSpecification, bending: Array) -> Array:
 
 
 def _views(runs: Sequence[Drawn]) -> tuple[tuple[int, int], ...]:
-    """Pairs of world axes, across and up."""
+    """Return pairs of world axes, horizontal and vertical, of the views to draw."""
     return ((0, 2), (1, 2)) if any(run.arm.bending == "space" for run in runs) else ((0, 2),)
 
 
 def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int], *, legend: bool) -> None:
-    """Paths of the tips, and the arms at their ends, along two axes of the world."""
+    """Draw the paths of the tips and the arms at the end of the runs, in a view along two axes of the world."""
     shown_from = list(view)
     space = len(_views(runs)) > 1
     if not space:
         _draw_reference(axes, runs)
-    # the shortest path on top: under the same arm, paths lie on each other for a good part
+    # the shortest path is drawn last, as paths of the same arm largely coincide
     order = np.argsort([-np.ptp(run.simulated.marker(run.tip.name), axis=0).max() for run in runs])
     colours = _cycle(len(runs))
     handles: dict[int, Any] = {}
@@ -204,7 +205,7 @@ def _draw_paths(axes: Axes, runs: Sequence[Drawn], view: tuple[int, int], *, leg
 
 
 def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
-    """Where the tip of a constant-curvature arm can be, a little beyond what is reached; once for each kind of arm."""
+    """Draw the possible tip positions of a constant-curvature arm, slightly beyond the reached ones, for each kind of arm."""
     bent = np.concatenate([run.angles.sum(axis=1) for run in runs])
     low, high = min(-0.1, 1.4 * bent.min()), max(0.1, 1.4 * bent.max())
     kinds = {(run.arm.mount, run.arm.tilt, run.arm.length): run.arm for run in runs}
@@ -215,7 +216,7 @@ def _draw_reference(axes: Axes, runs: Sequence[Drawn]) -> None:
 
 
 def _backbone(run: Drawn) -> Array:
-    """(n, 3) [m] the chain at the end of a run, from base to tip."""
+    """Return the points (n, 3) [m] of the chain at the end of a run, from base to tip."""
     arm = run.arm
     bends = np.concatenate([[0.0], arm.joint_arc_lengths * arm.length, [arm.length]])
     if arm.bending == "space":

@@ -1,4 +1,4 @@
-"""Meshcat, without the warning that its import raises: it still asks for an event loop that pyzmq has given up."""
+"""Import of meshcat without the deprecation warning for the event loop of pyzmq that it uses."""
 
 import warnings
 

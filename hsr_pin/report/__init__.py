@@ -1,5 +1,5 @@
-"""What pages are made of: their surroundings, their style, and pictures inside them.
+"""Building blocks of the HTML reports: template environment, style sheet and inline figures.
 
-- ``inline_svg``: pictures inside a page
-- ``page``: in what surroundings pages are written
+- ``inline_svg``: matplotlib figures as SVG elements
+- ``page``: the jinja environment of the report templates
 """

@@ -1,4 +1,4 @@
-"""Matplotlib figures as SVG inside a page: colours come from the page (light, dark, print), text stays text."""
+"""Matplotlib figures as inline SVG, with the colours of the page's style sheet (light, dark, print) and text kept as text."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Role -> a colour that stands for it while matplotlib draws; in the page it becomes the variable ``--role``.
+#: Role -> placeholder colour that matplotlib draws with; :func:`inline` replaces it by the CSS variable ``--role``.
 ROLES = {
     "ink": "#010203",
     "faint": "#010204",
@@ -28,7 +28,7 @@ ROLES = {
 _STYLE: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "hsr_pin",
-    "text.parse_math": False,  # a name may hold any sign, dollars among them
+    "text.parse_math": False,  # names of users may contain dollar signs
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 8.5,
@@ -56,7 +56,7 @@ _STYLE: Any = {
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """The style that figures for a page are made in."""
+    """Apply the matplotlib style of report figures within a ``with`` block."""
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
@@ -64,16 +64,16 @@ def drawing() -> Iterator[None]:
 
 
 def inline(figure: Figure, name: str, description: str) -> str:
-    """A figure as an ``<svg>`` element that is as wide as its place.
+    """Return a figure as an ``<svg>`` element that fills the width of its container.
 
     Args:
-        figure: drawn in the colours of :data:`ROLES`.
-        name: goes before every id, so that several figures can stand in one page.
-        description: what is seen, for those who cannot see it.
+        figure: a figure drawn in the colours of :data:`ROLES`.
+        name: prefix of every id, so that one page can contain several figures.
+        description: text alternative for readers who cannot see the figure.
     """
     content = io.StringIO()
     with drawing(), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # the page's own font draws it
+        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)  # the font of the page has the glyph
         figure.savefig(
             content, format="svg", transparent=True, metadata={"Date": None, "Creator": None, "Format": None, "Type": None}
         )

@@ -1,4 +1,4 @@
-"""In what surroundings pages are written."""
+"""Jinja environment of the report templates."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ _HERE = Path(__file__).parent
 
 
 def environment(*folders: Path) -> Environment:
-    """For templates in ``folders``, and the style in this one: what is unknown is an error, what comes from outside is text."""
+    """Return the environment for templates in ``folders`` and for the style sheet in this folder.
+
+    Undefined variables raise an error, and all values are HTML-escaped.
+    """
     found = Environment(
         loader=FileSystemLoader([*folders, _HERE]),
         autoescape=True,

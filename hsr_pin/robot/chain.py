@@ -1,6 +1,7 @@
-"""The rigid bodies of many planar arms as arrays: what Pinocchio makes of each arm's URDF, in closed form.
+"""The rigid bodies of many planar arms as arrays, in closed form, equivalent to Pinocchio's model of each arm's URDF.
 
-A test holds it against ``pin.buildModelFromXML`` for any arm; here there is no text to write and read for each of a thousand.
+A test compares them with ``pin.buildModelFromXML`` for arbitrary arms; here, no text needs to be written and parsed for each of a
+thousand arms.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from hsr_pin.robot.sections import bodies_of
 from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array, Section
 
-#: Acceleration of gravity [m/s^2], Pinocchio's.
+#: Acceleration of gravity of Pinocchio [m/s^2].
 GRAVITY = 9.81
 _SAME = ("links", "placement", "mount", "bending", "sections")
 
@@ -42,14 +43,14 @@ class Arms:
     bending: str = "plane"
     sections: tuple[Section, ...] = ()
 
-    #: Names of those that differ.
+    #: Names of the numbers that may differ.
     NUMBERS: ClassVar[tuple[str, ...]] = (
         *("keq", "damping", "length", "mass", "diameter", "tip_mass", "tilt", "bending_limit", "torsion", "cross_tilt"),
     )
 
     @classmethod
     def of(cls, specifications: Sequence[ArmSpecification]) -> Arms:
-        """The same arms side by side; all must have the same number of links, placement, mount and bending."""
+        """Combine arms with the same number of links, placement, mount, bending and sections."""
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
@@ -59,21 +60,21 @@ class Arms:
         return len(self.keq)
 
     def numbers(self) -> dict[str, Array]:
-        """The (B,) arrays by name."""
+        """Return the (B,) arrays by name."""
         return {name: getattr(self, name) for name in self.NUMBERS}
 
-    def specification(self, column: int) -> ArmSpecification:
-        """One of them."""
-        numbers = {name: float(values[column]) for name, values in self.numbers().items()}
+    def specification(self, index: int) -> ArmSpecification:
+        """Return the specification of one of the arms."""
+        numbers = {name: float(values[index]) for name, values in self.numbers().items()}
         same = {name: getattr(self, name) for name in _SAME}
         return ArmSpecification(**same, **numbers)  # type: ignore[arg-type]
 
-    def columns(self, members: Any) -> Arms:
-        """Some of them (indices or a slice)."""
+    def subset(self, members: Any) -> Arms:
+        """Return some of the arms (indices or a slice)."""
         return dataclasses.replace(self, **{name: values[members] for name, values in self.numbers().items()})
 
     def frame(self) -> tuple[Array, Array]:
-        """(B, 3) each: unit vectors along the straight arms, and across them towards positive bending, in the world frame."""
+        """Return the directions (B, 3) of the straight arms and of positive bending, unit vectors in the world frame."""
         along, across = mount_frame(self.mount)
         c, s = np.cos(self.tilt)[:, None], np.sin(self.tilt)[:, None]
         return c * along + s * across, c * across - s * along
@@ -81,15 +82,15 @@ class Arms:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The links that move, (B, N) each, and gravity.
+    """The moving links of the arms, (B, N) each, and gravity.
 
     Attributes:
-        mass: [kg].
-        lever: [m] from a link's joint to its centre of mass.
-        inertia: [kg m^2] about the centre of mass.
-        reach: [m] from a link's joint to the next one, or to the tip.
-        axial: [kg m^2] about the link's own axis.
-        gravity: (B, 2) [m/s^2] along the straight arm, and across it towards positive bending.
+        mass: mass [kg].
+        lever: distance from a link's joint to its centre of mass [m].
+        inertia: moment of inertia about a transverse axis through the centre of mass [kg m^2].
+        reach: distance from a link's joint to the next one, or to the tip [m].
+        axial: moment of inertia about the link's own axis [kg m^2].
+        gravity: (B, 2) acceleration of gravity along the straight arm, and across it towards positive bending [m/s^2].
     """
 
     mass: Array
@@ -101,9 +102,9 @@ class Chain:
 
 
 def chain_of(arms: Arms) -> Chain:
-    """The links of uniform cylinders that the URDF holds, and the point mass at the tip."""
+    """Return the links of arms as the uniform cylinders of their URDF, with the point mass at the tip."""
     links, element = arms.links, (arms.length / arms.links)[:, None]
-    share = link_shares(links, arms.placement)[None, 1:]  # what is before the first joint does not move
+    share = link_shares(links, arms.placement)[None, 1:]  # the part before the first joint does not move
     reach = share * element
     mass = share * (arms.mass / links)[:, None]
     lever = reach / 2
@@ -125,9 +126,10 @@ def chain_of(arms: Arms) -> Chain:
 
 
 def mass_matrix(chain: Chain) -> Array:
-    """(N, N) [kg m^2] of the first arm where it is straight: what lies beyond the farther joint of two turns with both.
+    """Return the mass matrix (N, N) [kg m^2] of the first arm in the straight pose.
 
-    In closed form, since Pinocchio's data of a thousand links take 20 GB.
+    An entry is the moment of inertia, about both joints, of the bodies beyond the farther joint. It is in closed form, because
+    Pinocchio's data of a thousand links take 20 GB.
     """
     joint, beyond, (zeroth, first, second) = _beyond(chain)
     moved = np.add.outer(joint, joint) * first[beyond]
@@ -135,13 +137,16 @@ def mass_matrix(chain: Chain) -> Array:
 
 
 def weight_matrix(chain: Chain) -> Array:
-    """(N, N) [N m/rad] what gravity makes stiffer of the first arm where it is straight; softer where it stands upright."""
+    """Return the gravitational stiffness (N, N) [N m/rad] of the first arm in the straight pose; negative if upright."""
     joint, beyond, (zeroth, first, _) = _beyond(chain)
     return np.asarray(chain.gravity[0, 0] * (first[beyond] - joint[beyond] * zeroth[beyond]))
 
 
 def _beyond(chain: Chain) -> tuple[Array, NDArray[np.intp], list[Array]]:
-    """(N,) [m] where the joints are, (N, N) the farther of two, and the moments (N,) of the mass beyond each about the base."""
+    """Return joint positions (N,) [m], the farther of two joints (N, N), and moments (N,) of the mass beyond each joint.
+
+    The moments are of order 0 to 2, about the base.
+    """
     joint = np.cumsum(chain.reach[0]) - chain.reach[0]
     mass, centre = chain.mass[0], joint + chain.lever[0]
     moments = (mass, mass * centre, mass * centre**2 + chain.inertia[0])

@@ -1,7 +1,7 @@
-"""Table II of the paper, as printed: the pressure combinations that its Fig. 4 was made with.
+"""Table II of the paper, as printed: the pressure combinations of its Fig. 4.
 
-Eqs. (1), (4) and (5), solved for the pressures, give every printed digit of it but two: the third row's P1 comes out as 0.3386
-bar, where the table has 0.3368. Taken as printed it gives 0.999 N m, not 1.000, well within the map's uncertainty.
+Eqs. (1), (4) and (5), solved for the pressures, reproduce every printed digit except two: P1 of the third row results as 0.3386
+bar, where the table has 0.3368. The printed value gives 0.999 N m instead of 1.000, well within the uncertainty of the map.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ class Combination:
     """One row of Table II.
 
     Attributes:
-        P1, P2: [bar].
+        P1, P2: pressures [bar].
         keq: bending stiffness [Nm/rad].
         tau: torque on every joint [N m].
     """
@@ -42,7 +42,7 @@ def combinations(keq: float) -> tuple[Combination, ...]:
     """Return the three rows of Table II for a stiffness [Nm/rad].
 
     Raises:
-        PressureError: the paper tabulates no combinations for this stiffness.
+        PressureError: the paper does not tabulate combinations for this stiffness.
     """
     rows = tuple(row for row in TABLE_II if math.isclose(row.keq, keq, rel_tol=1e-9))
     if not rows:
@@ -51,6 +51,6 @@ def combinations(keq: float) -> tuple[Combination, ...]:
             "pressure combinations of Table II",
             expected=f"a stiffness of {tabulated} Nm/rad",
             received=f"{keq:g}",
-            hint="for any other give pressures or a torque",
+            hint="for other values specify pressures or a torque",
         )
     return rows

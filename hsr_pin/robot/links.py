@@ -1,4 +1,4 @@
-"""The cylinders and hinges that a URDF of an arm is made of."""
+"""The cylinders and hinges of an arm's URDF."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.robot.specification import ArmSpecification, link_shares
 
 @dataclass(frozen=True)
 class Hinge:
-    """A revolute joint between two links; ``slight``: the second has no length and hardly any mass."""
+    """A revolute joint between two links; ``slight`` if the second link has no length and a negligible mass."""
 
     name: str
     parent: str
@@ -23,7 +23,7 @@ class Hinge:
 
 @dataclass(frozen=True)
 class Link:
-    """A uniform solid cylinder on its joint (``joint`` is empty: fixed)."""
+    """A uniform solid cylinder on its joint; an empty ``joint`` means that it is fixed."""
 
     name: str
     parent: str
@@ -36,16 +36,16 @@ class Link:
 
     @property
     def inertia_across(self) -> float:
-        """About an axis across the link through its middle [kg m^2]."""
+        """Moment of inertia about a transverse axis through the middle of the link [kg m^2]."""
         return self.mass * (3 * self.radius**2 + self.length**2) / 12
 
     @property
     def inertia_along(self) -> float:
-        """About the link's own axis [kg m^2]."""
+        """Moment of inertia about the link's own axis [kg m^2]."""
         return self.mass * self.radius**2 / 2
 
     def hinges(self, spec: ArmSpecification) -> list[Hinge]:
-        """What it hangs on."""
+        """Return the hinges that connect the link to its parent."""
         if spec.bending == "plane":
             return [Hinge(self.joint, self.parent, self.name, self.start, "0 1 0")]
         turns = [("x", "0 1 0"), ("y", "-1 0 0"), *([("twist", "0 0 1")] if spec.torsion < math.inf else [])]
@@ -58,7 +58,7 @@ class Link:
 
 
 def links_of(spec: ArmSpecification) -> list[Link]:
-    """List them from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
+    """Return the links from base to tip: N whole links, or for "mid" a fixed half link, N - 1 whole links and a half link."""
     mid = spec.placement != "base"
     shares = link_shares(spec.links, spec.placement).tolist()[0 if mid else 1 :]
     links: list[Link] = []
@@ -80,10 +80,10 @@ def links_of(spec: ArmSpecification) -> list[Link]:
 
 
 def base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
-    """Roll, pitch, yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
+    """Return roll, pitch and yaw of the base [rad]: R_mount Ry(tilt). For hanging, Rx(pi) Ry(tilt) = Ry(-tilt) Rx(pi)."""
     if spec.bending == "space":
         from hsr_pin.robot.chain import Arms
-        from hsr_pin.robot.space import base_rotations  # loads Pinocchio
+        from hsr_pin.robot.space import base_rotations  # late import: it loads Pinocchio
 
         x, y, z = base_rotations(Arms.of([spec]))[0].T
         return math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])

@@ -15,11 +15,11 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True, eq=False)
 class ArmModel:
-    """Rigid-body side of one arm. Springs and dampers are not in the Pinocchio model: the simulation adds them.
+    """The rigid-body model of one arm, without springs and dampers, which the simulation adds.
 
     Attributes:
-        specification: the numbers it was made from.
-        model: read-only by convention, shared between all users of the same specification; copy it before changing it.
+        specification: the specification of the arm.
+        model: the Pinocchio model, shared between all users of the same specification; copy it before changing it.
     """
 
     specification: ArmSpecification
@@ -27,17 +27,17 @@ class ArmModel:
 
     @property
     def joint_axis(self) -> Array:
-        """(3,) unit vector of the joint axes in the world frame (they are all parallel)."""
+        """Unit vector (3,) of the joint axes in the world frame (they are all parallel)."""
         return self._base_rotation[:, 1]
 
     @property
     def direction(self) -> Array:
-        """(3,) unit vector along the straight arm, from base to tip, in the world frame."""
+        """Unit vector (3,) along the straight arm, from base to tip, in the world frame."""
         return self._base_rotation[:, 2]
 
     @property
     def normal(self) -> Array:
-        """(3,) unit vector across the straight arm, towards positive bending, in the world frame."""
+        """Unit vector (3,) across the straight arm, towards positive bending, in the world frame."""
         return self._base_rotation[:, 0]
 
     @property
@@ -47,7 +47,7 @@ class ArmModel:
 
 @lru_cache(maxsize=4096)
 def rigid_body(specification: ArmSpecification) -> ArmSpecification:
-    """The same arm with the stiffness and damping of Table I: what its Pinocchio model depends on."""
+    """Return the arm with the stiffness and damping of Table I, as its Pinocchio model does not depend on them."""
     return replace(specification, keq=ArmSpecification.keq, damping=ArmSpecification.damping)
 
 

@@ -1,9 +1,9 @@
-"""Pressures <-> bending stiffness, bending angle and torque: Eqs. (1), (4) and (5) of the paper, and how well they are known.
+"""The map from pressures to bending stiffness, bending angle and torque (Eqs. (1), (4) and (5) of the paper), with uncertainty.
 
     Keq = a0 + a1 P1 + a2 P2    (1)        phi = b0 + b1 P1 + b2 P2    (4)        tau = Keq phi    (5)
 
 Both planes were fitted to the 16 rows of Table II of Arachchige and Godage, Hybrid Soft Robots Incorporating Soft and Stiff
-Elements, RoboSoft 2022, doi 10.1109/ROBOSOFT54090.2022.9762183, which the package ships in ``data``.
+Elements, RoboSoft 2022, doi 10.1109/ROBOSOFT54090.2022.9762183, which the package contains in ``data``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hsr_pin.resources import resource
 from hsr_pin.robot.scatter import PressureUncertainty, Scatter
 from hsr_pin.trajectory import Array
 
-#: Largest pressure accepted [bar]: the next whole bar above what the paper itself commands (3.26 bar in its Table II), and the
+#: Largest accepted pressure [bar]: the next whole bar above what the paper itself commands (3.26 bar in its Table II), and the
 #: first at which Eqs. (1) and (4) reach the straight arm at every stiffness of its Table I, up to 4 Nm/rad.
 MAX_PRESSURE = 4.0
 
@@ -32,12 +32,12 @@ def measured_rows() -> Array:
 
 @dataclass(frozen=True, eq=False)
 class PressureMap:
-    """Both planes. Everything is vectorised: pressures P are (..., 2) [bar], all else (...).
+    """The planes of stiffness and bending over the pressures; vectorised: pressures P are (..., 2) [bar], other quantities (...).
 
     Attributes:
         stiffness_plane: (a0, a1, a2) of Eq. (1) [Nm/rad, Nm/rad/bar, Nm/rad/bar].
         bending_plane: (b0, b1, b2) of Eq. (4) [rad, rad/bar, rad/bar].
-        rows: (n, 4) phi, P1, P2, Keq: the measurements behind the planes; None: the 16 that the package ships.
+        rows: (n, 4) phi, P1, P2, Keq: the measurements behind the planes; None for the 16 rows of the package.
         max_pressure: upper end of the regulators' range, which starts at 0 [bar].
     """
 
@@ -49,7 +49,7 @@ class PressureMap:
     def __post_init__(self) -> None:
         planes = _finite("planes", [self.stiffness_plane, self.bending_plane])
         if abs(np.linalg.det(planes[:, 1:])) < 1e-9:
-            raise PressureError("planes", expected="stiffness and bending that depend on the pressures in two different ways")
+            raise PressureError("planes", expected="stiffness and bending with linearly independent pressure coefficients")
         if not _finite("max_pressure", self.max_pressure) > 0:
             raise PressureError("max_pressure", expected="more than zero [bar]", received=f"{self.max_pressure:g}")
 
@@ -61,7 +61,7 @@ class PressureMap:
             rows: (n, 4) phi [rad], P1, P2 [bar], Keq [Nm/rad]; None: the 16 rows behind the paper's equations.
 
         Raises:
-            PressureError: fewer than four rows, a value that is not a number, or pressures all on one line.
+            PressureError: there are fewer than four rows, a value is not a number, or all pressures are on one line.
         """
         table = measured_rows() if rows is None else _rows(rows)
         (a0, b0), (a1, b1), (a2, b2) = Scatter.fit(table).planes.tolist()
@@ -69,14 +69,14 @@ class PressureMap:
 
     @cached_property
     def scatter(self) -> Scatter:
-        """Spread of the measurements about their own least-squares planes."""
+        """Scatter of the measurements about their own least-squares planes."""
         return Scatter.fit(measured_rows() if self.rows is None else self.rows)
 
     def stiffness(self, P: ArrayLike) -> Array:
-        """Keq [Nm/rad], Eq. (1).
+        """Return the stiffness Keq [Nm/rad] by Eq. (1).
 
         Raises:
-            PressureError: P out of range, or so low that the stiffness would not be positive.
+            PressureError: P is out of range, or so low that the stiffness would not be positive.
         """
         pressures = self._checked(P)
         keq = _plane(self.stiffness_plane, pressures)
@@ -92,27 +92,27 @@ class PressureMap:
         return keq
 
     def bending(self, P: ArrayLike) -> Array:
-        """Bending angle phi [rad] of the free arm, Eq. (4).
+        """Return the bending angle phi [rad] of the free arm by Eq. (4).
 
         Raises:
-            PressureError: P out of range.
+            PressureError: P is out of range.
         """
         return _plane(self.bending_plane, self._checked(P))
 
     def torque(self, P: ArrayLike, keq: ArrayLike | None = None) -> Array:
-        """Torque tau [N m] on every joint, Eq. (5); ``keq`` [Nm/rad] stands in for Eq. (1) where the stiffness is known.
+        """Return the torque tau [N m] on every joint by Eq. (5); ``keq`` [Nm/rad] replaces Eq. (1) if the stiffness is known.
 
         Raises:
-            PressureError: P out of range, or a stiffness that is not positive.
+            PressureError: P is out of range, or the stiffness is not positive.
         """
         stiffness = self.stiffness(P) if keq is None else _positive("keq", keq)
         return np.asarray(stiffness * self.bending(P))
 
     def pressures_for(self, keq: ArrayLike, phi: ArrayLike) -> Array:
-        """(..., 2) [bar]: the pressures that give both ``keq`` [Nm/rad] and ``phi`` [rad].
+        """Return the pressures (..., 2) [bar] that give both ``keq`` [Nm/rad] and ``phi`` [rad].
 
         Raises:
-            PressureError: not a number, or not reachable within the pressure range (names what is).
+            PressureError: a value is not a number, or not reachable within the pressure range (the message contains the range).
         """
         stiffness, angle = np.broadcast_arrays(_positive("keq", keq), _finite("phi", phi))
         pressures = self._solve(stiffness, angle)
@@ -122,7 +122,7 @@ class PressureMap:
         return np.asarray(np.clip(pressures, 0.0, self.max_pressure))
 
     def pressures_for_torque(self, keq: ArrayLike, tau: ArrayLike) -> Array:
-        """(..., 2) [bar]: the pressures that give ``tau`` [N m] along the line of constant stiffness ``keq`` [Nm/rad].
+        """Return the pressures (..., 2) [bar] that give ``tau`` [N m] along the line of constant stiffness ``keq`` [Nm/rad].
 
         Raises:
             PressureError: as :meth:`pressures_for`.
@@ -130,13 +130,13 @@ class PressureMap:
         return self.pressures_for(keq, _finite("tau", tau) / _positive("keq", keq))
 
     def stiffness_range(self) -> tuple[float, float]:
-        """Stiffness that can be reached within the pressure range [Nm/rad]; from 0, which itself is not a stiffness."""
+        """Return the range of stiffness [Nm/rad] within the pressure range; a lower end of 0 is itself not a valid stiffness."""
         top = self.max_pressure
         corners = _plane(self.stiffness_plane, np.array([[0.0, 0.0], [top, 0.0], [0.0, top], [top, top]]))
         return max(0.0, float(corners.min())), float(corners.max())
 
     def bending_range(self, keq: float) -> tuple[float, float]:
-        """Bending angle that can be reached at a stiffness [rad]; below zero where Eq. (4) says so.
+        """Return the range of the bending angle [rad] at a stiffness; it includes negative values if Eq. (4) does.
 
         Raises:
             PressureError: no pressures within the range give this stiffness.
@@ -154,12 +154,12 @@ class PressureMap:
         return low, high
 
     def torque_range(self, keq: float) -> tuple[float, float]:
-        """Torque that can be reached at a stiffness [N m]; see :meth:`bending_range`."""
+        """Return the range of the torque [N m] at a stiffness; see :meth:`bending_range`."""
         low, high = self.bending_range(keq)
         return keq * low, keq * high
 
     def uncertainty(self, P: ArrayLike, keq: ArrayLike | None = None) -> PressureUncertainty:
-        """How well Keq, phi and tau are known at P, from the scatter of the measurements; ``keq`` as in :meth:`torque`.
+        """Return the uncertainty of Keq, phi and tau at P from the scatter of the measurements; ``keq`` as in :meth:`torque`.
 
         Raises:
             PressureError: as :meth:`torque`.
@@ -174,7 +174,7 @@ class PressureMap:
         return np.asarray(wanted @ np.linalg.inv(planes[:, 1:]).T)
 
     def _within(self, pressures: Array) -> NDArray[np.bool_]:
-        """Whether each pressure is in range, with room for the rounding of an inverse."""
+        """Return whether each pressure is in range, with a tolerance for rounding errors of an inverse."""
         return np.asarray((pressures >= -1e-9) & (pressures <= self.max_pressure + 1e-9))
 
     def _checked(self, P: ArrayLike) -> Array:
@@ -199,7 +199,7 @@ class PressureMap:
             f"bending at Keq {keq:.6g} Nm/rad",
             expected=f"{low:.4g} to {high:.4g} rad (torque {keq * low:.4g} to {keq * high:.4g} N m)",
             received=f"{phi:.6g} rad ({keq * phi:.6g} N m)",
-            hint=f"the pressures stay from 0 to {self.max_pressure:g} bar",
+            hint=f"the pressures are limited to 0 to {self.max_pressure:g} bar",
         )
 
 

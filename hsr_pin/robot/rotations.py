@@ -1,8 +1,8 @@
-"""Rotation vectors of many joints at once, and the bending of an arm in space as two or three numbers of each joint.
+"""Rotation vectors of many joints at once, and the bending of joints in space as two or three coordinates.
 
-A joint's coordinates are (towards x, towards y, twist) of the frame that it hangs on, whose z runs along the straight arm: the
-rotation vector (-y, x, twist). Exponential map and its left Jacobian: T. D. Barfoot, State Estimation for Robotics, Cambridge
-2017, sec. 7.1.
+The coordinates of a joint are (towards x, towards y, twist) in the frame that it is attached to, whose z axis is along the
+straight arm: the rotation vector (-y, x, twist). Exponential map and its left Jacobian: T. D. Barfoot, State Estimation for
+Robotics, Cambridge 2017, sec. 7.1.
 """
 
 from __future__ import annotations
@@ -13,24 +13,27 @@ from hsr_pin.trajectory import Array
 
 
 def vectors(coordinates: Array) -> Array:
-    """(..., 3) rotation vectors [rad] of coordinates (..., 3) [rad]."""
+    """Return the rotation vectors (..., 3) [rad] of coordinates (..., 3) [rad]."""
     return np.stack([-coordinates[..., 1], coordinates[..., 0], coordinates[..., 2]], axis=-1)
 
 
 def rotations(w: Array) -> Array:
-    """(..., 3, 3) matrices of rotation vectors (..., 3) [rad]."""
+    """Return the rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad]."""
     a, b, _ = _factors(w)
     return _matrices(w, 1 - b * _square(w), a, b)
 
 
 def left_jacobians(w: Array) -> Array:
-    """(..., 3, 3) J with angular velocity J w' in the frame that the joint hangs on, for rotation vectors w (..., 3)."""
+    """Return the left Jacobians J (..., 3, 3) of rotation vectors w (..., 3) [rad].
+
+    The angular velocity in the frame that the joint is attached to is J w'.
+    """
     a, b, c = _factors(w)
     return _matrices(w, a, b, c)
 
 
 def _matrices(w: Array, same: Array, across: Array, along: Array) -> Array:
-    """(..., 3, 3) same + across [w] + along w w', of numbers (...); [w] is the matrix of w x."""
+    """Return the matrices (..., 3, 3) same + across [w] + along w w' for numbers (...); [w] is the matrix of w x."""
     x, y, z = w[..., 0], w[..., 1], w[..., 2]
     ax, ay, az, bx, by, bz = across * x, across * y, across * z, along * x, along * y, along * z
     out = np.empty((*w.shape, 3))
@@ -42,9 +45,9 @@ def _matrices(w: Array, same: Array, across: Array, along: Array) -> Array:
 
 
 def _factors(w: Array) -> tuple[Array, Array, Array]:
-    """Sin x / x, (1 - cos x) / x^2 and (x - sin x) / x^3 of the lengths x, (...) each."""
+    """Return sin x / x, (1 - cos x) / x^2 and (x - sin x) / x^3 of the lengths x, (...) each."""
     t = _square(w)
-    near = t < 4e-4  # where the third would be a difference of nearly equal numbers
+    near = t < 4e-4  # the third would be a difference of nearly equal numbers
     x = np.sqrt(np.where(near, 1.0, t))
     s, c = np.sin(x / 2), np.cos(x / 2)
     a = np.where(near, 1 - t / 6 * (1 - t / 20 * (1 - t / 42)), 2 * s * c / x)

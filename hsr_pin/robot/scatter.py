@@ -1,4 +1,4 @@
-"""What the measurements behind the pressure map leave open: a plane through two responses at once, and its spread."""
+"""Uncertainty of the pressure map: a multivariate regression of two responses on a plane."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True, eq=False)
 class PressureUncertainty:
-    """Standard deviations at some pressures, each of shape (...).
+    """Standard deviations of stiffness, bending and torque at given pressures, each of shape (...).
 
-    ``_mean``: of the plane itself, what more measurements would shrink. ``_single``: of one more measurement about the plane
-    (plane and scatter together), what to expect of the next arm or run.
+    ``_mean``: of the plane itself, which more measurements would reduce. ``_single``: of one more measurement about the plane
+    (plane and scatter together), as expected for the next arm or run.
 
     Attributes:
-        keq_mean, keq_single: stiffness [Nm/rad]; zero where the stiffness was given.
+        keq_mean, keq_single: stiffness [Nm/rad]; zero if the stiffness was given.
         phi_mean, phi_single: bending angle [rad].
-        tau_mean, tau_single: torque [N m], first order in both, with their correlation.
-        extrapolates: True outside of the convex hull of the measured pressures, where no row vouches for the plane.
+        tau_mean, tau_single: torque [N m], to first order in both, with their correlation.
+        extrapolates: whether the pressures are outside the convex hull of the measured ones.
     """
 
     keq_mean: Array
@@ -41,10 +41,11 @@ class Scatter:
     has covariance h S and one more measurement (1 + h) S: Seber and Lee, Linear Regression Analysis, 2nd ed. 2003, Ch. 5.
 
     Attributes:
-        pressures: (n, 2) [bar] where it was measured.
+        pressures: (n, 2) measured pressures [bar].
         planes: (3, 2) coefficients of 1, P1, P2 for stiffness and bending.
-        spread: (3, 3) (X'X)^-1; times an element of ``residual_covariance``, the covariance of a plane's coefficients.
-        residual_covariance: (2, 2) S of stiffness and bending.
+        spread: (3, 3) (X'X)^-1; multiplied by an element of ``residual_covariance`` it is the covariance of a plane's
+            coefficients.
+        residual_covariance: (2, 2) residual covariance S of stiffness and bending.
     """
 
     pressures: Array
@@ -54,7 +55,7 @@ class Scatter:
 
     @classmethod
     def fit(cls, rows: Array) -> Scatter:
-        """Fit (n, 4) rows of phi [rad], P1, P2 [bar], Keq [Nm/rad]; n of at least four, pressures not on one line."""
+        """Fit the planes to rows (n, 4) of phi [rad], P1, P2 [bar], Keq [Nm/rad]; n >= 4, pressures not on one line."""
         X, responses = np.c_[np.ones(len(rows)), rows[:, 1:3]], rows[:, [3, 0]]
         planes: Array = np.asarray(np.linalg.lstsq(X, responses, rcond=None)[0], dtype=float)
         residuals: Array = responses - X @ planes
@@ -62,21 +63,21 @@ class Scatter:
 
     @property
     def residual(self) -> tuple[float, float]:
-        """Standard deviation of one measurement about the planes: stiffness [Nm/rad], bending [rad]."""
+        """Standard deviations of one measurement about the planes: stiffness [Nm/rad], bending [rad]."""
         keq, phi = np.sqrt(np.diag(self.residual_covariance)).tolist()
         return keq, phi
 
     def coefficient_covariance(self, response: int) -> Array:
-        """(3, 3) of the coefficients of 1, P1, P2: response 0 for stiffness, 1 for bending."""
+        """Return the covariance (3, 3) of the coefficients of 1, P1, P2, for response 0 (stiffness) or 1 (bending)."""
         return np.asarray(self.spread * self.residual_covariance[response, response])
 
     def leverage(self, pressures: Array) -> Array:
-        """(...) h at pressures (..., 2): variance of the plane there, over that of one measurement."""
+        """Return the leverage h (...) at pressures (..., 2): the variance of the plane relative to that of one measurement."""
         x = np.concatenate([np.ones((*pressures.shape[:-1], 1)), pressures], axis=-1)
         return np.asarray(np.einsum("...i,ij,...j->...", x, self.spread, x))
 
     def at(self, pressures: Array, keq: Array, phi: Array, *, stiffness_known: bool) -> PressureUncertainty:
-        """Standard deviations at pressures (..., 2) where the map gives ``keq`` and ``phi`` (...)."""
+        """Return standard deviations at pressures (..., 2) where the map gives ``keq`` and ``phi`` (...)."""
         S = self.residual_covariance * (np.outer([0, 1], [0, 1]) if stiffness_known else 1.0)
         one = {
             "keq": np.full(phi.shape, np.sqrt(S[0, 0])),
@@ -89,8 +90,8 @@ class Scatter:
         return PressureUncertainty(**mean, **single, extrapolates=~self.covers(pressures))
 
     def covers(self, pressures: Array) -> NDArray[np.bool_]:
-        """(...) whether pressures (..., 2) lie within the convex hull of the measured ones."""
-        from scipy.spatial import ConvexHull  # slow to import, seldom needed
+        """Return whether pressures (..., 2) are within the convex hull of the measured ones."""
+        from scipy.spatial import ConvexHull  # late import: slow to load, seldom needed
 
         sides = ConvexHull(self.pressures).equations  # (sides, 3): outward normal and offset
         return np.asarray(np.all(pressures @ sides[:, :2].T + sides[:, 2] <= 1e-9, axis=-1))

@@ -1,4 +1,4 @@
-"""Stretches of an arm that differ in length, mass, stiffness and damping, each with an input of its own."""
+"""Sections of an arm that differ in length, mass, stiffness and damping, each with a separate input."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from hsr_pin.trajectory import Array, Section
 
 
 def whole(sections: Sequence[Section]) -> dict[str, float]:
-    """Length, mass, keq and damping of the arm that sections make: springs in series, damping of a curvature's rate averaged."""
+    """Return length, mass, keq and damping of the arm that consists of these sections.
+
+    The springs are in series; the damping is the average for uniform curvature.
+    """
     length = sum(section.length for section in sections)
     return {
         "length": length,
@@ -21,20 +24,20 @@ def whole(sections: Sequence[Section]) -> dict[str, float]:
 
 
 def edges(sections: Sequence[Section]) -> Array:
-    """(S + 1,) arc lengths between the sections, over the arm's."""
+    """Return the boundaries (S + 1,) of the sections as relative arc lengths."""
     ends = np.cumsum([0.0, *(section.length for section in sections)])
     return np.asarray(ends / ends[-1])
 
 
 def covered(sections: Sequence[Section], starts: Array, ends: Array) -> Array:
-    """(n, S) how much of each stretch from ``starts`` to ``ends`` (n,) lies in each section; arc lengths over the arm's."""
+    """Return the overlap (n, S) of intervals from ``starts`` to ``ends`` (n,) with each section, in relative arc lengths."""
     border = edges(sections)
     overlap = np.minimum(ends[:, None], border[1:]) - np.maximum(starts[:, None], border[:-1])
     return np.asarray(np.maximum(overlap, 0.0))
 
 
 def inputs(sections: Sequence[Section], links: int) -> Array:
-    """(N, S) share of each element that lies in each section, whose torque it takes by that; without any, one for all."""
+    """Return the share (N, S) of each section in each element, which is its share of the torque; ones (N, 1) without sections."""
     if not sections:
         return np.ones((links, 1))
     border = np.arange(links + 1) / links
@@ -42,7 +45,7 @@ def inputs(sections: Sequence[Section], links: int) -> Array:
 
 
 def along_sections(sections: Sequence[Section], links: int) -> tuple[Array, Array]:
-    """(N,) stiffness and damping of the elements over those of the uniform arm with the same :func:`whole`."""
+    """Return stiffness and damping (N,) of the elements relative to the uniform arm with the same :func:`whole`."""
     if not sections:
         return np.ones(links), np.ones(links)
     share, arm = inputs(sections, links), whole(sections)
@@ -53,7 +56,10 @@ def along_sections(sections: Sequence[Section], links: int) -> tuple[Array, Arra
 
 
 def bodies_of(sections: Sequence[Section], starts: Array, ends: Array) -> tuple[Array, Array, Array]:
-    """(n,) each of rigid stretches: mass over the arm's; from start to centre, and radius of gyration, over the arm's length."""
+    """Return relative mass, centre and radius of gyration (n,) of rigid parts of the arm.
+
+    The masses are relative to that of the arm, the distances from a part's start to its centre and the radii to its length.
+    """
     border, mass = edges(sections), np.array([section.mass for section in sections])
     density = mass / mass.sum() / np.diff(border)
     low = np.clip(border[:-1], starts[:, None], ends[:, None]) - starts[:, None]

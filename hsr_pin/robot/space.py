@@ -1,4 +1,4 @@
-"""An arm that bends in space: its base in the world, its bodies, and its Pinocchio model, one spherical joint an element."""
+"""An arm that bends in space: its base in the world, its bodies, and its Pinocchio model with one spherical joint per element."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hsr_pin.trajectory import Array
 
 
 def base_rotations(arms: Arms) -> Array:
-    """(B, 3, 3) the axes of the bases in the world: towards positive bending, towards the side, along the straight arm."""
+    """Return the axes (B, 3, 3) of the bases in the world: towards positive bending, sideways, along the straight arm."""
     along, across = mount_frame(arms.mount)
     mounted = np.column_stack([across, np.cross(along, across), along])
     turned = rotations(vectors(np.stack([arms.tilt, arms.cross_tilt, np.zeros(len(arms))], axis=-1)))
@@ -23,7 +23,7 @@ def base_rotations(arms: Arms) -> Array:
 
 @lru_cache(maxsize=256)
 def space_model(specification: ArmSpecification) -> pin.Model:
-    """The moving links of an arm in space; gravity along -z of the world. Copy it before changing it."""
+    """Return the Pinocchio model of an arm in space, with gravity along -z of the world; copy it before changing it."""
     arms = Arms.of([specification])
     chain = chain_of(arms)
     starts = np.diff(joint_arc_lengths(arms.links, arms.placement) * specification.length, prepend=0.0)

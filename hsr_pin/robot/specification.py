@@ -1,4 +1,4 @@
-"""The arm as a set of numbers: Table I of the paper, and what the paper leaves open."""
+"""The specification of an arm: Table I of the paper, and further properties that the paper does not define."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ Placement = Literal["base", "mid", "shifted"]
 Mount = Literal["hanging", "upright", "horizontal"]
 Bends = Literal["plane", "space"]
 
-#: Largest number of links accepted; beyond it nothing is gained and rounding starts to show.
+#: Largest accepted number of links; more links do not improve the accuracy, and rounding errors become visible.
 MAX_LINKS = 1000
 
-#: Joints in the middle of elements are the midpoint rule for the arm's curvature. Its error is one of the ends, h^2/24 times the
-#: slopes there (Euler and Maclaurin), and a joint that is moved by this share of an element takes it away: shapes and
-#: frequencies converge as N^-3 in place of N^-2.
+#: Displacement of the first and the last joint, in elements, for the placement "shifted". Joints in the middle of elements are
+#: the midpoint rule for the arm's curvature. Its leading error is h^2/24 times the slopes at the ends (Euler and Maclaurin); this
+#: displacement cancels it, so that shapes and frequencies converge as N^-3 instead of N^-2.
 SHIFT = 1 / 24
 
-#: Quantity -> its unit, and the smallest and the largest value of it that is taken for an arm's.
+#: Quantity -> its unit, and the smallest and the largest accepted value.
 RANGES: dict[str, tuple[str, float, float]] = {
     "keq": ("Nm/rad", 1e-9, 1e9),
     "damping": ("Nm s/rad", 0.0, 1e9),
@@ -35,34 +35,35 @@ RANGES: dict[str, tuple[str, float, float]] = {
     "tip_mass": ("kg", 0.0, 1e6),
     "bending_limit": ("rad", 1e-9, 1e6),
 }
-#: What an arm may be without.
+#: Quantities that may be zero.
 _MAY_BE_ZERO = ("damping", "tip_mass")
 
 
 @dataclass(frozen=True)
 class ArmSpecification:
-    """One hybrid soft robot, approximated by ``links`` rigid links. Defaults: Table I of the paper, its N = 4 and Keq = 1.11.
+    """One hybrid soft robot, approximated by ``links`` rigid links; the defaults are Table I of the paper, N = 4 and Keq = 1.11.
 
     Attributes:
         links: number N of joints (and of uniform links).
         keq: bending stiffness Keq of the whole arm [Nm/rad].
         damping: damping C of the whole arm [Nm s/rad].
-        placement: "base": a joint at the base end of each link (the paper's Fig. 2); "mid": a joint in the middle of each of
-            the N elements, half links at both ends; "shifted": as "mid", with the first and the last joint nearer to the ends by
+        placement: "base": a joint at the base end of each link (the paper's Fig. 2); "mid": a joint in the middle of each of the
+            N elements, with half links at both ends; "shifted": as "mid", with the first and the last joint closer to the ends by
             :data:`SHIFT` of an element.
-        mount: where the straight arm points: "hanging" (down), "upright" (up), "horizontal" (along +x).
+        mount: direction of the straight arm: "hanging" (down), "upright" (up), "horizontal" (along +x).
         length: arc length L of the backbone [m].
-        mass: m of the arm [kg], spread evenly.
+        mass: mass m of the arm [kg], distributed uniformly.
         diameter: outer diameter [m].
         tip_mass: point mass at the tip [kg].
-        tilt: turn of the base from its mount, in the plane, towards positive bending [rad].
-        bending_limit: largest bending angle of the whole arm, either way [rad].
+        tilt: rotation of the base from its mount, in the plane, towards positive bending [rad].
+        bending_limit: largest bending angle of the whole arm, in both directions [rad].
         bending: "plane": every joint is a hinge; "space": every joint bends about two axes and twists.
-        torsion: stiffness against twisting of the whole arm [Nm/rad]; infinite: it does not twist; 0: it does so freely. In space
-            alone. Its damping is C torsion / Keq: the time constant of bending.
-        cross_tilt: turn of the base towards the side to which the arm bends in space only [rad]; with ``tilt`` a rotation vector.
-        sections: that the arm is made of, in space, from the base on; none: a uniform one. They say how its numbers are spread:
-            the arm's own are those of all together (see :meth:`in_sections`), and to change one changes all sections alike.
+        torsion: torsional stiffness of the whole arm [Nm/rad]; infinite: it does not twist; 0: it twists freely. For arms in
+            space only. Its damping is C torsion / Keq, which gives the time constant of bending.
+        cross_tilt: rotation of the base towards its side, for arms in space only [rad]; together with ``tilt`` a rotation vector.
+        sections: sections of an arm in space, from the base to the tip; empty for a uniform arm. They define the distribution of
+            the numbers along the arm: the arm's own numbers are those of all sections in series (see :meth:`in_sections`), and
+            changing one of them changes all sections in proportion.
     """
 
     links: int = 4
@@ -115,7 +116,7 @@ class ArmSpecification:
 
     @classmethod
     def from_trial(cls, dataset: Dataset, trial: Trial, **changes: Any) -> ArmSpecification:
-        """The arm as a recording declares it (the paper's placement, 4 links, unless ``changes`` say otherwise)."""
+        """Return the arm as declared by a recording (the paper's placement and 4 links, unless ``changes`` differ)."""
         declared = cls(
             keq=trial.keq,
             damping=default_damping(trial.keq) if trial.damping is None else trial.damping,
@@ -132,42 +133,42 @@ class ArmSpecification:
 
     @classmethod
     def in_sections(cls, sections: Sequence[Section], **more: Any) -> ArmSpecification:
-        """The arm in space that sections make, base first; ``more`` are its other numbers."""
+        """Return the arm in space that consists of these sections, base first; ``more`` are its other numbers."""
         return cls(**{"bending": "space", **whole(sections), "sections": tuple(sections), **more})
 
     @property
     def coordinates(self) -> int:
-        """Of all joints: N in the plane; in space 3 N, for each joint (towards x, towards y, twist)."""
+        """Number of coordinates of all joints: N in the plane; in space 3 N (towards x, towards y, twist)."""
         return self.links if self.bending == "plane" else 3 * self.links
 
     @property
     def link_length(self) -> float:
-        """L / N [m]."""
+        """Length L / N of a link [m]."""
         return self.length / self.links
 
     @property
     def joint_stiffness(self) -> float:
-        """k_i = N Keq [Nm/rad]: N equal springs in series make Keq."""
+        """Stiffness k_i = N Keq of a joint [Nm/rad]: N equal springs in series give Keq."""
         return self.links * self.keq
 
     @property
     def joint_damping(self) -> float:
-        """c_i = N C [Nm s/rad]."""
+        """Damping c_i = N C of a joint [Nm s/rad]."""
         return self.links * self.damping
 
     @property
     def joint_arc_lengths(self) -> Array:
-        """(N,) arc length of each joint over L, from 0 (base) to 1 (tip)."""
+        """Relative arc lengths (N,) of the joints, from 0 (base) to 1 (tip)."""
         return joint_arc_lengths(self.links, self.placement)
 
     @property
     def element_arc_lengths(self) -> Array:
-        """(N,) centre of the stretch of arm that each joint stands for, over L (the same for both placements)."""
+        """Relative arc lengths (N,) of the middles of the elements that the joints represent (the same for all placements)."""
         return (np.arange(self.links) + 0.5) / self.links
 
 
 def joint_arc_lengths(links: int, placement: str) -> Array:
-    """(N,) arc length of each joint over L, from 0 (base) to 1 (tip)."""
+    """Return the relative arc lengths (N,) of the joints, from 0 (base) to 1 (tip)."""
     places = np.arange(links) + (0.0 if placement == "base" else 0.5)
     if placement == "shifted" and links > 1:
         places[[0, -1]] += -SHIFT, SHIFT
@@ -175,7 +176,7 @@ def joint_arc_lengths(links: int, placement: str) -> Array:
 
 
 def link_shares(links: int, placement: str) -> Array:
-    """(N + 1,) length of the part that no joint moves, and of the links that move, over an element's."""
+    """Return the lengths (N + 1,) of the fixed part and of the moving links, relative to an element."""
     shares = np.ones(links + 1)
     shares[0] = 0.0
     if placement != "base":
@@ -187,20 +188,20 @@ def link_shares(links: int, placement: str) -> Array:
 
 
 def mount_frame(mount: str) -> tuple[Array, Array]:
-    """(3,) each: unit vectors along a straight arm on this mount, and across it towards positive bending, in the world frame."""
+    """Return the directions (3,) of a straight arm on this mount and of positive bending, unit vectors in the world frame."""
     down, forward = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
     return {"hanging": (down, forward), "upright": (-down, forward), "horizontal": (forward, down)}[mount]
 
 
 def in_plane(arm: ArmSpecification, what: str) -> ArmSpecification:
-    """The arm itself, for what knows nothing of space.
+    """Return a planar arm unchanged, and raise an error for an arm in space.
 
     Args:
-        arm: any.
-        what: that is done with it, for the message.
+        arm: the arm.
+        what: the operation that requires a planar arm, for the message.
 
     Raises:
-        SpecificationError: it bends in space.
+        SpecificationError: the arm bends in space.
     """
     if arm.bending == "space":
         raise SpecificationError("bending", expected=f"plane for {what}", received="space")
@@ -208,7 +209,10 @@ def in_plane(arm: ArmSpecification, what: str) -> ArmSpecification:
 
 
 def default_damping(keq: float) -> float:
-    """C [Nm s/rad] for a stiffness the paper does not tabulate: the line through its two values (0.05 at 1.11, 0.1 at 2.33)."""
+    """Return the default damping C [Nm s/rad] of an arm with a given stiffness [Nm/rad].
+
+    It is on the line through the two values of the paper, 0.05 at 1.11 and 0.1 at 2.33.
+    """
     return 0.05 + (keq - 1.11) * (0.1 - 0.05) / (2.33 - 1.11)
 
 
@@ -217,7 +221,7 @@ def _is_number(value: Any) -> bool:
         return False
     try:
         return math.isfinite(value)
-    except OverflowError:  # an integer that no float holds
+    except OverflowError:  # an integer that is too large for a float
         return False
 
 

@@ -1,15 +1,16 @@
-"""Arm <-> URDF text.
+"""Conversion between an arm and URDF text.
 
-The straight arm lies along +z of the frame ``base``; every joint turns about +y, so a positive angle bends the arm towards +x
-of ``base``. Mounts: upright, ``base`` is the world frame; hanging, it is turned by pi about x (still bends towards world +x);
-horizontal, by pi/2 about y (bends towards world -z). ``tilt`` is one more turn about y.
+The straight arm lies along +z of the frame ``base``; every joint rotates about +y, so a positive angle bends the arm towards +x
+of ``base``. Mounts: upright, ``base`` is the world frame; hanging, it is rotated by pi about x (positive bending is still towards
+world +x); horizontal, by pi/2 about y (positive bending is towards world -z). ``tilt`` is a further rotation about y.
 
-An arm that bends in space has two hinges in each place, towards +x and then towards +y, and where it twists a third about z, with
-links of no length between them, which carry a millionth of the link's mass (some readers accept none without). That is what other
-readers can have: hinges one after the other are not the rotation vector of the arm in ``<hsr>``, and come near it as 1/N only.
+An arm that bends in space has two hinges at each joint, towards +x and then towards +y, and if it twists a third hinge about z.
+Links of zero length between them carry a millionth of the link's mass, because some readers do not accept massless links. Other
+readers can only use this form: successive hinges differ from the rotation vector of the arm in ``<hsr>``, and converge to it as
+1/N only.
 
-Springs and dampers, and the arm's own numbers, travel in ``<hsr>`` under ``<robot>``: other readers ignore it.
-There is no collision geometry: thick short links of a bent arm would touch each other, which the real arm does not.
+Springs, dampers and the arm's own numbers are stored in ``<hsr>`` under ``<robot>``, which other readers ignore.
+There is no collision geometry: thick short links of a bent arm would collide with each other, which the real arm does not.
 """
 
 from __future__ import annotations
@@ -32,21 +33,21 @@ from hsr_pin.robot.xml_tree import XmlTree, parse_xml
 if TYPE_CHECKING:
     from jinja2 import Template
 
-#: Version of the extension element for arms in the plane, and in space; a change of what its attributes mean raises it.
+#: Version of the extension element for planar arms and for arms in space; it increases if the meaning of an attribute changes.
 VERSIONS = {"plane": 1, "space": 2}
-#: Mass of a link of no length, over that of the link beyond it.
+#: Mass of a link of zero length, relative to that of the link after it.
 SLIGHT = 1e-6
 
 _FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if field.name != "sections")
-#: What only arms in space tell, and what is text.
+#: Attributes of arms in space only, and attributes that are text.
 _OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
 
 
 def arm_to_urdf(spec: ArmSpecification) -> str:
-    """Write the arm as URDF text, every number so that reading it gives back the same float.
+    """Return the arm as URDF text, with numbers that are read back exactly.
 
     Raises:
-        SpecificationError: it has sections, of which a URDF of ours knows nothing.
+        SpecificationError: the arm has sections, which the URDF format does not support.
     """
     if spec.sections:
         raise SpecificationError("sections", expected="none for a URDF", received=len(spec.sections))
@@ -69,15 +70,15 @@ def arm_to_urdf(spec: ArmSpecification) -> str:
 
 
 def urdf_to_arm(text: str, source: str | Path | None = None) -> ArmSpecification:
-    """Rebuild the arm from its URDF, equal to the one that :func:`arm_to_urdf` was given.
+    """Return the arm of a URDF, equal to the one that :func:`arm_to_urdf` was given.
 
     Args:
-        text: the file's content.
-        source: its name, for messages.
+        text: content of the file.
+        source: name of the file, for messages.
 
     Raises:
-        UrdfError: not XML, not a URDF, not written by hsr_pin, or changed since (its bodies and joints are not those of the
-            arm that its extension element declares).
+        UrdfError: the text is not XML, not a URDF, not written by hsr_pin, or was changed (its bodies and joints are not those of
+            the arm that its extension element declares).
     """
     tree = parse_xml(text, source)
     spec = _read_extension(tree)
@@ -86,21 +87,21 @@ def urdf_to_arm(text: str, source: str | Path | None = None) -> ArmSpecification
 
 
 def load_urdf(path: str | Path) -> ArmSpecification:
-    """Read a file with :func:`urdf_to_arm`.
+    """Read an arm from a URDF file; see :func:`urdf_to_arm`.
 
     Raises:
-        UrdfError: as there, or the file cannot be read.
+        UrdfError: the file cannot be read, or is invalid as for :func:`urdf_to_arm`.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "bytes that are not UTF-8 text"
+        reason = getattr(error, "strerror", None) or "data that are not UTF-8 text"
         raise UrdfError("cannot read the file", expected="a URDF written by hsr-urdf", received=reason, file=path) from error
     return urdf_to_arm(text, path)
 
 
 def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
-    """Write :func:`arm_to_urdf` to a file, whole or not at all.
+    """Write an arm to a URDF file, completely or not at all.
 
     Raises:
         OutputError: the file cannot be written.
@@ -109,13 +110,13 @@ def save_urdf(spec: ArmSpecification, path: str | Path) -> None:
 
 
 def _plain(value: Any) -> int | float | str:
-    """Turn a number of numpy's into Python's own."""
+    """Convert a NumPy number to a Python number."""
     return value if isinstance(value, str) else int(value) if hasattr(value, "__index__") else float(value)
 
 
 @lru_cache(maxsize=1)
 def _template() -> Template:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: `--help` does without
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # late import: `--help` does not need it
 
     folder = resource("urdf_templates", "arm.urdf.jinja").parent
     environment = Environment(
@@ -150,7 +151,7 @@ def _read_extension(tree: XmlTree) -> ArmSpecification:
 
 
 def _number(text: str, kind: type[int] | type[float]) -> int | float | str:
-    """Read a number, or pass on the text itself, which the specification then refuses by name."""
+    """Convert text to a number, or return the text, which the specification then rejects by name."""
     try:
         return kind(text)
     except ValueError:
@@ -158,7 +159,7 @@ def _number(text: str, kind: type[int] | type[float]) -> int | float | str:
 
 
 def _check_unchanged(tree: XmlTree, declared: XmlTree) -> None:
-    """Compare all that moves and weighs, to 1e-9, with what the declared arm gives; looks are free to change."""
+    """Compare all kinematic and dynamic properties, to 1e-9, with those of the declared arm; visual properties may differ."""
     got, wanted = _physics(tree.root), _physics(declared.root)
     for name in (*got, *wanted):
         element, value = got.get(name, (tree.root, "nothing"))
@@ -169,7 +170,7 @@ def _check_unchanged(tree: XmlTree, declared: XmlTree) -> None:
 
 
 def _physics(root: Element) -> dict[str, tuple[Element, str]]:
-    """Every attribute of links, joints and <hsr>, but for looks: "link link_1 inertial mass value" -> (element, text)."""
+    """Return all attributes of links, joints and <hsr> but visual ones: "link link_1 inertial mass value" -> (element, text)."""
     facts: dict[str, tuple[Element, str]] = {}
 
     def walk(element: Element, path: str) -> None:
@@ -188,7 +189,7 @@ def _physics(root: Element) -> dict[str, tuple[Element, str]]:
 
 
 def _same(a: str, b: str) -> bool:
-    """Equal as text, or as rows of numbers."""
+    """Return whether two texts are equal, also as rows of numbers."""
     try:
         return a == b or all(math.isclose(float(x), float(y), rel_tol=1e-9) for x, y in zip(a.split(), b.split(), strict=True))
     except ValueError:

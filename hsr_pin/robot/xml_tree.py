@@ -1,7 +1,7 @@
-"""XML text -> element tree that knows its lines, for files that may come from anywhere.
+"""XML text -> element tree with line numbers, for files from untrusted sources.
 
-Only the standard library's expat: a document type declaration (and with it every entity, internal or external) is refused, so
-nothing is fetched and nothing multiplies.
+Only the standard library's expat is used. A document type declaration (and with it every entity, internal or external) is
+rejected, so that nothing is fetched and nothing is expanded.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from hsr_pin.errors import UrdfError
 
 @dataclass(frozen=True, eq=False)
 class XmlTree:
-    """A parsed document.
+    """A parsed XML document with the positions of its elements.
 
     Attributes:
-        root: its outermost element.
+        root: the outermost element.
         positions: line and column of each element, from 1.
-        source: the file it came from, for messages.
+        source: the file, for messages.
     """
 
     root: Element
@@ -32,7 +32,7 @@ class XmlTree:
     def fail(
         self, subject: str, at: Element | None = None, *, expected: str, received: object = None, hint: str = ""
     ) -> NoReturn:
-        """Raise a :class:`UrdfError` that points at an element (the root by default)."""
+        """Raise a :class:`UrdfError` at an element (the root by default)."""
         line, column = self.positions[self.root if at is None else at]
         raise UrdfError(
             subject, expected=expected, received=received, hint=hint, file=self.source or "URDF", line=line, column=column
@@ -40,10 +40,10 @@ class XmlTree:
 
 
 def parse_xml(text: str, source: str | Path | None = None) -> XmlTree:
-    """Parse a document.
+    """Parse an XML document.
 
     Raises:
-        UrdfError: the text is not XML, or declares a document type; with line and column.
+        UrdfError: the text is not XML, or declares a document type; the error has line and column.
     """
     builder = TreeBuilder()
     positions: dict[Element, tuple[int, int]] = {}

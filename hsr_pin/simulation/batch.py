@@ -1,4 +1,4 @@
-"""Many scenarios at once, each as it would be alone."""
+"""Simulate many scenarios at once, each with the same result as on its own."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
+from hsr_pin.simulation.arm_batch import ArmBatch, batch_key
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns, likeness
 from hsr_pin.simulation.integrator import TOLERANCE, Integrator
 from hsr_pin.simulation.motion import Dynamics, Engine, Motion
 from hsr_pin.simulation.result import Outcome, SimulationResult, furthest_joint, reason_of
@@ -26,62 +26,65 @@ def simulate_batch(
     step: float | None = None,
     threads: int = 1,
 ) -> list[SimulationResult]:
-    """Simulate scenarios; a failed one is marked in its result and does not touch the others.
+    """Simulate many scenarios; a failed scenario is marked in its result and does not affect the others.
 
     Args:
-        scenarios: any mixture of arms, effects, inputs, starts and lengths.
-        dynamics: "compiled", or "aba" or "rnea" over Pinocchio.
-        integrator: a name from ``hsr_pin.simulation.integrator``; default: what suits each arm.
-        tolerance: [m] of the tip, that a step may be in error by.
-        step: [s] steps of at most this length in place of a tolerance; they divide the samples evenly.
-        threads: to share the scenarios between; the compiled loops run side by side.
+        scenarios: any mixture of arms, effects, inputs, initial states and durations.
+        dynamics: "compiled", or "aba" or "rnea" with Pinocchio.
+        integrator: a name from ``hsr_pin.simulation.integrator``; default: the method that suits each arm.
+        tolerance: largest error of a step, at the tip [m].
+        step: largest step length [s], used instead of a tolerance; the steps divide the sampling interval evenly.
+        threads: number of threads among which the scenarios are divided; the compiled loops run in parallel.
 
     Returns:
-        One result per scenario, in their order. Each is what the scenario gives alone.
+        One result per scenario, in the order of the scenarios; each is identical to that of the scenario simulated alone.
     """
     method = Integrator(integrator, tolerance, step)
     groups: dict[object, list[int]] = defaultdict(list)
     for index, scenario in enumerate(scenarios):
-        groups[likeness(scenario), len(scenario.time), scenario.step, scenario.interpolated].append(index)
+        groups[batch_key(scenario), len(scenario.time), scenario.step, scenario.interpolated].append(index)
     results: dict[int, SimulationResult] = {}
-    for members, columns in _of_one_method(scenarios, groups.values()):
+    for members, batch in _of_one_method(scenarios, groups.values()):
         group = [scenarios[i] for i in members]
-        motion = moved(group, columns, method, dynamics, apart=True, threads=threads)
-        beside = [scenario.beside for scenario in group] if columns.space else 0.0
-        positions = Cameras(columns, [scenario.reach for scenario in group], beside).positions(motion.angles)
+        motion = simulate_together(group, batch, method, dynamics, separately=True, threads=threads)
+        beside = [scenario.beside for scenario in group] if batch.space else 0.0
+        positions = Cameras(batch, [scenario.reach for scenario in group], beside).positions(motion.angles)
         results.update((i, result_of(scenarios[i], motion, positions, b)) for b, i in enumerate(members))
     return [results[i] for i in range(len(scenarios))]
 
 
-def _of_one_method(scenarios: Sequence[Scenario], groups: Iterable[list[int]]) -> Iterator[tuple[list[int], Columns]]:
-    """The groups and their columns, those that hardly anything damps apart from the others."""
+def _of_one_method(scenarios: Sequence[Scenario], groups: Iterable[list[int]]) -> Iterator[tuple[list[int], ArmBatch]]:
+    """Yield the groups and their batches, with lightly damped arms in batches of their own."""
     for members in groups:
-        columns = Columns.of([scenarios[i] for i in members])
-        for alike in (columns.ringing, ~columns.ringing):
-            if alike.all():
-                yield members, columns
-            elif alike.any():
-                yield [members[i] for i in np.flatnonzero(alike)], columns.members(alike)
+        batch = ArmBatch.of([scenarios[i] for i in members])
+        for same_method in (batch.ringing, ~batch.ringing):
+            if same_method.all():
+                yield members, batch
+            elif same_method.any():
+                yield [members[i] for i in np.flatnonzero(same_method)], batch.members(same_method)
 
 
-def moved(
+def simulate_together(
     scenarios: Sequence[Scenario],
-    columns: Columns,
+    batch: ArmBatch,
     method: Integrator,
     dynamics: Dynamics,
     *,
-    apart: bool = False,
+    separately: bool = False,
     threads: int = 1,
 ) -> Motion:
-    """The motions of scenarios with the same times, all with the steps of the first, or (``apart``) each with its own."""
-    first, engine = scenarios[0], Engine(columns, dynamics)
+    """Return the motions of scenarios with the same sample times.
+
+    All scenarios use the step lengths of the first one, or (``separately``) each has its own.
+    """
+    first, engine = scenarios[0], Engine(batch, dynamics)
     deliver = partial(engine.deliver, step=first.step, interpolated=first.interpolated, substeps=method.substeps(first.step))
-    command = deliver(np.array([s.command for s in scenarios]).swapaxes(0, 1), np.array([s.held_under for s in scenarios]))
-    if columns.points is not None:
+    command = deliver(np.array([s.command for s in scenarios]).swapaxes(0, 1), np.array([s.initial_torque for s in scenarios]))
+    if batch.points is not None:
         from hsr_pin.simulation.space.drive import with_loads
 
-        command = with_loads(columns, scenarios, command)
-    q, v = np.zeros((2, len(columns), columns.coordinates))
+        command = with_loads(batch, scenarios, command)
+    q, v = np.zeros((2, len(batch), batch.coordinates))
     wanted = np.array([isinstance(s.start, Settled) for s in scenarios])
     for b, s in enumerate(scenarios):
         if isinstance(s.start, Pose):
@@ -94,28 +97,28 @@ def moved(
     else:
         found = wanted
     given = engine.loaded(q, v), command, len(first.time), method, found | ~wanted
-    return engine.run_apart(*given, threads) if apart else engine.run(*given)
+    return engine.run_separately(*given, threads) if separately else engine.run(*given)
 
 
-def result_of(scenario: Scenario, motion: Motion, positions: Array, column: int) -> SimulationResult:
-    """One column of a motion, with the positions (S, B, M, 3) [m] of its markers."""
+def result_of(scenario: Scenario, motion: Motion, positions: Array, index: int) -> SimulationResult:
+    """Return the result of one scenario of a motion, given the marker positions (S, B, M, 3) [m] of the batch."""
     count, outcome, joint, time = len(scenario.time), Outcome.COMPLETED, None, None
-    if np.isfinite(motion.lost[column]):
-        elapsed = float(motion.lost[column])
+    if np.isfinite(motion.lost[index]):
+        elapsed = float(motion.lost[index])
         count = max(1, int(np.ceil(elapsed / scenario.step - 1e-9)))
-        last = motion.beyond[column].reshape(scenario.arm.links, -1)
-        # where there is no rest, the arm is left straight
-        nowhere = elapsed == 0 and np.linalg.norm(last[:, :2].sum(axis=0)) <= scenario.arm.bending_limit
+        last = motion.beyond[index].reshape(scenario.arm.links, -1)
+        # an arm without an equilibrium is left straight
+        no_equilibrium = elapsed == 0 and np.linalg.norm(last[:, :2].sum(axis=0)) <= scenario.arm.bending_limit
         last = np.linalg.norm(last, axis=1)
-        outcome = Outcome.NO_EQUILIBRIUM if nowhere else reason_of(last)
+        outcome = Outcome.NO_EQUILIBRIUM if no_equilibrium else reason_of(last)
         joint, time = furthest_joint(last), float(scenario.time[0] + elapsed)
     shape = (count, scenario.arm.links, 3) if scenario.arm.bending == "space" else (count, scenario.arm.links)
     trajectory = Trajectory(
         time=scenario.time[:count],
         markers=scenario.markers,
-        positions=positions[:count, column],
+        positions=positions[:count, index],
         torque=scenario.torque[:count],
-        joint_angles=motion.angles[:count, column].reshape(shape),
-        joint_rates=motion.rates[:count, column].reshape(shape),
+        joint_angles=motion.angles[:count, index].reshape(shape),
+        joint_rates=motion.rates[:count, index].reshape(shape),
     )
     return SimulationResult(scenario, trajectory, outcome, time, joint)

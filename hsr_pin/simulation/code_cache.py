@@ -1,4 +1,4 @@
-"""Where machine code is kept: in numba's own cache, which here may be damaged or full without a command ending over it."""
+"""A variant of numba's code cache that tolerates damaged files and a full disk."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
-_SAID: set[str] = set()
+_REPORTED: set[str] = set()
 
 
 def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options: Any) -> tuple[Any, bool]:
-    """A function through one of numba's decorators, and whether its machine code is kept: not where there is no folder for it."""
+    """Compile a function with one of numba's decorators; return it, and whether its machine code is cached on disk.
+
+    The code is not cached if no cache folder is writable.
+    """
     try:
         with _lenient():
             return decorate(cache=True, **options)(function), True
@@ -24,14 +27,14 @@ def cached(decorate: Callable[..., Any], function: Callable[..., Any], **options
 
 @contextmanager
 def _lenient() -> Iterator[None]:
-    """Functions that numba's decorators make in here have a cache of :func:`_kind`; numba has no setting for it."""
+    """Make numba's decorators use the cache class of :func:`_lenient_cache`; numba has no setting for it."""
     from numba.core import ccallback, dispatcher
 
     modules: tuple[Any, ...] = (ccallback, dispatcher)
     before = [module.FunctionCache for module in modules]
     try:
         for module in modules:
-            module.FunctionCache = _kind()
+            module.FunctionCache = _lenient_cache()
         yield
     finally:
         for module, kind in zip(modules, before, strict=True):
@@ -39,16 +42,16 @@ def _lenient() -> Iterator[None]:
 
 
 @cache
-def _kind() -> Any:
-    """A cache that is made anew where it cannot be read, and does without where it cannot be written."""
+def _lenient_cache() -> Any:
+    """Return a cache class that recompiles unreadable entries and works without a writable folder."""
     from numba.core.caching import FunctionCache
 
     class LenientCache(FunctionCache):  # type: ignore[misc]
         def load_overload(self, signature: Any, context: Any) -> Any:
             try:
                 return super().load_overload(signature, context)
-            except Exception:  # whatever becomes of bytes that are no pickle
-                _say("damaged", f"the machine code kept in {self.cache_path} is damaged, and is made anew")
+            except Exception:  # damaged bytes can raise any exception
+                _report_once("damaged", f"the machine code in {self.cache_path} is damaged and is compiled again")
                 with suppress(OSError):
                     self.flush()
                 return None
@@ -58,15 +61,15 @@ def _kind() -> Any:
                 super().save_overload(signature, code)
             except OSError as error:
                 reason = (
-                    f"cannot keep machine code in {self.cache_path} ({error.strerror or error}), and makes it in every process"
+                    f"cannot save machine code in {self.cache_path} ({error.strerror or error}), so every process compiles it"
                 )
-                _say("full", f"{reason}: make room there, or name another folder as NUMBA_CACHE_DIR")
+                _report_once("full", f"{reason}: free some space there, or set NUMBA_CACHE_DIR to another folder")
 
     return LenientCache
 
 
-def _say(trouble: str, sentence: str) -> None:
-    """On standard error; of each trouble once in a process, wherever else it is met."""
-    if trouble not in _SAID:
-        _SAID.add(trouble)
+def _report_once(trouble: str, sentence: str) -> None:
+    """Print a message on standard error, once per process for each kind of problem."""
+    if trouble not in _REPORTED:
+        _REPORTED.add(trouble)
         print(f"hsr_pin: {sentence}", file=sys.stderr, flush=True)

@@ -1,8 +1,9 @@
-"""The march, the search for rest and the sight of markers as machine code, by numba; compiled at the first use and kept.
+"""The time integration, the search for equilibria and the marker projection as machine code, compiled by numba at the first use.
 
-The functions of these modules are taken as they stand, with those of ``kernel`` in place of Pinocchio's. What was compiled lies
-in the cache of numba (beside the source, or in the user's cache where the installation cannot be written to) and holds for all
-processes; a process that finds it there starts in some tenths of a second.
+The functions of the modules :mod:`~hsr_pin.simulation.integrate`, :mod:`~hsr_pin.simulation.equilibrium` and
+:mod:`~hsr_pin.simulation.marker_projection` are compiled unchanged, with the functions of ``kernel`` instead of Pinocchio's. The
+machine code is stored in numba's cache (beside the source, or in the user's cache if the installation is not writable) and serves
+all processes; a process that finds it there starts within a second.
 """
 
 from __future__ import annotations
@@ -14,142 +15,142 @@ from collections.abc import Callable, Iterable
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
-from hsr_pin.effects.effect import Effect, formless
-from hsr_pin.simulation import kernel, march, rest, sight
+from hsr_pin.effects.effect import Effect, unsupported_laws
+from hsr_pin.simulation import equilibrium, integrate, kernel, marker_projection
 from hsr_pin.simulation.code_cache import cached
+from hsr_pin.simulation.integrate import advance
 from hsr_pin.simulation.kernel import System
-from hsr_pin.simulation.march import advance
-from hsr_pin.simulation.stamp import stamp
+from hsr_pin.simulation.source_hash import source_hash
 from hsr_pin.trajectory import Array
 
-_MESSAGE = "hsr_pin: compiling its inner loops, {often}; this takes about half a minute"
-_KEPT, _LOST = "once for this machine", "in every process (no folder to keep them in: NUMBA_CACHE_DIR may name one)"
+_MESSAGE = "hsr_pin: compiling the inner loops, {often}; this takes about half a minute"
+_KEPT = "once on this machine"
+_LOST = "in every process (no writable folder to store them; set NUMBA_CACHE_DIR to one)"
 _LOCK = threading.RLock()
 
 
 class Loops(NamedTuple):
-    """What is compiled; see :mod:`~hsr_pin.simulation.march` and :mod:`~hsr_pin.simulation.rest`."""
+    """The compiled functions; see :mod:`~hsr_pin.simulation.integrate` and :mod:`~hsr_pin.simulation.equilibrium`."""
 
-    march: Any
-    apart: Any
+    integrate: Any
+    integrate_separately: Any
     advance: Any
-    rest: Any
+    equilibrium: Any
 
 
 def loops() -> Loops:
-    """The compiled functions; compiling is announced on standard error."""
-    with _LOCK:  # a second thread waits for the first
+    """Return the compiled loops; compilation is announced on standard error."""
+    with _LOCK:  # a second thread waits until the first has compiled them
         return _loops()
 
 
-def see() -> Any:
-    """:func:`hsr_pin.simulation.sight.see`, compiled."""
+def marker_projector() -> Any:
+    """Return the compiled :func:`hsr_pin.simulation.marker_projection.project_markers`."""
     with _LOCK:
-        return _see()
+        return _marker_projector()
 
 
-def ready(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
-    """Compile all that a fit with these effects will call, before many processes want it."""
+def precompile(effects: Iterable[type[Effect]] = (), space: bool = False) -> None:
+    """Compile everything that a fit with these effects calls, before many processes need it."""
     if space:
         from hsr_pin.simulation.space.loops import space_loops
 
         space_loops()
     else:
         loops()
-        see()
-    ready_laws(effects, space)
+        marker_projector()
+    precompile_laws(effects, space)
 
 
-def ready_laws(effects: Iterable[type[Effect]], space: bool = False) -> None:
-    """Compile the laws of effects, in every variant."""
+def precompile_laws(effects: Iterable[type[Effect]], space: bool = False) -> None:
+    """Compile the laws of effects, in all variants."""
     from hsr_pin.simulation.laws import address
 
     for kind in effects:
         for variant in kind.variants():
             effect = kind(**variant)  # type: ignore[arg-type, unused-ignore]  # options are texts
-            for hook in ("moment", "touch", "update", "respond"):
-                if effect.acts_through(hook) and not formless([effect], space=space):
+            for hook in ("moment", "contact_force", "update", "actuator_response"):
+                if effect.acts_through(hook) and not unsupported_laws([effect], space=space):
                     address(effect, hook, space=space)
 
 
 @lru_cache(maxsize=1)
 def _loops() -> Loops:
-    return assembled("loops", kernel, rest, brief_advance, _arguments())
+    return compile_loops("loops", kernel, equilibrium, advance_packed, _arguments())
 
 
 @lru_cache(maxsize=1)
-def _see() -> Any:
-    press = _Press("sight")
-    found = press.made(sight.see)
-    press.compile((found,), (_sight(),))
+def _marker_projector() -> Any:
+    compiler = _Compiler("marker_projection")
+    found = compiler.jit(marker_projection.project_markers)
+    compiler.compile((found,), (_projection_types(),))
     return found
 
 
-def assembled(part: str, kernel: Any, rest: Any, advance: Callable[..., Any], arguments: Iterable[Any]) -> Loops:
-    """The loops over one kind of arms.
+def compile_loops(part: str, kernel: Any, equilibrium: Any, advance: Callable[..., Any], arguments: Iterable[Any]) -> Loops:
+    """Compile the loops for one kind of arms.
 
     Args:
-        part: the name under which :mod:`~hsr_pin.simulation.stamp` has what they are made from.
-        kernel: the module that has the inner loops.
-        rest: the module that has the search for rest.
-        advance: steps that are given from outside.
-        arguments: the types of what each of the loops takes.
+        part: key of the sources in :mod:`~hsr_pin.simulation.source_hash`.
+        kernel: the module with the inner loops.
+        equilibrium: the module with the search for equilibria.
+        advance: the function that takes steps given from outside.
+        arguments: the argument types of each loop.
     """
-    press = _Press(part)
-    made = press.made
+    compiler = _Compiler(part)
+    jit = compiler.jit
     plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
     for name in kernel.PARTS:
-        plain[name] = made(getattr(kernel, name), inline=name not in ("resist", "remember"), **plain)
-    plain["mean_torque"] = plain.get("mean_torque") or made(march.mean_torque, inline=True)
-    plain["extrapolate"] = made(march.extrapolate, **plain)
-    for name in rest.PARTS:
-        plain[name] = made(getattr(rest, name), **plain)
-    plain["march"] = made(march.march, **plain)
-    plain["advance"] = made(march.advance, **plain)
-    apart, steps = made(march.march_apart, **plain), made(advance, **plain)
-    found = Loops(plain["march"], apart, steps, made(rest.rest, **plain))
-    press.compile(found, arguments)
+        plain[name] = jit(getattr(kernel, name), inline=name not in ("add_joint_moments", "update_states"), **plain)
+    plain["mean_torque"] = plain.get("mean_torque") or jit(integrate.mean_torque, inline=True)
+    plain["extrapolate"] = jit(integrate.extrapolate, **plain)
+    for name in equilibrium.PARTS:
+        plain[name] = jit(getattr(equilibrium, name), **plain)
+    plain["integrate"] = jit(integrate.integrate, **plain)
+    plain["advance"] = jit(integrate.advance, **plain)
+    separately, steps = jit(integrate.integrate_separately, **plain), jit(advance, **plain)
+    found = Loops(plain["integrate"], separately, steps, jit(equilibrium.equilibrium, **plain))
+    compiler.compile(found, arguments)
     return found
 
 
-class _Press:
-    """Makes machine code of functions that are made from the same sources, and keeps it where it can."""
+class _Compiler:
+    """Compiles functions that depend on the same sources, and caches the machine code if possible."""
 
     def __init__(self, part: str) -> None:
-        self._stamp, self._kept = stamp(part), True
+        self._hash, self._kept = source_hash(part), True
 
-    def made(self, function: Callable[..., Any], inline: bool = False, **others: Any) -> Any:
-        """A function for numba, to be compiled when it is first needed; ``others`` stand in for what it knows by these names."""
+    def jit(self, function: Callable[..., Any], inline: bool = False, **others: Any) -> Any:
+        """Prepare a function for compilation; ``others`` replace the globals of the same names."""
         from numba import njit
 
         scope = {**function.__globals__, **others}
         copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
-        copy.__qualname__ = f"{function.__name__}_{self._stamp}"
+        copy.__qualname__ = f"{function.__name__}_{self._hash}"
         code, is_kept = cached(njit, copy, nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=inline)
         self._kept = self._kept and is_kept
         return code
 
     def compile(self, functions: Iterable[Any], arguments: Iterable[Any]) -> None:
-        """Compile functions for these types alone: nothing is ever compiled again unawares."""
+        """Compile functions for the given argument types only, so that no later call compiles them again."""
         from numba.core import event
 
-        with event.install_listener(
-            "numba:compile", _announcement(_KEPT if self._kept else _LOST)
-        ):  # not heard when they are loaded
+        message = _announcement(_KEPT if self._kept else _LOST)
+        with event.install_listener("numba:compile", message):  # the event does not occur if cached code is loaded
             for function, types_of in zip(functions, arguments, strict=True):
                 function.compile(types_of)
                 function.disable_compile()
 
 
-def brief_advance(
+def advance_packed(
     joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, state: Array, impulse: Array, cell: float,
     weights: Array, limit: Array,
 ) -> int:  # fmt: skip
-    """As :func:`hsr_pin.simulation.march.advance`, for few arrays: at a call from Python, each takes its time.
+    """Take steps of one cell each, as :func:`hsr_pin.simulation.integrate.advance`, with fewer arguments to save time per call.
 
-    ``state`` (2 + states, B, N) are angles, rates and what the laws remember; ``joints`` (11, B, N) are the first fields of
-    :class:`~hsr_pin.simulation.kernel.System`, the others are as there.
+    ``state`` (2 + states, B, N) contains the angles, the rates and the states of the laws; ``joints`` (11, B, N) contains the
+    first fields of :class:`~hsr_pin.simulation.kernel.System`; the other arguments are as there.
     """
     j = joints
     arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)
@@ -157,7 +158,7 @@ def brief_advance(
 
 
 def _arguments() -> tuple[Any, ...]:
-    """Types of what each loop takes."""
+    """Return the argument types of each loop."""
     from numba import types as nb
 
     def reals(dimensions: int, kind: Any = nb.float64, readonly: bool = False) -> Any:
@@ -179,8 +180,8 @@ def _arguments() -> tuple[Any, ...]:
     )
 
 
-def _sight() -> Any:
-    """Types of what the sight of markers takes."""
+def _projection_types() -> Any:
+    """Return the argument types of the marker projection."""
     from numba import types as nb
 
     return nb.void(*(nb.Array(nb.float64, dimensions, "C") for dimensions in (3, 2, 3, 2, 2, 4))).args
@@ -188,7 +189,7 @@ def _sight() -> Any:
 
 @cache
 def _announcement(often: str) -> Any:
-    """What says, once in a process, that something is being compiled."""
+    """Return a listener that announces the compilation, once per process."""
     from numba.core import event
 
     class Announcement(event.Listener):  # type: ignore[misc]
@@ -206,7 +207,7 @@ def _announcement(often: str) -> Any:
 
 
 def _caller() -> Any:
-    """A function for compiled code that calls machine code at an address; arrays are passed as where they begin."""
+    """Return a function with which compiled code calls machine code at an address; arrays are passed as pointers."""
     from llvmlite import ir
     from numba import types as nb
     from numba.extending import intrinsic

@@ -1,4 +1,4 @@
-"""What drives an arm over time: torques, or pressures and the torques that they give."""
+"""Commands over time: torques, or pressures with the torques that they produce."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Scenario, Settled, step_scenario
 from hsr_pin.trajectory import Array, Trajectory, read_only
 
-#: Rest before a step [s].
+#: Time at rest before a step [s].
 REST = 0.1
-#: Longest run [s].
+#: Longest duration of a run [s].
 LONGEST = 3600.0
 
 
@@ -26,9 +26,10 @@ class Drive:
     """A command for one arm.
 
     Attributes:
-        time: (T,) [s] evenly spaced.
-        torque: (T,) [N m] held from each sample to the next; for an arm in space (T, 2), towards x and towards y of the base.
-        pressures: (T, 2) [bar] that give this torque by Eqs. (4) and (5); None: the torque itself is commanded.
+        time: (T,) evenly spaced times [s].
+        torque: (T,) torque, held from each sample to the next [N m]; of an arm in space (T, 2), towards x and towards y of the
+            base.
+        pressures: (T, 2) pressures that produce this torque by Eqs. (4) and (5) [bar]; None if the torque itself is commanded.
     """
 
     time: Array
@@ -40,26 +41,26 @@ class Drive:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def scenario(self, arm: ArmSpecification, effects: tuple[Effect, ...] = ()) -> Scenario:
-        """The arm under this drive, at first settled under its first command."""
+        """Return the scenario of an arm under this drive that starts in equilibrium under the first command."""
         start = complex(*self.torque[0]) if self.torque.ndim == 2 else float(self.torque[0])
         return Scenario(arm, self.time, self.torque, Settled(start), effects)
 
     def towards(self, direction: float) -> Drive:
-        """The same in space, towards a direction from x to y of the base [rad]."""
+        """Return this drive for an arm in space, towards a direction from x to y of the base [rad]."""
         direction = finite("direction", direction, "a finite angle [rad]")
         return replace(self, torque=np.outer(self.torque, [np.cos(direction), np.sin(direction)]))
 
     def noted_in(self, trajectory: Trajectory) -> Trajectory:
-        """A motion under this drive, with the pressures that caused it."""
+        """Return a motion under this drive, with the pressures that caused it."""
         count = len(trajectory.time)
         return replace(trajectory, pressures=None if self.pressures is None else self.pressures[:count])
 
 
 def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> Drive:
-    """Rest under no torque, then a constant one [N m] up to ``duration`` [s].
+    """Return a drive with zero torque at first and then a constant torque [N m], up to ``duration`` [s].
 
     Raises:
-        InputError: a torque that is no number, or a duration without a step in it.
+        InputError: the torque is not a number, or the duration is too short for a step.
     """
     torque = finite("torque", torque, "a finite number [N m]")
     scenario = step_scenario(arm, torque, rest=REST, duration=checked_duration(duration))
@@ -67,11 +68,13 @@ def torque_step(arm: ArmSpecification, torque: float, duration: float = 3.0) -> 
 
 
 def pressure_step(arm: ArmSpecification, pressures: ArrayLike, duration: float = 3.0) -> Drive:
-    """Rest under the pressures that bend the arm by nothing at its stiffness, then constant ones (2,) [bar].
+    """Return a drive with constant pressures (2,) [bar] after an interval at rest.
+
+    The pressures at rest do not bend the arm at its stiffness.
 
     Raises:
-        PressureError: pressures out of range, or a stiffness that no pressures give.
-        InputError: a duration without a step in it.
+        PressureError: the pressures are out of range, or no pressures give the stiffness.
+        InputError: the duration is too short for a step.
     """
     torque = PAPER.torque(pressures, arm.keq)
     neutral = PAPER.pressures_for_torque(arm.keq, 0.0)
@@ -82,10 +85,10 @@ def pressure_step(arm: ArmSpecification, pressures: ArrayLike, duration: float =
 
 
 def checked_duration(duration: float) -> float:
-    """A duration [s] that a run can have.
+    """Return a duration [s] unchanged if it is valid for a run.
 
     Raises:
-        InputError: it is none.
+        InputError: the duration is invalid.
     """
     if not 2 * REST <= finite("duration", duration, f"{2 * REST:g} to {LONGEST:g} s") <= LONGEST:
         raise InputError("duration", expected=f"{2 * REST:g} to {LONGEST:g} s", received=f"{duration:g}")

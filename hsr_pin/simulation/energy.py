@@ -1,4 +1,4 @@
-"""The energy account of a motion: what a passive arm holds, less what the torque brought in, never rises."""
+"""The energy balance of a motion: the energy of a passive arm, minus the work of the torque, never increases."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import numpy as np
 from hsr_pin.effects.effect import Bending, Effect, middles
 from hsr_pin.errors import InputError
 from hsr_pin.robot.chain import chain_of
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.command import deliver
 from hsr_pin.simulation.integrator import TOLERANCE
-from hsr_pin.simulation.reference import touched
+from hsr_pin.simulation.reference import contact_moments
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.trajectory import Array, Trajectory
 
-#: A rise by more than this share of the energy that moves is none that a tolerance explains.
+#: Largest relative increase of the balance that the integration tolerance can explain.
 SUSPICIOUS = 0.05
-#: A tip that moves by less than so many times the default tolerance of a step moves too little for its energy to be judged.
+#: A tip that moves by less than this multiple of the default tolerance moves too little to judge its energy.
 _SMALL = 100
-#: Gauss-Legendre points on [0, 1] over which a law's moment is integrated from sample to sample.
+#: Gauss-Legendre points on [0, 1] for the integral of a law's moment along the straight path to a pose.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(32)
 _POINTS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2
 
@@ -31,10 +31,10 @@ class Energy:
     """Energies of an arm at the samples, (T,) [J] each.
 
     Attributes:
-        kinetic: of the links.
-        stored: in gravity, springs and laws, from the straight arm.
-        work: of the torque since the start.
-        least: [J] that the springs hold when the tip is moved so little that a tolerance is a good part of it.
+        kinetic: kinetic energy of the links.
+        stored: potential energy in gravity, springs and laws, relative to the straight arm.
+        work: work of the torque since the start.
+        least: energy of the springs at a displacement for which the tolerance is a considerable share [J].
     """
 
     kinetic: Array
@@ -44,81 +44,86 @@ class Energy:
 
     @property
     def account(self) -> Array:
-        """(T,) [J] what is not lost yet; it never rises where all laws are passive."""
+        """Energy that is not dissipated yet (T,) [J]; it never increases if all laws are passive."""
         return self.kinetic + self.stored - self.work
 
     @property
     def rise(self) -> float:
-        """Largest rise of the account, over the largest kinetic energy, all that was lost, or ``least``, whichever is most."""
+        """Largest increase of the balance, relative to the energy of the motion.
+
+        The energy of the motion is the largest of the kinetic energy, the dissipated energy and ``least``.
+        """
         account = self.account
         rise = (account - np.minimum.accumulate(account)).max()
         return float(rise / max(self.kinetic.max(), account[0] - account.min(), self.least))
 
 
 def energy(scenario: Scenario, motion: Trajectory) -> Energy:
-    """The account of a simulated motion of a scenario.
+    """Return the energy balance of a simulated motion of a scenario.
 
     Raises:
-        InputError: an effect remembers (what it stores cannot be told from the motion), or the torque is not even from sample to
-            sample.
+        InputError: an effect has a memory (the motion does not determine its stored energy), or the torque is not constant
+            between samples.
     """
-    if unknown := untold(scenario):
+    if unknown := energy_obstacle(scenario):
         raise InputError("energy", expected="effects without memory under a held command", received=unknown)
-    columns = Columns.of([scenario])
+    batch = ArmBatch.of([scenario])
     q, v = motion.joint_angles, motion.joint_rates
-    assert q is not None and v is not None  # of a simulation
+    assert q is not None and v is not None  # always present in a simulated motion
     least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
-    if columns.space:
-        return _in_space(scenario, columns, q, v, least)
+    if batch.space:
+        return _in_space(scenario, batch, q, v, least)
     start: Any = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
-    with np.errstate(over="ignore", invalid="ignore"):  # a torque that no arm bears
-        given = _arriving(columns, scenario, scenario.torque, start)[: len(q) - 1]
-        brought = given * (np.diff(q, axis=0) @ columns.arrays.share[0])
-    arrays, chain = columns.arrays, chain_of(columns.arms)
+    with np.errstate(over="ignore", invalid="ignore"):  # excessive torque
+        given = _arriving(batch, scenario, scenario.torque, start)[: len(q) - 1]
+        brought = given * (np.diff(q, axis=0) @ batch.arrays.share[0])
+    arrays, chain = batch.arrays, chain_of(batch.arms)
     theta, omega = q.cumsum(axis=1), v.cumsum(axis=1)
     ahead = np.stack([np.cos(theta), np.sin(theta)])
     turning = np.stack([-ahead[1], ahead[0]]) * omega
     places, speeds = ((part * chain.reach).cumsum(axis=2) + part * (chain.lever - chain.reach) for part in (ahead, turning))
     kinetic = (chain.mass * (speeds**2).sum(axis=0) + chain.inertia * omega**2).sum(axis=1) / 2
-    springs = (arrays.spring * q**2).sum(axis=1) / 2 + sum(_stored(columns, law, q) for law in columns.laws)
+    springs = (arrays.spring * q**2).sum(axis=1) / 2 + sum(_stored(batch, law, q) for law in batch.laws)
     height = (chain.mass * (chain.gravity[0] @ places.swapaxes(0, 1).reshape(len(q), 2, -1))).sum(axis=1)
     return Energy(kinetic, springs - height, np.append(0.0, brought.cumsum()), least)
 
 
-def _arriving(columns: Columns, scenario: Scenario, torque: Array, start: complex) -> Array:
-    """(T - 1,) [N m] the mean of what arrives between the samples."""
-    return np.asarray(np.diff(deliver(columns, torque[:, None], np.array([start]), scenario.step).impulse[0]))
+def _arriving(batch: ArmBatch, scenario: Scenario, torque: Array, start: complex) -> Array:
+    """Return the mean torque that arrives in each sampling interval, (T - 1,) [N m]."""
+    return np.asarray(np.diff(deliver(batch, torque[:, None], np.array([start]), scenario.step).impulse[0]))
 
 
-def _in_space(scenario: Scenario, columns: Columns, q: Array, v: Array, least: float) -> Energy:
+def _in_space(scenario: Scenario, batch: ArmBatch, q: Array, v: Array, least: float) -> Energy:
     from hsr_pin.simulation.space.account import kinetic_and_height, twisting, work_of_loads
 
     bends = q[:, :, 0] + 1j * q[:, :, 1]
-    kinetic, height = kinetic_and_height(columns, q, v)
-    springs = (columns.arrays.spring * np.abs(bends) ** 2).sum(axis=1) / 2 + twisting(columns, q)
-    springs = springs + sum(_stored(columns, law, bends) for law in columns.laws)
-    ways = (np.diff(bends, axis=0) * columns.arrays.share[0]) @ columns.arrays.inputs
-    brought = work_of_loads(scenario, columns, q)
-    for section, start in enumerate(scenario.held_under):
-        given = _arriving(columns, scenario, scenario.command[:, section], start)[: len(q) - 1]
+    kinetic, height = kinetic_and_height(batch, q, v)
+    springs = (batch.arrays.spring * np.abs(bends) ** 2).sum(axis=1) / 2 + twisting(batch, q)
+    springs = springs + sum(_stored(batch, law, bends) for law in batch.laws)
+    ways = (np.diff(bends, axis=0) * batch.arrays.share[0]) @ batch.arrays.inputs
+    brought = work_of_loads(scenario, batch, q)
+    for section, start in enumerate(scenario.initial_torque):
+        given = _arriving(batch, scenario, scenario.command[:, section], start)[: len(q) - 1]
         brought = brought + (given.conj() * ways[:, section]).real
     return Energy(kinetic, springs + height, np.append(0.0, brought.cumsum()), least)
 
 
-def untold(scenario: Scenario) -> str:
-    """What keeps the account of a scenario from being told; empty if nothing does."""
-    remembering = [effect.name for effect in scenario.effects if effect.states or effect.memories or effect.acts_through("late")]
-    turned = any(np.any(np.asarray(load.moment)) for load in scenario.loads)  # whose work is none of the samples'
+def energy_obstacle(scenario: Scenario) -> str:
+    """Return the reason why a scenario has no energy balance; an empty text if it has one."""
+    remembering = [
+        effect.name for effect in scenario.effects if effect.states or effect.memories or effect.acts_through("command_delay")
+    ]
+    turned = any(np.any(np.asarray(load.moment)) for load in scenario.loads)  # their work does not follow from the samples
     return ", ".join(remembering) or ("an interpolated command" if scenario.interpolated else "moments of loads" * turned)
 
 
-def _stored(columns: Columns, law: Effect, q: Array) -> Array:
-    """(T,) [J] the work of a law's moment, at rest, on the way from the straight arm to q (T, N), in space complex."""
-    total, links = np.zeros(len(q)), columns.links
+def _stored(batch: ArmBatch, law: Effect, q: Array) -> Array:
+    """Return the work (T,) [J] of a law's moment, quasi-statically, from the straight arm to q (T, N), complex in space."""
+    total, links = np.zeros(len(q)), batch.links
     for point, weight in zip(_POINTS, _WEIGHTS, strict=True):
-        bending = Bending(point * links * q, 0.0 * q, columns.arms.keq[:, None], columns.arrays.profile, middles(links), ())
+        bending = Bending(point * links * q, 0.0 * q, batch.arms.keq[:, None], batch.arrays.profile, middles(links), ())
         resisting = law.moment(law.p, bending)
-        if law.acts_through("touch"):
-            resisting = resisting + touched(law, point * q, columns.arrays.reach)
+        if law.acts_through("contact_force"):
+            resisting = resisting + contact_moments(law, point * q, batch.arrays.reach)
         total += weight * (np.conj(resisting) * q).sum(axis=1).real
     return total

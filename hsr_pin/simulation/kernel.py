@@ -1,7 +1,7 @@
-"""The inner loops, for the compiler: one substep of a planar chain, and what the march does with whole arrays.
+"""The inner loops of planar arms, for the compiler: one substep of a chain, and array operations of the time integration.
 
-Written for numba (``hsr_pin.simulation.compiled``), which turns each function into machine code; they run as Python too, slowly.
-:mod:`hsr_pin.simulation.reference` has the same functions over Pinocchio.
+The functions are written for numba (``hsr_pin.simulation.compiled``), which compiles each of them; they also run as Python,
+slowly. :mod:`hsr_pin.simulation.reference` has the same functions with Pinocchio.
 """
 
 from __future__ import annotations
@@ -16,26 +16,28 @@ from hsr_pin.trajectory import Array
 
 #: Rows of the scratch array for each link: cos, sin, rate of the link, J, hx, hy, 1/D, free torque.
 SCRATCH = 8
-#: The same with the march's own row.
+#: The same with one more row for the time integration.
 ROWS = SCRATCH + 1
-#: What the compiler takes from here, in the order of use.
-PARTS = ("substep", "add", "between", "bent", "alone", "resist", "remember")
+#: Functions that are compiled, in the order of their dependencies.
+PARTS = ("substep", "add", "interpolate", "bending_angle", "single_arm", "add_joint_moments", "update_states")
 
 
 class System(NamedTuple):
-    """What the loops need to know of B arms.
+    """The arrays of B arms that the loops need.
 
     Attributes:
         mass, lever, inertia, reach: (B, N) as in :class:`hsr_pin.robot.chain.Chain`.
-        lean: (B, N) [kg m] first moment of all that a link carries, about its joint.
-        spring, damper: (B, N) [Nm/rad], [Nm s/rad] at the joints.
-        stiff, drag: (B, N) the same with a bound of what the laws add: what is treated implicitly.
-        share: (B, N) of the torque that arrives at each joint.
-        profile: (B, N) stiffness along the arm, over keq.
+        lean: (B, N) first moment of all bodies that a link carries, about its joint [kg m].
+        spring, damper: (B, N) stiffness [Nm/rad] and damping [Nm s/rad] of the joints.
+        stiff, drag: (B, N) stiffness and damping that are treated implicitly, with an upper bound for the laws [Nm/rad], [Nm
+            s/rad].
+        share: (B, N) share of the torque that arrives at each joint.
+        profile: (B, N) stiffness along the arm, relative to keq.
         gravity: (B, 2) as in :class:`hsr_pin.robot.chain.Chain`.
-        keq: (B,) [Nm/rad] of the whole arm.
-        laws: (K, 4) of each law the addresses of its moment and its update, and its first state and their number.
-        numbers: (K, P, B) its parameters.
+        keq: (B,) bending stiffness of the whole arm [Nm/rad].
+        laws: (K, 4) for each law the addresses of its moment and its state update, the index of its first state, and its number
+            of states.
+        numbers: (K, P, B) parameters of the laws.
     """
 
     mass: Array
@@ -54,26 +56,26 @@ class System(NamedTuple):
     laws: NDArray[np.int64]
     numbers: Array
 
-    def in_few(self) -> tuple[Any, ...]:
-        """The same in five arrays, the first (11, B, N)."""
+    def packed(self) -> tuple[Any, ...]:
+        """Return the fields as five arrays, the first of shape (11, B, N)."""
         return np.array(self[:11]), *self[11:]
 
 
 def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
-    """A linearly implicit Euler step of length d [s], in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
+    """Take a linearly implicit Euler step in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
 
-    The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7) in the plane, every
-    link in the axes of the base, so that nothing is turned from link to link: an articulated inertia is J about the joint, the
-    coupling h of force and turning, and the apparent mass m in x and y.
+    The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7) in the plane. All links
+    are expressed in the axes of the base, so that no quantity is rotated from link to link: an articulated inertia consists of J
+    about the joint, the coupling h of force and rotation, and the apparent mass m in x and y.
 
     Args:
         system: the arms.
-        q: (B, N) [rad].
-        v: (B, N) [rad/s].
-        moment: (B, N) [N m] with which the laws resist.
-        torque: (B,) [N m] of the muscles.
-        d: [s].
-        scratch: (SCRATCH, N).
+        q: (B, N) angles [rad].
+        v: (B, N) rates [rad/s].
+        moment: (B, N) moments of the laws, which oppose bending [N m].
+        torque: (B,) torque of the actuators [N m].
+        d: step length [s].
+        scratch: (SCRATCH, N) workspace.
     """
     count, links = q.shape
     c, s, omega, inertia = scratch[0], scratch[1], scratch[2], scratch[3]
@@ -85,16 +87,16 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
             angle += q[b, i]
             rate += v[b, i]
             c[i], s[i], omega[i] = cos(angle), sin(angle), rate
-        # what the links beyond hand down, about the joint that they hang on
+        # articulated inertia and force of the links beyond, about their first joint
         j_out, hx_out, hy_out, xx, xy, yy, turn, fx, fy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(links):
             i = links - 1 - k
             m, ml = system.mass[b, i], system.mass[b, i] * system.lever[b, i]
             w2 = omega[i] * omega[i]
             rx, ry = system.reach[b, i] * c[i], system.reach[b, i] * s[i]
-            fx -= w2 * (xx * rx + xy * ry)  # in place of the next joint's, about this one: it moves along a circle
+            fx -= w2 * (xx * rx + xy * ry)  # transform from the next joint to this one: centripetal acceleration
             fy -= w2 * (xy * rx + yy * ry)
-            sx, sy = xy * rx - xx * ry, yy * rx - xy * ry  # m times the next joint's turning about this one
+            sx, sy = xy * rx - xx * ry, yy * rx - xy * ry  # m times the next joint's displacement per rotation about this one
             turn += rx * fy - ry * fx - w2 * (hx_out * rx + hy_out * ry)
             j = j_out + 2 * (hy_out * rx - hx_out * ry) + rx * sy - ry * sx
             j += system.inertia[b, i] + ml * system.lever[b, i]
@@ -129,14 +131,14 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
 
 
 def add(total: Array, weight: float, term: Array) -> None:
-    """Total += weight * term, (B, N) each."""
+    """Add ``weight`` times ``term`` to ``total`` in place, (B, N) each."""
     for b in range(total.shape[0]):
         for i in range(total.shape[1]):
             total[b, i] += weight * term[b, i]
 
 
-def between(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, angle: Array, rate: Array) -> None:
-    """Angles and rates (B, N) at the share x of a step of length h [s], by the cubic through both ends (Hermite)."""
+def interpolate(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, angle: Array, rate: Array) -> None:
+    """Interpolate angles and rates (B, N) at the fraction x of a step of length h [s], by the cubic Hermite polynomial."""
     y = 1.0 - x
     for b in range(q.shape[0]):
         for i in range(q.shape[1]):
@@ -146,16 +148,16 @@ def between(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, 
             rate[b, i] = (rise + (1.0 - 2.0 * x) * (first * y + last * x) + x * y * (last - first)) / h
 
 
-def bent(q: Array, column: int) -> float:
-    """Bending angle [rad] of a whole arm."""
+def bending_angle(q: Array, b: int) -> float:
+    """Return the bending angle [rad] of a whole arm."""
     total = 0.0
     for i in range(q.shape[1]):
-        total += q[column, i]
+        total += q[b, i]
     return total
 
 
-def alone(system: Any, b: int) -> Any:
-    """One of the arms."""
+def single_arm(system: Any, b: int) -> Any:
+    """Return the system of one of the arms."""
     s, e = system, b + 1
     return System(
         s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.lean[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
@@ -164,12 +166,12 @@ def alone(system: Any, b: int) -> Any:
 
 
 def call_law(address: int, *arguments: Any) -> None:
-    """Call machine code at an address, arrays passed as where they begin; the compiler has one of its own in this place."""
+    """Call machine code at an address with arrays as pointers; a placeholder that the compiler replaces."""
     raise NotImplementedError
 
 
-def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
-    """Add the moments of the laws (B, N) [N m] to ``moment``; q, v (B, N), z (states, B, N)."""
+def add_joint_moments(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
+    """Add the moments (B, N) [N m] of the laws to ``moment``; q and v are (B, N), z is (states, B, N)."""
     for k in range(system.laws.shape[0]):
         first = system.laws[k, 2]
         call_law(
@@ -178,8 +180,11 @@ def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
         )  # fmt: skip
 
 
-def remember(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
-    """The laws' memories (states, B, N) after the joints went from ``start`` to ``end`` (B, N) [rad] in ``elapsed`` [s]."""
+def update_states(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
+    """Compute the states (states, B, N) of the laws after a motion of the joints.
+
+    The joint angles change from ``start`` to ``end`` (B, N) [rad] within ``elapsed`` [s].
+    """
     for k in range(system.laws.shape[0]):
         if system.laws[k, 3]:
             first, numbers = system.laws[k, 2], system.numbers[k]

@@ -1,9 +1,9 @@
-"""An effect's laws as machine code: each is compiled once, by itself, and called by address with whole arrays.
+"""The laws of effects as machine code: each law is compiled once, separately, and called by address with whole arrays.
 
-The text of a small loop is filled in for each law: its number of parameters and of states, and its options, are constants there
-(and 1.0, with which the compiler makes a number of the array without dimensions that ``np.where`` gives it).
-The code is kept beside the law's own file (or in the user's cache where that cannot be written to); a mark of all text that goes
-into it is part of its name.
+For each law, the text of a small loop is filled in: the numbers of parameters and of states, and the options, are constants
+there. The factor 1.0 converts the zero-dimensional array that ``np.where`` returns into a number. The machine code is stored
+beside the file of the law (or in the user's cache if that is not writable); a hash of all source code that contributes to it is
+part of its name.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 from hsr_pin.effects import vector
 from hsr_pin.effects.effect import Bending, Effect, parameter_tuple
 from hsr_pin.simulation.code_cache import cached
-from hsr_pin.simulation.stamp import law_stamp
+from hsr_pin.simulation.source_hash import law_hash
 
 _LOCK = threading.RLock()
 
@@ -35,7 +35,7 @@ _MOMENT = """
             moment[k] += 1.0 * law(p, Bending(N * q[k], N * v[k], keq[b], profile[k], (i + 0.5) / N, ({memory})))
 """
 
-_TOUCH = """
+_CONTACT_FORCE = """
         rest = 0.0
         for i in range(N):
             rest += reach[b * N + i]
@@ -65,28 +65,28 @@ _UPDATE = """
                 out[m] = 1.0 * law(p, j, z[m], N * start[k], N * end[k], elapsed)
 """
 
-_RESPOND = """
+_ACTUATOR_RESPONSE = """
         memory = ({memory})
         for n in range(S):
             mean, memory = law(p, torque[n * B + b], memory, step, keq[b])
             out[n * B + b] = 1.0 * mean
 """
 
-#: For each kind of law: its loop, its arguments (pointers, then whole numbers, then real ones), and where its memory begins.
+#: For each hook: its loop, its arguments (pointers, then integers, then real numbers), their counts, and where its memory begins.
 _FORMS = {
     "moment": (_MOMENT, "q, v, keq, profile, reach, z, numbers, moment, B, N", 8, 2, 0),
-    "touch": (_TOUCH, "q, v, keq, profile, reach, z, numbers, moment, B, N", 8, 2, 0),
+    "contact_force": (_CONTACT_FORCE, "q, v, keq, profile, reach, z, numbers, moment, B, N", 8, 2, 0),
     "update": (_UPDATE, "z, start, end, numbers, out, B, N, elapsed", 5, 2, 1),
-    "respond": (_RESPOND, "torque, keq, numbers, out, S, B, step", 4, 2, 1),
+    "actuator_response": (_ACTUATOR_RESPONSE, "torque, keq, numbers, out, S, B, step", 4, 2, 1),
 }
 
 
 def address(effect: Effect, hook: str, *, space: bool = False) -> int:
-    """Where the machine code of a law begins; compiled, or fetched from the cache, at the first call.
+    """Return the address of the machine code of a law, which is compiled or loaded from the cache at the first call.
 
-    In ``space`` bending, torque and memories are complex numbers.
+    In ``space``, bending, torque and states are complex numbers.
     """
-    with _LOCK:  # a second thread waits for the first
+    with _LOCK:  # a second thread waits until the first has compiled it
         return int(_compiled(type(effect), hook, effect.options, space).address)
 
 
@@ -115,8 +115,8 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
     }
     exec(compile(text, inspect.getfile(law), "exec"), scope)
     loop: Any = scope[hook]
-    readings = "_".join(value for _, value in options)
-    loop.__qualname__ = f"{kind.__name__}_{hook}_{readings}_{law_stamp(law)}{'_space' * space}"
+    variant = "_".join(value for _, value in options)
+    loop.__qualname__ = f"{kind.__name__}_{hook}_{variant}_{law_hash(law)}{'_space' * space}"
     number, vector = nb.CPointer(nb.float64), nb.CPointer(nb.complex128 if space else nb.float64)
     names = arguments.split(", ")[:pointers]
     points = [number if name in ("keq", "profile", "reach", "numbers") else vector for name in names]
@@ -125,7 +125,7 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
 
 
 def _with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
-    """The law, with the plain functions that it calls made ready for the compiler too."""
+    """Return a law whose helper functions are compiled too."""
     from numba import njit
 
     scope = dict(law.__globals__)

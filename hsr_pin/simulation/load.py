@@ -1,4 +1,4 @@
-"""A force and a moment on a point of an arm in space."""
+"""Loads on an arm in space: a force and a moment at a point of the backbone."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from hsr_pin.trajectory import Array, read_only
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """What pulls and turns the arm at one point of its backbone; it keeps its direction in the world.
+    """A force and a moment at one point of the backbone that keep their directions in the world frame.
 
     Attributes:
-        arc_length: of the point, from the base [m].
-        force: (3,) or (T, 3) [N] in the world frame; for each sample of a scenario, held until the next.
-        moment: (3,) or (T, 3) [N m] likewise.
-        before: (6,) force [N] and moment [N m] under which a settled start was held; default: those of the first sample.
+        arc_length: arc length of the point, from the base [m].
+        force: (3,) or (T, 3) force in the world frame [N]; the value of each sample of a scenario is held until the next.
+        moment: (3,) or (T, 3) moment in the world frame [N m]; the value of each sample is held until the next.
+        before: (6,) force [N] and moment [N m] at which an initial equilibrium is computed; default: those of the first sample.
     """
 
     arc_length: float
@@ -41,10 +41,10 @@ class Load:
                 raise InputError(f"{name} of a load", expected=expected, received=f"shape {values.shape}")
 
     def wrenches(self, samples: int) -> Array:
-        """(T, 6) force [N] and moment [N m] at the samples.
+        """Return the forces [N] and moments [N m] at the samples, (T, 6).
 
         Raises:
-            InputError: they were given for another number of samples.
+            InputError: the load is given for another number of samples.
         """
         found = np.empty((samples, 6))
         for place, name in ((slice(0, 3), "force"), (slice(3, 6), "moment")):

@@ -1,6 +1,6 @@
-"""What a run's tip path says: where it settles, how fast, how far it overshoots, and how far its path is from a circle.
+"""Measures of the tip path of a run: settled position, settling time, overshoot, and distance from a circle.
 
-The path of an arm in a plane is looked at there, in x and z; that of one in space also in the plane nearest to it.
+The path of a planar arm is evaluated in x and z; the path of an arm in space also in the plane nearest to it.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import numpy as np
 
 from hsr_pin.trajectory import Array, Trajectory
 
-#: The tip has settled when it stays within this share of its whole way.
+#: The tip has settled when it stays within this share of its total displacement.
 BAND = 0.02
-#: It must have stayed there for this share of the time since the step; else the run was too short to tell.
+#: Share of the time since the step for which the tip must have stayed there; otherwise the run is too short to tell.
 STAY = 0.1
-#: A tip that moves less than this [m] does not move.
+#: A tip that moves less than this distance is at rest [m].
 STILL = 1e-9
 
 
@@ -24,8 +24,8 @@ class Circle:
     """The circle nearest to a path, in the least-squares sense.
 
     Attributes:
-        radius: [m]; infinite for a straight line.
-        distance: RMS distance of the path from it [m], every stretch of the path counting by its length.
+        radius: radius [m]; infinite for a straight line.
+        distance: RMS distance of the path from the circle, weighted by path length [m].
     """
 
     radius: float
@@ -34,14 +34,16 @@ class Circle:
 
 @dataclass(frozen=True)
 class TipMeasures:
-    """What the tip did after the last change of the command.
+    """Measures of the tip motion after the last change of the command.
 
     Attributes:
-        x, y, z: of the tip at the end of the run [m].
-        settling_time: from the last change of the command until it stays within 2 % of its way [s]; None if it did not settle.
-        overshoot: how far it went beyond its end, over its whole way [1]; None if it did not settle.
-        circle: nearest to the path of the whole run, in space in the plane nearest to it; None if the tip did not move.
-        off_plane: RMS distance of the path from that plane [m]; None in the plane of bending.
+        x, y, z: tip position at the end of the run [m].
+        settling_time: time from the last change of the command until the tip stays within 2 % of its displacement [s]; None if it
+            does not settle.
+        overshoot: overshoot beyond the final position, relative to the displacement [1]; None if the tip does not settle.
+        circle: circle nearest to the path of the whole run, for an arm in space within the plane nearest to it; None if the tip
+            does not move.
+        off_plane: RMS distance of the path from that plane [m]; None for a planar arm.
     """
 
     x: float
@@ -54,15 +56,15 @@ class TipMeasures:
 
     @property
     def settled(self) -> bool:
-        """Whether the tip had come to rest at the end of the run."""
+        """Whether the tip is at rest at the end of the run."""
         return self.settling_time is not None
 
 
 def measure_tip(trajectory: Trajectory, marker: str = "tip") -> TipMeasures:
-    """Measure the path of one marker; samples at which it was not seen are left out.
+    """Measure the path of one marker; samples at which the marker was not seen are ignored.
 
     Raises:
-        KeyError: no such marker.
+        KeyError: there is no such marker.
     """
     space = trajectory.torque is not None and trajectory.torque.ndim == 2
     whole = trajectory.marker(marker)
@@ -79,7 +81,10 @@ def measure_tip(trajectory: Trajectory, marker: str = "tip") -> TipMeasures:
 
 
 def nearest_plane(path: Array) -> tuple[Array, float]:
-    """A path (T, 3) [m] in the plane nearest to it, (T, 2), and its RMS distance from that [m]; each stretch counts by length."""
+    """Return a path (T, 3) [m] projected to the plane nearest to it, (T, 2), and its RMS distance from that plane [m].
+
+    Both are weighted by path length.
+    """
     weight = _by_length(path)
     centred = path - np.average(path, axis=0, weights=weight**2)
     axes = np.linalg.svd(weight[:, None] * centred, full_matrices=False)[2]
@@ -87,7 +92,10 @@ def nearest_plane(path: Array) -> tuple[Array, float]:
 
 
 def _by_length(path: Array) -> Array:
-    """(T,) roots of the shares of a path's length that its points stand for; of a path without length, even ones."""
+    """Return the square roots (T,) of the shares of the path length that the points represent.
+
+    For a path of zero length the shares are equal.
+    """
     pieces = np.linalg.norm(np.diff(path, axis=0), axis=1)
     whole = pieces.sum()
     if whole < STILL:
@@ -96,10 +104,11 @@ def _by_length(path: Array) -> Array:
 
 
 def nearest_circle(path: Array) -> Circle | None:
-    """The circle nearest to a path (T, 2) [m], a straight line being one of infinite radius; None for a single point.
+    """Return the circle nearest to a path (T, 2) [m], of infinite radius for a straight line; None for a single point.
 
-    A point's distance from a curve that crosses the path's second principal axis at ``offset``, with the direction ``turn`` and
-    the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n: regular where circles become lines.
+    The distance of a point from a curve that crosses the second principal axis of the path at ``offset``, with the direction
+    ``turn`` and the curvature ``bend``, is q / (1 + sqrt(1 + bend q)), q = bend |w|^2 - 2 w.n. This form is regular where circles
+    become lines.
     """
     if np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < STILL:
         return None
@@ -115,9 +124,9 @@ def nearest_circle(path: Array) -> Circle | None:
 
 
 def _fitted(points: Array, weight: Array, bend: float) -> tuple[float, float]:
-    """Distance and curvature of the curve where Gauss and Newton's steps end, halved where they would lead upwards.
+    """Fit a circle by Gauss-Newton steps with halving; return the distance and the curvature.
 
-    SciPy's least squares finds the same (tested), but loading it would take as long as the rest of ``hsr-sim``.
+    SciPy's least-squares solver gives the same result (tested), but loading it would take as long as the rest of ``hsr-sim``.
     """
     curve = np.array([bend, 0.0, 0.0])
     miss, slopes = _distances(points, weight, curve)
@@ -135,7 +144,7 @@ def _fitted(points: Array, weight: Array, bend: float) -> tuple[float, float]:
 
 
 def _distances(points: Array, weight: Array, curve: Array) -> tuple[Array, Array]:
-    """(T,) weighted distances of points (T, 2) from a curve (bend, turn, offset), and (T, 3) their derivatives."""
+    """Return weighted distances (T,) of points (T, 2) from a curve (bend, turn, offset), and their derivatives (T, 3)."""
     bend, turn, offset = curve
     normal, along = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
     w = points - np.array([0.0, offset])
@@ -150,7 +159,7 @@ def _distances(points: Array, weight: Array, curve: Array) -> tuple[Array, Array
 
 
 def _last_change(trajectory: Trajectory) -> int:
-    """Index of the last sample that brings a new command; 0 without any."""
+    """Return the index of the last sample at which the command changes; 0 if it never changes."""
     command = trajectory.torque if trajectory.pressures is None else trajectory.pressures
     if command is None:
         return 0
@@ -159,7 +168,7 @@ def _last_change(trajectory: Trajectory) -> int:
 
 
 def _settling(elapsed: Array, path: Array) -> tuple[float | None, float | None]:
-    """Settling time [s] and overshoot [1] of a path (T, 2) whose command changed at time 0; (None, None) if it did not settle."""
+    """Return settling time [s] and overshoot [1] of a path (T, 2) after a command at time 0; (None, None) if unsettled."""
     if len(path) < 2:
         return None, None
     way = path[-1] - path[0]
@@ -177,7 +186,7 @@ def _settling(elapsed: Array, path: Array) -> tuple[float | None, float | None]:
 
 
 def _crossing(elapsed: Array, distance: Array, last: int, band: float) -> float:
-    """When the distance falls to the band after the sample ``last``, on the straight line to the next [s]."""
+    """Return the time [s] at which the distance, interpolated linearly, falls to ``band`` after the sample ``last``."""
     before, after = distance[last : last + 2]
     share = (before - band) / (before - after)
     return float(elapsed[last] + share * (elapsed[last + 1] - elapsed[last]))

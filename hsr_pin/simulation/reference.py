@@ -1,8 +1,8 @@
-"""What the march asks of the arms, by Pinocchio: the reference for the compiled loops, and the way of ``hsr-sim``.
+"""The functions of the loops with Pinocchio: the reference for the compiled loops, and the default of ``hsr-sim``.
 
-One call of ABA with ``armature`` = d D + d^2 K solves the linearly implicit Euler step of length d exactly: Pinocchio adds it to
-the diagonal of the mass matrix. "rnea": bias by the recursive Newton-Euler algorithm, mass matrix by CRBA, the path that the
-paper names as future work; O(N^3).
+One call of ABA with ``armature`` = d D + d^2 K solves the linearly implicit Euler step of length d exactly, because Pinocchio
+adds the armature to the diagonal of the mass matrix. "rnea" computes the bias by the recursive Newton-Euler algorithm and the
+mass matrix by CRBA, which the paper names as future work; its cost is O(N^3).
 """
 
 from __future__ import annotations
@@ -13,22 +13,32 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.effects.effect import Bending, Effect, columns_of, middles
+from hsr_pin.effects.effect import Bending, Effect, effect_subset, middles
 from hsr_pin.simulation import kernel
 from hsr_pin.simulation.kernel import ROWS
 from hsr_pin.trajectory import Array
 
-__all__ = ["ROWS", "add", "alone", "bent", "between", "remember", "remembered", "resist", "substep"]
+__all__ = [
+    "ROWS",
+    "add",
+    "add_joint_moments",
+    "bending_angle",
+    "interpolate",
+    "single_arm",
+    "substep",
+    "update_states",
+    "updated_states",
+]
 
 
 @dataclass(frozen=True, eq=False)
 class PinocchioSystem:
-    """B arms for Python: the arrays of :class:`hsr_pin.simulation.columns.System`, their models and their laws.
+    """B arms for the Python loops: their arrays, their Pinocchio models and their laws.
 
     Attributes:
-        arrays: as the compiled loops take them.
-        models, data: (B,) of Pinocchio's.
-        effects: those that act in the joints, with the columns' parameters.
+        arrays: the arrays of the compiled loops, :class:`hsr_pin.simulation.kernel.System`.
+        models, data: (B,) models and data of Pinocchio.
+        effects: the effects that act in the joints, with (B,) parameters.
         solve: "aba" or "rnea".
     """
 
@@ -40,11 +50,11 @@ class PinocchioSystem:
     laws: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "laws", np.zeros((len(self.effects), 4)))  # as many rows as there are laws
+        object.__setattr__(self, "laws", np.zeros((len(self.effects), 4)))  # one row per law, which the loops count
 
 
 def substep(system: PinocchioSystem, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
-    """As :func:`hsr_pin.simulation.kernel.substep`."""
+    """Take a linearly implicit Euler step in place, as :func:`hsr_pin.simulation.kernel.substep`."""
     a = system.arrays
     tau = a.share * torque[:, None] - a.spring * q - (a.damper + d * a.stiff) * v - moment
     armature = d * (a.drag + d * a.stiff)
@@ -58,40 +68,43 @@ def substep(system: PinocchioSystem, q: Array, v: Array, moment: Array, torque: 
 def _newton_euler(model: pin.Model, data: pin.Data, q: Array, v: Array, tau: Array) -> Array:
     armature = np.diag(model.armature)
     bias = pin.rnea(model, data, q, v, np.zeros_like(v))
-    model.armature = np.zeros_like(v)  # whether CRBA counts it depends on Pinocchio's version
+    model.armature = np.zeros_like(v)  # some versions of Pinocchio include the armature in CRBA
     upper = np.triu(pin.crba(model, data, q))
     return np.asarray(np.linalg.solve(upper + np.triu(upper, 1).T + armature, tau - bias))
 
 
-def resist(system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array) -> None:
-    """Add the moments of the laws (B, N) [N m] to ``moment``."""
+def add_joint_moments(system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array) -> None:
+    """Add the moments (B, N) [N m] of the laws to ``moment``."""
     links, first = q.shape[1], 0
     for effect in system.effects:
         memory = tuple(z[first : first + effect.states])
         bending = Bending(links * q, links * v, system.arrays.keq[:, None], system.arrays.profile, middles(links), memory)
         moment += effect.moment(_columns(effect.p), bending)
-        if effect.acts_through("touch"):
-            moment += touched(effect, q, system.arrays.reach)
+        if effect.acts_through("contact_force"):
+            moment += contact_moments(effect, q, system.arrays.reach)
         first += effect.states
 
 
-def touched(effect: Effect, q: Array, reach: Array) -> Array:
-    """(B, N) [N m] with which a force beside the arm resists bending; angles and links (B, N) [rad], [m]."""
+def contact_moments(effect: Effect, q: Array, reach: Array) -> Array:
+    """Return the joint moments (B, N) [N m] of a contact force, for angles [rad] and link lengths [m] (B, N)."""
     theta, p = q.cumsum(axis=1), _columns(effect.p)
     rest = reach[:, ::-1].cumsum(axis=1)[:, ::-1]  # from each joint to the tip
-    beyond = (1 - effect.place(p)) * (rest[:, :1] + reach[:, :1] - reach[:, -1:])  # from where the force acts
-    carried = np.clip(rest - beyond, 0.0, reach)  # of each link, as far as where the force acts
-    force = effect.touch(p, (carried * np.sin(theta)).sum(axis=1, keepdims=True))
+    beyond = (1 - effect.place(p)) * (rest[:, :1] + reach[:, :1] - reach[:, -1:])  # [m] from the point of contact to the tip
+    carried = np.clip(rest - beyond, 0.0, reach)  # part of each link before the point of contact
+    force = effect.contact_force(p, (carried * np.sin(theta)).sum(axis=1, keepdims=True))
     return np.asarray(-force * (carried * np.cos(theta))[:, ::-1].cumsum(axis=1)[:, ::-1])
 
 
-def remember(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
-    """The laws' memories (states, B, N) after the joints went from ``start`` to ``end`` (B, N) [rad] in ``elapsed`` [s]."""
-    remembered(system.effects, z, start, end, elapsed, out)
+def update_states(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
+    """Compute the states (states, B, N) of the laws after a motion of the joints.
+
+    The joint angles change from ``start`` to ``end`` (B, N) [rad] within ``elapsed`` [s].
+    """
+    updated_states(system.effects, z, start, end, elapsed, out)
 
 
-def remembered(effects: tuple[Effect, ...], z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
-    """The same for laws with the columns' parameters."""
+def updated_states(effects: tuple[Effect, ...], z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
+    """Compute the states (states, B, N) of the given laws after a motion of the joints."""
     links, first = start.shape[1], 0
     for effect in effects:
         p = _columns(effect.p)
@@ -101,15 +114,15 @@ def remembered(effects: tuple[Effect, ...], z: Array, start: Array, end: Array, 
 
 
 def _columns(p: Any) -> Any:
-    """The parameters of B arms, so that they broadcast to (B, N)."""
+    """Return the parameters of B arms in a shape that broadcasts to (B, N)."""
     return type(p)(*(value[:, None] if isinstance(value, np.ndarray) else value for value in p))
 
 
-def alone(system: PinocchioSystem, b: int) -> PinocchioSystem:
-    """One of the arms."""
+def single_arm(system: PinocchioSystem, b: int) -> PinocchioSystem:
+    """Return the system of one of the arms."""
     chosen = slice(b, b + 1)
-    effects = tuple(columns_of(effect, chosen) for effect in system.effects)
-    return PinocchioSystem(kernel.alone(system.arrays, b), system.models[chosen], system.data[chosen], effects, system.solve)
+    effects = tuple(effect_subset(effect, chosen) for effect in system.effects)
+    return PinocchioSystem(kernel.single_arm(system.arrays, b), system.models[chosen], system.data[chosen], effects, system.solve)
 
 
 def add(total: Array, weight: float, term: Array) -> None:
@@ -117,8 +130,8 @@ def add(total: Array, weight: float, term: Array) -> None:
     total += weight * term
 
 
-def between(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, angle: Array, rate: Array) -> None:
-    """As :func:`hsr_pin.simulation.kernel.between`."""
+def interpolate(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, angle: Array, rate: Array) -> None:
+    """Interpolate angles and rates within a step, as :func:`hsr_pin.simulation.kernel.interpolate`."""
     rise = q_end - q
     first, last = h * v - rise, rise - h * v_end
     bow = first * (1 - x) + last * x
@@ -126,6 +139,6 @@ def between(q: Array, v: Array, q_end: Array, v_end: Array, h: float, x: float, 
     rate[:] = (rise + (1 - 2 * x) * bow + x * (1 - x) * (last - first)) / h
 
 
-def bent(q: Array, column: int) -> float:
-    """Bending angle [rad] of a whole arm."""
-    return float(q[column].sum())
+def bending_angle(q: Array, b: int) -> float:
+    """Return the bending angle [rad] of a whole arm."""
+    return float(q[b].sum())

@@ -1,4 +1,4 @@
-"""What a simulation gives back, and how it may end."""
+"""The result of a simulation and its possible outcomes."""
 
 from __future__ import annotations
 
@@ -8,41 +8,41 @@ from enum import Enum
 import numpy as np
 
 from hsr_pin.errors import SimulationFailure
-from hsr_pin.simulation.energy import SUSPICIOUS, Energy, energy, untold
+from hsr_pin.simulation.energy import SUSPICIOUS, Energy, energy, energy_obstacle
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array, Trajectory
 
 
 class Outcome(Enum):
-    """How a run ended; the value says what to try."""
+    """The outcome of a run; the value of a failure suggests a remedy."""
 
     COMPLETED = "completed"
     BENDING_LIMIT = "the arm bent beyond its limit; lower the torque or raise the stiffness or the bending limit"
-    DIVERGED = "the motion diverged; try a smaller step, or parameters nearer to a real arm's"
-    NO_EQUILIBRIUM = "no equilibrium was found to start from; lower the torque or raise the stiffness"
+    DIVERGED = "the motion diverged; try a smaller step, or parameters closer to those of a real arm"
+    NO_EQUILIBRIUM = "no initial equilibrium was found; lower the torque or raise the stiffness"
 
 
 def reason_of(q: Array) -> Outcome:
-    """Why a run cannot go on from the joint angles q (N,) [rad], which are beyond the bending limit."""
+    """Return the outcome of a run that stopped at joint angles q (N,) [rad] beyond the bending limit."""
     far = not np.abs(q).max() <= 4 * np.pi  # nan counts as far
     return Outcome.DIVERGED if far else Outcome.BENDING_LIMIT
 
 
 def furthest_joint(q: Array) -> int:
-    """Number, from 1, of the joint that is bent most; of the first that is not a number, if there is one."""
+    """Return the number, from 1, of the joint with the largest angle, or of the first one whose angle is not finite."""
     return int(np.argmax(np.where(np.isfinite(q), np.abs(q), np.inf))) + 1
 
 
 @dataclass(frozen=True, eq=False)
 class SimulationResult:
-    """One run.
+    """The result of one run.
 
     Attributes:
-        scenario: what was simulated.
+        scenario: the simulated scenario.
         trajectory: the motion, up to the failure if there was one.
-        outcome: how it ended.
-        failure_time: [s] of the failure; None if there was none.
-        failure_joint: number of the joint that went furthest, from 1; None if there was no failure.
+        outcome: the outcome of the run.
+        failure_time: time of the failure [s]; None if there was none.
+        failure_joint: number of the joint with the largest angle at the failure, from 1; None if there was no failure.
     """
 
     scenario: Scenario
@@ -57,23 +57,23 @@ class SimulationResult:
         return self.outcome is Outcome.COMPLETED
 
     def energy(self) -> Energy:
-        """The energy account of the motion; raises where :func:`hsr_pin.simulation.energy.energy` does."""
+        """Return the energy balance of the motion; raises the errors of :func:`hsr_pin.simulation.energy.energy`."""
         return energy(self.scenario, self.trajectory)
 
     @property
     def warning(self) -> str:
-        """One sentence where the motion gained energy from nowhere; empty where it did not, or where this cannot be told."""
+        """A sentence that warns of an increase of energy; empty if there is none, or if the energy balance is not available."""
         active = any(effect.acts_through("moment") and not effect.passive for effect in self.scenario.effects)
-        rise = 0.0 if active or untold(self.scenario) else self.energy().rise
+        rise = 0.0 if active or energy_obstacle(self.scenario) else self.energy().rise
         if rise <= SUSPICIOUS:
             return ""
-        return f"the motion gained {100 * rise:.0f} % of its energy from nowhere; try a smaller tolerance or step"
+        return f"integration errors added {100 * rise:.0f} % to the energy of the motion; try a smaller tolerance or step"
 
     def raise_on_failure(self) -> SimulationResult:
-        """The result itself, if it is complete.
+        """Return the result itself if the run is complete.
 
         Raises:
-            SimulationFailure: with this result as its ``result``.
+            SimulationFailure: the run failed; the error has this result as its ``result``.
         """
         if self.completed:
             return self

@@ -1,4 +1,4 @@
-"""What to simulate: an arm, what drives it, how it starts, where it is looked at."""
+"""The input of a simulation: an arm, its command, its initial state, and the markers to follow."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hsr_pin.effects.effect import Effect, formless
+from hsr_pin.effects.effect import Effect, unsupported_laws
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.parameters import finite
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.load import Load
 from hsr_pin.trajectory import Array, Marker, read_only
 
-#: Longest run [s]: a day, 8.6 million of the default steps. What asks for more has times in another unit.
+#: Longest run [s]: one day, or 8.6 million default steps. Longer durations suggest times in another unit.
 LONGEST = 86_400.0
-#: Most samples of a run.
+#: Largest number of samples of a run.
 MOST_SAMPLES = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """Start at rest, in equilibrium under a constant torque [N m]; in space a complex number, towards x and towards y.
+    """Start in equilibrium under a constant torque [N m]; of arms in space a complex number, towards x and towards y.
 
-    An arm of S sections takes (S,) of them, or one for all.
+    For an arm of S sections it is a tuple of S torques, or one for all sections.
 
-    An arm with play has several equilibria: the search begins at the joint angles ``near`` (N,) [rad], in space (N, 3) (default:
-    straight).
+    An arm with play has several equilibria: the search starts at the joint angles ``near`` (N,) [rad], of arms in space (N, 3)
+    (default: straight).
     """
 
     torque: complex | tuple[complex, ...] = 0.0
@@ -44,7 +44,7 @@ class Settled:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest); in space (N, 3) each."""
+    """Start from given joint angles (N,) [rad] and rates (N,) [rad/s] (default: at rest); of arms in space (N, 3) each."""
 
     angles: Array
     rates: Array | None = None
@@ -56,24 +56,25 @@ class Pose:
         if self.rates.shape != self.angles.shape or not np.all(np.isfinite([self.angles, self.rates])):
             raise InputError(
                 "start",
-                expected="as many finite rates [rad/s] as joint angles [rad]",
+                expected="finite joint angles [rad] and as many finite rates [rad/s]",
                 received=f"angles {self.angles}, rates {self.rates}",
             )
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """One run.
+    """The input of one run.
 
     Attributes:
         arm: the nominal arm.
-        time: (T,) [s] evenly spaced; the result is given at these times.
-        torque: (T,) [N m] the command at these times; in space (T, 2), towards x and towards y of the base, and for an arm of S
-            sections (T, 2 S), two for each.
-        start: settled under a torque, or a pose.
-        effects: what acts beside the nominal model, at most one of a kind.
-        markers: the points to follow; default: base, middle and tip.
-        interpolated: the command goes straight from each sample to the next (a measured pressure, say) instead of being held.
+        time: (T,) evenly spaced times of the result [s].
+        torque: (T,) command at these times [N m]; of arms in space (T, 2), towards x and towards y of the base, and for S
+            sections (T, 2 S).
+        start: initial equilibrium under a torque, or initial pose.
+        effects: effects in addition to the nominal model, at most one of each type.
+        markers: points to follow; default: base, middle and tip.
+        interpolated: whether the command is interpolated linearly between samples (as a measured pressure, for example) instead
+            of held.
         loads: forces and moments on points of an arm in space.
     """
 
@@ -94,7 +95,7 @@ class Scenario:
         if time[-1] - time[0] > LONGEST or len(time) > MOST_SAMPLES:
             expected = f"at most {LONGEST:g} s and {MOST_SAMPLES:g} samples"
             received = f"{time[-1] - time[0]:g} s, {len(time)} samples"
-            raise InputError("time", expected=expected, received=received, hint="times are in seconds: are these milliseconds?")
+            raise InputError("time", expected=expected, received=received, hint="times are in seconds; these may be milliseconds")
         steps = np.diff(time)
         if np.any(steps <= 0) or np.ptp(steps) > 1e-6 * steps.mean():
             raise InputError(
@@ -103,7 +104,7 @@ class Scenario:
         self._check_space(torque, len(time))
         kinds = [type(effect) for effect in self.effects]
         if len(set(kinds)) < len(kinds):
-            raise InputError("effects", expected="each effect once", received=", ".join(kind.name for kind in kinds))
+            raise InputError("effects", expected="each effect at most once", received=", ".join(kind.name for kind in kinds))
         angles = self.start.angles if isinstance(self.start, Pose) else self.start.near
         shape = (self.arm.links, 3) if self.arm.bending == "space" else (self.arm.links,)
         if angles is not None and angles.shape != shape:
@@ -115,7 +116,7 @@ class Scenario:
             object.__setattr__(self, "markers", standard_markers(self.arm.length))
 
     def _check_space(self, torque: Array, samples: int) -> None:
-        """Refuse what only an arm in space has for one in a plane, and the other way round."""
+        """Raise an error if a planar arm is given properties of an arm in space, or the reverse."""
         space = self.arm.bending == "space"
         parts = max(1, len(self.arm.sections))
         if torque.shape != ((samples, 2 * parts) if space else (samples,)) or not np.all(np.isfinite(torque)):
@@ -127,11 +128,15 @@ class Scenario:
         if not space and (self.loads or (isinstance(self.start, Settled) and isinstance(self.start.torque, complex | tuple))):
             name = "loads" if self.loads else "start"
             hint = 'an arm in space has bending="space"'
-            raise InputError(name, expected="torques and bending in the plane", received="more of the arm", hint=hint)
+            raise InputError(
+                name, expected="a planar torque and no loads for a planar arm", received="an input in space", hint=hint
+            )
         if not space and (off := [marker.name for marker in self.markers if marker.radius]):
-            raise InputError("markers", expected="on the backbone of an arm in a plane", received=f"{off[0]} beside it")
-        if wrong := formless(self.effects, space=space):
-            expected = "laws that hold about two axes" if space else "laws of an arm in a plane"
+            raise InputError(
+                "markers", expected="markers on the backbone of a planar arm", received=f"{off[0]}, which is off the backbone"
+            )
+        if wrong := unsupported_laws(self.effects, space=space):
+            expected = "laws that are defined for arms in space" if space else "laws that are defined for planar arms"
             raise InputError("effects", expected=expected, received=wrong)
         for load in self.loads:
             load.wrenches(samples)
@@ -141,50 +146,51 @@ class Scenario:
 
     @property
     def reach(self) -> Array:
-        """(M,) [m] arc lengths of the markers."""
+        """Arc lengths of the markers (M,) [m]."""
         return np.array([marker.arc_length for marker in self.markers])
 
     @property
     def beside(self) -> Array:
-        """(M,) complex [m] where the markers are from the backbone, towards x and towards y of their links."""
-        return np.array([marker.beside for marker in self.markers])
+        """Complex offsets of the markers from the backbone (M,), towards x and y of their links [m]."""
+        return np.array([marker.offset for marker in self.markers])
 
     @property
     def points(self) -> Array:
-        """(K,) [m] arc lengths of the loads."""
+        """Arc lengths of the loads (K,) [m]."""
         return np.array([load.arc_length for load in self.loads])
 
     @property
     def command(self) -> Array:
-        """(T,) [N m] the torque; in space (T, S) complex, towards x and towards y."""
+        """Commanded torque (T,) [N m]; of arms in space (T, S) complex, towards x and towards y."""
         return np.asarray(self.torque[:, 0::2] + 1j * self.torque[:, 1::2] if self.torque.ndim == 2 else self.torque)
 
     @property
-    def held_under(self) -> Array:
-        """[N m] the torque before the first sample; in space (S,) complex."""
+    def initial_torque(self) -> Array:
+        """Torque before the first sample [N m]; of arms in space (S,) complex."""
         before = self.start.torque if isinstance(self.start, Settled) else self.command[0]
         return np.array(np.broadcast_to(before, self.command.shape[1:]), dtype=self.command.dtype)
 
     @property
     def step(self) -> float:
-        """Time between samples [s]."""
+        """Sampling interval [s]."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
 
 
 def standard_markers(length: float) -> tuple[Marker, ...]:
-    """Base, middle and tip of an arm of this length [m]."""
+    """Return markers at base, middle and tip of an arm of this length [m]."""
     return (Marker("base", 0.0), Marker("mid", length / 2), Marker("tip", length))
 
 
 def step_scenario(
     arm: ArmSpecification, torque: ArrayLike, *, rest: float = 0.1, duration: float = 3.0, step: float = 0.01, **more: object
 ) -> Scenario:
-    """Rest under no torque for ``rest`` [s], then a constant ``torque`` [N m] to ``duration`` [s], as in the paper's Fig. 4.
+    """Return a scenario with zero torque for ``rest`` [s], then a constant ``torque`` [N m] until ``duration`` [s].
 
-    For an arm in space the torque is towards x, or (2,); the same for all sections, or (2 S,).
+    This is the input of the paper's Fig. 4. For an arm in space the torque is towards x, or (2,); the same for all sections, or
+    (2 S,).
 
     Raises:
-        InputError: a torque that is no number, or a duration or a step [s] that no run can have.
+        InputError: the torque is not a number, or the duration or the step [s] is invalid for a run.
     """
     if space := arm.bending == "space":
         parts = [finite("torque", part) for part in (*np.atleast_1d(torque), 0.0)]
@@ -193,7 +199,7 @@ def step_scenario(
         torque = finite("torque", torque)
     rest = finite("rest", rest)
     if not (0 < finite("step", step) <= finite("duration", duration) <= LONGEST and duration / step <= MOST_SAMPLES):
-        expected = f"a step above 0, at most {MOST_SAMPLES:g} of them, and at most {LONGEST:g} s"
+        expected = f"a step above 0, at most {MOST_SAMPLES:g} steps, and at most {LONGEST:g} s"
         raise InputError("duration", expected=expected, received=f"{duration:g} s in steps of {step:g} s")
     time = np.arange(round(duration / step) + 1) * step
     resting = time < rest - step / 2

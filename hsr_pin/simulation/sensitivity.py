@@ -1,8 +1,8 @@
-"""How marker positions change with parameters: finite differences through one family of columns.
+"""Derivatives of marker positions with respect to parameters, by finite differences within one batch.
 
 A parameter is named as in a report: a number of the arm ("keq", "damping", "mass", "tip_mass", "tilt") or of one of the
-scenario's effects ("effect.parameter"). Every perturbed run takes the steps of the base run, so that what differs is the
-parameter alone and the differences are smooth to rounding.
+scenario's effects ("effect.parameter"). Every perturbed run takes the steps of the base run, so that only the parameter differs
+and the differences are smooth down to rounding.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ import numpy as np
 from hsr_pin.effects.effect import Effect, with_values
 from hsr_pin.errors import InputError
 from hsr_pin.parameters import Parameter
-from hsr_pin.simulation.batch import moved, result_of
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import result_of, simulate_together
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.integrator import TOLERANCE, Integrator
 from hsr_pin.simulation.motion import Dynamics
 from hsr_pin.simulation.result import SimulationResult
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
-#: Numbers of the arm that a recording can tell apart from others.
+#: Parameters of the arm that recordings can identify.
 ARM_PARAMETERS = {
     fact.name: fact
     for fact in (
@@ -39,7 +39,8 @@ ARM_PARAMETERS = {
     )
 }
 
-#: Size of a difference, over the parameter's scale: its truncation (square) and the rounding it magnifies are both below 1e-6.
+#: Finite difference relative to the parameter's scale: both the truncation error (quadratic) and the amplified rounding error are
+#: below 1e-6.
 FRACTION = 1e-3
 
 
@@ -53,20 +54,20 @@ def sensitivities(
     tolerance: float = TOLERANCE,
     step: float | None = None,
 ) -> tuple[list[SimulationResult], list[Array]]:
-    """Simulate scenarios, and the derivatives of their marker positions to parameters.
+    """Simulate scenarios and compute the derivatives of their marker positions with respect to parameters.
 
     Args:
         scenarios: any mixture; each must have the named effects.
-        names: P parameters.
-        fraction: size of a difference over the parameter's scale.
+        names: names of P parameters.
+        fraction: size of the finite difference relative to the parameter's scale.
         dynamics: as for :func:`hsr_pin.simulation.batch.simulate_batch`.
-        integrator: likewise.
-        tolerance: likewise.
-        step: likewise.
+        integrator: as for :func:`hsr_pin.simulation.batch.simulate_batch`.
+        tolerance: as for :func:`hsr_pin.simulation.batch.simulate_batch`.
+        step: as for :func:`hsr_pin.simulation.batch.simulate_batch`.
 
     Returns:
-        The scenarios' own results, and for each (T, M, 3, P) [m per unit of the parameter]: second-order differences, central or
-        (at a bound) one-sided; NaN where the run itself, or all neighbours, failed.
+        The results of the scenarios, and for each the derivatives (T, M, 3, P) [m per unit of the parameter] of second order,
+        central or (at a bound) one-sided; NaN if the run, or all perturbed runs of a parameter, failed.
     """
     method = Integrator(integrator, tolerance, step)
     own, slopes = [], []
@@ -76,9 +77,9 @@ def sensitivities(
             value = value_of(scenario, name)
             pair[:] = _offsets(value, parameter_of(scenario, name), fraction)
             family += [with_value(scenario, name, value + offset) for offset in pair]
-        columns = Columns.of(family)
-        motion = moved(family, columns, method, dynamics)
-        positions = Cameras(columns, scenario.reach, scenario.beside).positions(motion.angles)
+        batch = ArmBatch.of(family)
+        motion = simulate_together(family, batch, method, dynamics)
+        positions = Cameras(batch, scenario.reach, scenario.beside).positions(motion.angles)
         results = [result_of(each, motion, positions, b) for b, each in enumerate(family)]
         own.append(results[0])
         slopes.append(_derivatives(results, offsets))
@@ -86,10 +87,10 @@ def sensitivities(
 
 
 def parameter_of(scenario: Scenario, name: str) -> Parameter:
-    """Unit, bounds and scale of a parameter.
+    """Return the unit, bounds and scale of a parameter.
 
     Raises:
-        InputError: the scenario has no such parameter; lists those it has.
+        InputError: the scenario has no such parameter; the message lists the existing ones.
     """
     facts = ARM_PARAMETERS | {f"{effect.name}.{fact.name}": fact for effect in scenario.effects for fact in effect.parameters()}
     if name not in facts:
@@ -98,13 +99,13 @@ def parameter_of(scenario: Scenario, name: str) -> Parameter:
 
 
 def value_of(scenario: Scenario, name: str) -> float:
-    """The value of a parameter."""
+    """Return the value of a parameter in a scenario."""
     owner, field = _owner(scenario, name)
     return float(getattr(owner if owner else scenario.arm, field))
 
 
 def with_value(scenario: Scenario, name: str, value: float) -> Scenario:
-    """The scenario with one parameter changed."""
+    """Return the scenario with one parameter changed."""
     owner, field = _owner(scenario, name)
     if owner is None:
         return replace(scenario, arm=replace(scenario.arm, **{field: value}))  # type: ignore[arg-type]  # all are floats
@@ -118,10 +119,10 @@ def _owner(scenario: Scenario, name: str) -> tuple[Effect | None, str]:
 
 
 def _offsets(value: float, fact: Parameter, fraction: float) -> tuple[float, float]:
-    """Two offsets within the bounds: h and -h, or h and 2 h away from the nearer bound.
+    """Return two offsets within the bounds: h and -h, or h and 2 h away from the nearer bound.
 
-    A number that every arm has (not an amplitude, which may be zero) is changed by a fraction of itself where that is less: an
-    arm a tenth as stiff as the paper's bears a tenth of the change.
+    The offset of a parameter that every arm has (not of an amplitude, which may be zero) is a fraction of its value if that is
+    smaller than the scale: an arm a tenth as stiff as the paper's gets a tenth of the change.
     """
     has_it = fact.name in ("keq", "damping", "mass") and value > 1e-6 * fact.scale
     h = fraction * (min(fact.scale, value) if has_it else fact.scale)
@@ -131,7 +132,7 @@ def _offsets(value: float, fact: Parameter, fraction: float) -> tuple[float, flo
 
 
 def _derivatives(results: Sequence[SimulationResult], offsets: Array) -> Array:
-    """(T, M, 3, P): slope at the first of the results of the parabola through it and the two beside it."""
+    """Return the derivatives (T, M, 3, P), each from the parabola through the base run and two perturbed runs."""
     base, *neighbours = results
     whole = (len(base.scenario.time), len(base.scenario.markers), 3)
     slopes = np.full((*whole, len(offsets)), np.nan)

@@ -1,10 +1,10 @@
-"""One scenario: a batch of one."""
+"""The simulation of a single scenario."""
 
 from __future__ import annotations
 
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.integrator import TOLERANCE
-from hsr_pin.simulation.motion import Dynamics, usual
+from hsr_pin.simulation.motion import Dynamics, default_dynamics
 from hsr_pin.simulation.result import SimulationResult
 from hsr_pin.simulation.scenario import Scenario
 
@@ -21,17 +21,17 @@ def simulate(
     """Simulate one scenario.
 
     Args:
-        scenario: the arm, what drives it, how it starts.
-        dynamics: "aba" or "rnea" over Pinocchio, which start at once; or "compiled", a hundred times as fast for many. Default:
-            "aba", for an arm in space "rnea", for more than 64 links "compiled".
+        scenario: the arm, its command and its initial state.
+        dynamics: "aba" or "rnea" with Pinocchio, which start immediately, or "compiled", which is a hundred times as fast for
+            many scenarios. Default: "aba", for an arm in space "rnea", for more than 64 links "compiled".
         integrator: a name from ``hsr_pin.simulation.integrator``.
-        tolerance: [m] of the tip, that a step may be in error by.
-        step: [s] steps of at most this length in place of a tolerance.
-        raise_on_failure: False gives the partial result back with its ``outcome`` instead.
+        tolerance: largest error of a step, at the tip [m].
+        step: largest step length [s], used instead of a tolerance.
+        raise_on_failure: whether a failure raises an error; otherwise the partial result is returned with its ``outcome``.
 
     Raises:
-        SimulationFailure: the arm left its bending limit, the motion diverged, or there is no pose to start from.
+        SimulationFailure: the arm exceeded its bending limit, the motion diverged, or there is no initial equilibrium.
     """
-    dynamics = dynamics or usual(scenario.arm.links, scenario.arm.bending == "space")
+    dynamics = dynamics or default_dynamics(scenario.arm.links, scenario.arm.bending == "space")
     (result,) = simulate_batch([scenario], dynamics=dynamics, integrator=integrator, tolerance=tolerance, step=step)
     return result.raise_on_failure() if raise_on_failure else result

@@ -1,4 +1,4 @@
-"""All that numba sets up before it can load machine code, done at import: for a process from which others are forked."""
+"""Initialisation of numba at import, for a process from which worker processes are forked."""
 
 import numba
 

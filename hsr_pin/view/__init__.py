@@ -1,9 +1,9 @@
-"""A page to look and try: recordings, the model beside them, and a slider for everything that it may be or lack.
+"""Interactive page that shows recordings beside the model, with sliders for the model's parameters and effects.
 
-- ``controls``: sliders: what can be set, and how far
-- ``page``: Page: what is seen, on viser
+- ``controls``: sliders and their ranges
+- ``page``: Page: the page, built with viser
 - ``scene``: the arm in three dimensions
-- ``served``: viser's server, for this machine's own pages alone
-- ``session``: Session: recordings and the model, simulated anew for every setting
-- ``settings``: Settings: where the sliders stand
+- ``served``: viser's server, restricted to pages of this machine
+- ``session``: Session: recordings and the model, simulated again for every setting
+- ``settings``: Settings: values of the sliders
 """

@@ -1,4 +1,4 @@
-"""Sliders: what can be set, and how far."""
+"""Definition of the sliders and their ranges."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from math import floor, log10
 
 from hsr_pin.effects.catalogue import effect_named, laws
-from hsr_pin.effects.effect import Effect, formless, neutral
+from hsr_pin.effects.effect import Effect, neutral, unsupported_laws
 from hsr_pin.identification.part import ARM
 from hsr_pin.parameters import Parameter
 
-#: Ends of the sliders of the arm: its stiffness and damping are seldom farther off.
+#: Ranges of the sliders of the arm, which rarely differs more from its declaration.
 _ARM_ENDS = {"keq_scale": (0.2, 3.0), "damping_scale": (0.02, 5.0), "mass_scale": (0.2, 3.0), "torque_gain": (0.2, 3.0)}
 _ARM_LABELS = {
     "keq_scale": "stiffness K",
@@ -18,20 +18,20 @@ _ARM_LABELS = {
     "mass_scale": "mass",
     "torque_gain": "torque",
 }
-#: An amplitude's slider goes so many practical sizes from neutral.
+#: Range of the slider of an amplitude, in practical sizes from neutral.
 _SIZES = 8
 
 
 @dataclass(frozen=True)
 class Slider:
-    """One number.
+    """Slider of one number.
 
     Attributes:
-        name: in the settings.
-        label: beside the slider.
-        lower, upper, step: of the slider.
-        neutral: where it stands at first.
-        hint: one line.
+        name: name of the number in the settings.
+        label: text beside the slider.
+        lower, upper, step: range and step of the slider.
+        neutral: initial value.
+        hint: description in one line.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Slider:
 
 
 def arm_sliders() -> list[Slider]:
-    """Factors on the numbers of the arm."""
+    """Return the sliders for factors on the numbers of the arm."""
     return [
         Slider(name, f"{_ARM_LABELS[name]} \u00d7", *_ARM_ENDS[name], 0.01, ARM[name].neutral, ARM[name].description)
         for name in ARM
@@ -52,26 +52,26 @@ def arm_sliders() -> list[Slider]:
 
 
 def effects_for(*, space: bool) -> dict[str, type[Effect]]:
-    """What an arm in a plane, or in space, may lack, by name; the flexible laws are no causes and have no sliders."""
+    """Return the effects of an arm in a plane or in space, by name, except for flexible laws, which are not causes."""
     kinds = [kind for kind in laws(space=space) if not kind.flexible]
-    return {kind.name: kind for kind in kinds if not formless([neutral(kind)], space=space)}
+    return {kind.name: kind for kind in kinds if not unsupported_laws([neutral(kind)], space=space)}
 
 
 def effect_sliders(name: str) -> list[Slider]:
-    """The parameters of an effect."""
+    """Return the sliders for the parameters of an effect."""
     return [_slider(name, fact) for fact in effect_named(name).parameters()]
 
 
-def readings(kind: type[Effect], *, space: bool) -> dict[str, tuple[str, ...]]:
-    """The options of an effect with those of their values that have a form in a plane, or in space."""
+def variants(kind: type[Effect], *, space: bool) -> dict[str, tuple[str, ...]]:
+    """Return the options of an effect with the values that are supported in a plane or in space."""
     return {
-        option: tuple(value for value in values if not formless([neutral(kind, **{option: value})], space=space))
+        option: tuple(value for value in values if not unsupported_laws([neutral(kind, **{option: value})], space=space))
         for option, values in kind.choices().items()
     }
 
 
-def within(slider: Slider, value: float) -> Slider:
-    """The slider, made longer where a value lies beyond its ends."""
+def with_value(slider: Slider, value: float) -> Slider:
+    """Return a slider whose range is extended to contain a value."""
     return Slider(
         slider.name, slider.label, min(slider.lower, value), max(slider.upper, value), slider.step, slider.neutral, slider.hint
     )

@@ -1,4 +1,4 @@
-"""The page: trials, sliders, curves and the arm, on viser (B. Yi et al., Viser: imperative, web-based 3D visualization, 2025)."""
+"""Interactive page with viser (B. Yi et al., Viser: imperative, web-based 3D visualization, 2025)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hsr_pin.errors import InputError, MissingDependencyError
 from hsr_pin.loopback import HOST
 from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
-from hsr_pin.view.controls import Slider, arm_sliders, effect_sliders, effects_for, readings, within
+from hsr_pin.view.controls import Slider, arm_sliders, effect_sliders, effects_for, variants, with_value
 from hsr_pin.view.served import viser_server
 from hsr_pin.view.session import Answer, Session, overall
 from hsr_pin.view.settings import Settings
@@ -24,9 +24,9 @@ from hsr_pin.view.settings import Settings
 if TYPE_CHECKING:
     from hsr_pin.identification.prepared import Run
 
-#: Pictures a second while the motion plays.
+#: Frame rate of the animation [Hz].
 RATE = 15.0
-#: More trials than this are chosen from a list instead of by buttons.
+#: Largest number of trials that are chosen by buttons; more trials are chosen from a list.
 _BUTTONS = 12
 #: Widths of the panels with the curves and with the sliders [px].
 _LEFT, _RIGHT = 400, 330
@@ -34,13 +34,15 @@ _BLUE, _GREY, _ORANGE = "#0072B2", "#8a8a90", "#D55E00"
 
 
 class Page:
-    """What is seen, and what happens when something is moved. One thread simulates and plays; others only note what is wanted.
+    """Interactive page with trials, sliders, curves and the arm.
+
+    One thread simulates and plays the motion. The other threads only store the wanted settings.
 
     Args:
-        session: the recordings.
-        found: for each trial the settings that a fit or a diagnosis found; empty without one.
-        report: address of the report of the diagnosis; empty without one.
-        port: on this machine; 0: any that is free.
+        session: recordings and model.
+        found: settings found by a fit or a diagnosis, by trial; empty if there are none.
+        report: address of the report of a diagnosis; empty if there is none.
+        port: port on this machine; 0: any free port.
     """
 
     def __init__(self, session: Session, *, found: Mapping[str, Settings] | None = None, report: str = "", port: int = 0) -> None:
@@ -48,7 +50,7 @@ class Page:
 
         self.session, self._found = session, dict(found or {})
         self.settings, self.trial = Settings(), session.names[0]
-        self.finished: tuple[Settings, str] | None = None  # what everything on the page is about
+        self.finished: tuple[Settings, str] | None = None  # settings and trial of all numbers on the page
         self._wanted, self._lock, self._ended = threading.Event(), threading.RLock(), threading.Event()
         self._handles: dict[str, Any] = {}
         self._folders: dict[str, Any] = {}
@@ -58,7 +60,7 @@ class Page:
             raise MissingDependencyError("viser", "view") from error
         if port and self._server.get_port() != port:
             self._close()
-            raise InputError("--port", expected="one that is free", received=port)
+            raise InputError("--port", expected="a free port", received=port)
         self._gui = self._server.gui
         self._gui.configure_theme(show_logo=False, show_share_button=False)
         self._gui.main_panel.dock_right()
@@ -75,11 +77,11 @@ class Page:
 
     @property
     def address(self) -> str:
-        """Where the page is."""
+        """Address of the page."""
         return f"http://{HOST}:{self._server.get_port()}"
 
     def stop(self) -> None:
-        """End it."""
+        """Stop the simulation and the server."""
         self._ended.set()
         self._wanted.set()
         self._worker.join()
@@ -90,12 +92,12 @@ class Page:
             self._server.stop()
 
     def set(self, settings: Settings) -> None:
-        """Move all sliders."""
+        """Set all sliders to the given settings."""
         with self._lock:
             self.settings = settings
             for name, (handle, neutral) in self._handles.items():
-                told = settings.options if isinstance(neutral, str) else settings.values
-                value = told.get(name, neutral)
+                given = settings.options if isinstance(neutral, str) else settings.values
+                value = given.get(name, neutral)
                 if handle.value != value:
                     handle.value = value
             self._mark()
@@ -107,9 +109,9 @@ class Page:
         with panel.add_tab(self.session.experiment.dataset.name):
             self._facts = gui.add_markdown("simulating ...")
             self._trials()
-            self._play: Any = gui.add_checkbox("play", True, hint="The motion over and over, at its own speed.")
+            self._play: Any = gui.add_checkbox("play", True, hint="Repeat the motion in real time.")
             self._clock: Any = gui.add_slider("time [s]", 0.0, float(run.time[-1] - run.time[0]), 0.01, 0.0)
-            self._clock.on_update(self._wound)
+            self._clock.on_update(self._time_set)
             self._curves()
         panel.dock_left()
         panel.set_width(_LEFT)
@@ -118,7 +120,7 @@ class Page:
         self._button("As declared", lambda: Settings())
         if self._found:
             self._button("As found", lambda: self._found.get(self.trial, Settings()))
-        with gui.add_folder("Arm, over what is declared"):
+        with gui.add_folder("Arm, relative to the declared values"):
             for slider in arm_sliders():
                 self._slider(slider)
         gui.add_markdown("**Effects** that the model may lack")
@@ -128,7 +130,7 @@ class Page:
                 gui.add_markdown(f"{kind.lacks[0].upper()}{kind.lacks[1:]}: {kind.cause}.")
                 for slider in effect_sliders(name):
                     self._slider(slider)
-                for option, choices in readings(kind, space=self.session.space).items():
+                for option, choices in variants(kind, space=self.session.space).items():
                     self._keep(f"{name}.{option}", gui.add_dropdown(option, choices), choices[0])
 
     def _trials(self) -> None:
@@ -147,15 +149,15 @@ class Page:
         button = self._gui.add_button(label)
         button.on_click(lambda _: self.set(made()))
 
-    def _wound(self, event: Any) -> None:
-        """The time was set: by a hand, and then the motion stands still there, or by the motion itself."""
+    def _time_set(self, event: Any) -> None:
+        """React to a change of the time; if the user changed it, the motion stops there."""
         if event.client is not None:
             self._play.value = False
         self._wanted.set()
 
     def _slider(self, slider: Slider) -> None:
         for settings in self._found.values():
-            slider = within(slider, settings.values.get(slider.name, slider.neutral))
+            slider = with_value(slider, settings.values.get(slider.name, slider.neutral))
         handle = self._gui.add_slider(slider.label, slider.lower, slider.upper, slider.step, slider.neutral, hint=slider.hint)
         self._keep(slider.name, handle, slider.neutral)
 
@@ -171,7 +173,7 @@ class Page:
         handle.on_update(moved)
 
     def _mark(self) -> None:
-        """Show which effects act."""
+        """Mark the effects that are not neutral."""
         for name, folder in self._folders.items():
             label = f"{name} ●" if self.settings.acts(name) else name
             if folder.label != label:
@@ -186,8 +188,8 @@ class Page:
         def plot(title: str, *curves: uplot.Series) -> Any:
             data = (np.array([0.0, 1.0]), *(np.zeros(2) for _ in curves))
             series = (uplot.Series(label="t"), *curves)
-            padding = (14, 10, 0, 0)  # above, right: else the highest number is cut
-            height = 155 if self.session.space else 205  # of three, or two
+            padding = (14, 10, 0, 0)  # top and right, so that the highest number is not cut off
+            height = 155 if self.session.space else 205  # of three plots in space, or two in a plane
             return self._gui.add_uplot(data, series, title=title, axes=axes, scales=scales, height=height, padding=padding)
 
         declared = uplot.Series(label="declared", stroke=_GREY, width=1.5)
@@ -195,7 +197,7 @@ class Page:
         measured = uplot.Series(label="measured", stroke=_ORANGE, width=1.5)
         noise = uplot.Series(label="noise", stroke=_ORANGE, width=1.0, dash=(4.0, 4.0))
         self._errors = plot("Distance of the markers from the measured ones", declared, simulated, noise)
-        self._tips = [(plot(title, declared, measured, simulated), way) for title, way in self.session.across.items()]
+        self._tips = [(plot(title, declared, measured, simulated), direction) for title, direction in self.session.across.items()]
 
     def _work(self) -> None:
         shown: tuple[object, object] = None, None
@@ -208,25 +210,25 @@ class Page:
                 settings, trial = self.settings, self.trial
             if (settings, trial) != shown:
                 if trial != shown[1]:
-                    self._turn_to(trial)
+                    self._show_trial(trial)
                     begun = time.monotonic()
                 self._answer = self.session.answer(self._run, settings)
                 self._draw(self._answer)
-                self._say(None)
+                self._write_summary(None)
                 shown, left, others = (settings, trial), list(self.session.names), []
-            elif left:  # the other trials one by one, while nothing moves
+            elif left:  # simulate the other trials one by one while no setting changes
                 others.append(self.session.answer(self.session.run(left.pop()), settings))
                 if not left:
-                    self._say(overall(others))
+                    self._write_summary(overall(others))
                     self.finished = settings, trial
             if playing:
-                whole = float(self._run.time[-1] - self._run.time[0]) + 0.5  # it stands for a moment before it begins again
+                whole = float(self._run.time[-1] - self._run.time[0]) + 0.5  # the motion pauses before it repeats
                 self._clock.value = min(round((time.monotonic() - begun) % whole, 2), self._clock.max)
             else:
                 begun = time.monotonic() - self._clock.value
             self._pose()
 
-    def _turn_to(self, trial: str) -> None:
+    def _show_trial(self, trial: str) -> None:
         self._run = self.session.run(trial)
         self._declared = self.session.answer(self._run, Settings())
         self._clock.max = float(self._run.time[-1] - self._run.time[0])
@@ -236,20 +238,20 @@ class Page:
         noise = np.full(len(time_axis), self.session.noise)
         tip = int(np.argmax([marker.arc_length for marker in self.session.experiment.markers]))
         self._errors.data = (time_axis, *(1e3 * _drawn(part) for part in (self._declared.error, answer.error, noise)))
-        for plot, way in self._tips:
-            on = np.flatnonzero(way)
-            tips = (places[:, tip, on] @ way[on] for places in (self._declared.markers, self._run.measured, answer.markers))
+        for plot, direction in self._tips:
+            on = np.flatnonzero(direction)
+            tips = (places[:, tip, on] @ direction[on] for places in (self._declared.markers, self._run.measured, answer.markers))
             plot.data = (time_axis, *(1e3 * _drawn(part) for part in tips))
 
-    def _say(self, whole: float | None) -> None:
+    def _write_summary(self, whole: float | None) -> None:
         answer, stopped = self._answer, ""
         if answer.stopped is not None:
-            stopped = f"\n\nThe simulation stopped at {answer.stopped:.2f} s: the arm bent beyond its limit, or diverged."
+            stopped = f"\n\nThe simulation stopped at {answer.stopped:.2f} s, as the arm exceeded its bending limit or diverged."
         trial, rest = _plain(self.trial), "..." if whole is None else _mm(whole)
         self._facts.content = (
-            f"**{trial}: {_mm(answer.rms)}** from the measured markers (RMS), {_mm(self._declared.rms)} as declared; "
+            f"**{trial}: {_mm(answer.rms)}** RMS distance from the measured markers, {_mm(self._declared.rms)} as declared; "
             f"all trials {rest}; noise alone {_mm(self.session.noise)}. "
-            f"Blue is simulated, grey as declared, orange measured.{stopped}"
+            f"Blue: simulated, grey: as declared, orange: measured.{stopped}"
         )
 
     def _pose(self) -> None:
@@ -266,7 +268,7 @@ class Page:
 
 
 def _plain(text: str) -> str:
-    """A text from data, which viser would take for Markdown and its tags for HTML, so that it is shown as it stands."""
+    """Return a text with escaped Markdown and HTML characters, which viser would otherwise interpret."""
     return re.sub(r"[!-/:-@[-`{-~]", r"\\\g<0>", text)
 
 

@@ -1,4 +1,4 @@
-"""The arm in three dimensions: simulated, as declared, and the markers that were measured."""
+"""Three-dimensional view of the simulated arm, the declared arm and the measured markers."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ import numpy as np
 
 from hsr_pin.trajectory import Array
 
-#: Red, green, blue of what is simulated, declared and measured (Okabe and Ito's, safe for colour-blind readers).
+#: RGB colours of simulated, declared and measured motion (Okabe and Ito's colours for colour-blind readers).
 BLUE, GREY, ORANGE = (0, 114, 178), (170, 170, 175), (213, 94, 0)
-#: Radii over the arm's length.
+#: Radii as shares of the arm's length.
 _TUBE, _THIN, _BALL = 0.022, 0.014, 0.018
 
 
 class Scene:
-    """What stands in the room.
+    """Three-dimensional objects of the page.
 
     Args:
-        server: viser's.
-        length: of the arm [m].
-        along: (3,) where the straight arm points.
-        markers: how many there are.
-        space: whether the arm bends in space: seen from above and aside, over a floor, in place of before a wall.
+        server: server of viser.
+        length: length of the arm [m].
+        along: (3,) unit vector along the straight arm.
+        markers: number of markers.
+        space: whether the arm bends in space; it is then shown from above over a floor instead of before a wall.
     """
 
     def __init__(self, server: Any, length: float, along: Array, markers: int, *, space: bool = False) -> None:
         scene = server.scene
         scene.set_up_direction("+z")
-        middle = along * length / 2  # of the straight arm
+        middle = along * length / 2  # middle of the straight arm
         aside = np.array([1.1, -1.9, 0.9]) if space else np.array([0.0, -2.2, 0.3])
         server.initial_camera.position = middle + length * aside
         server.initial_camera.look_at = middle
@@ -41,7 +41,7 @@ class Scene:
             wall = (0.0, 0.1 * length, 0.0)
             scene.add_grid("/wall", 4 * length, 4 * length, plane="xz", position=wall, shadow_opacity=0.0, **lines)
         straight = np.linspace(np.zeros(3), length * along, 3)
-        behind = (0.0, 0.0 if space else 2 * _TUBE * length, 0.0)  # so that two curves in one place do not mingle
+        behind = (0.0, 0.0 if space else 2 * _TUBE * length, 0.0)  # so that coincident curves do not flicker
         thin = _THIN * length
         self.declared = scene.add_spline_catmull_rom(
             "/declared", straight, thickness=thin, color=GREY, segments=48, position=behind
@@ -54,7 +54,7 @@ class Scene:
         self._rods = scene.add_line_segments("/gap", np.zeros((markers, 2, 3)), ORANGE, thickness=2.0, thickness_units="screen")
 
     def show(self, backbone: Array, declared: Array, simulated: Array, measured: Array) -> None:
-        """One instant: backbones (POINTS, 3), markers (M, 3) [m]; what is not a number is not shown."""
+        """Show backbones (POINTS, 3) [m] and markers (M, 3) [m] at one instant; NaN is not shown."""
         for curve, points in ((self.simulated, backbone), (self.declared, declared)):
             curve.visible = bool(np.isfinite(points).all())
             if curve.visible:

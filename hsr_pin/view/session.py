@@ -1,4 +1,4 @@
-"""Recordings and the model of their arm, simulated anew for every setting: a few milliseconds a trial."""
+"""Recordings and the model of their arm, which is simulated again for every setting within milliseconds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import View
-from hsr_pin.identification.evaluation import respond
+from hsr_pin.identification.evaluation import simulate_run
 from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.part import ARM
@@ -24,22 +24,22 @@ from hsr_pin.robot.specification import ArmSpecification, Placement
 from hsr_pin.trajectory import Array, Dataset
 from hsr_pin.view.settings import Settings
 
-#: Points along the backbone that are drawn.
+#: Number of points of a drawn backbone.
 POINTS = 33
-#: What moves the markers, not the arm.
+#: Effects that move the markers relative to the arm.
 _OF_MARKERS = ("marker_offset", "markers_beside")
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """One trial, simulated.
+    """Simulation of one trial.
 
     Attributes:
-        backbone: (T, POINTS, 3) [m].
-        markers: (T, M, 3) [m]; NaN from a failure on.
-        error: (T,) [m] RMS distance of the markers from the measured ones; NaN where none is seen.
-        residual: (T, M, A) [m] simulated minus measured, in the plane (A = 2) or in space (3).
-        stopped: [s] when the simulation failed; None: never.
+        backbone: (T, POINTS, 3) points of the backbone [m].
+        markers: (T, M, 3) positions of the markers [m]; NaN after a failure.
+        error: (T,) RMS distance of the markers from the measured ones [m]; NaN where none is seen.
+        residual: (T, M, A) simulated minus measured positions [m], in the plane (A = 2) or in space (A = 3).
+        stopped: time at which the simulation failed [s]; None: it did not.
     """
 
     backbone: Array
@@ -50,17 +50,17 @@ class Answer:
 
     @property
     def rms(self) -> float:
-        """[m] over the trial; NaN if the simulation failed."""
+        """RMS distance over the trial [m]; NaN if the simulation failed."""
         return float("nan") if self.stopped is not None else rms([self.residual])
 
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """What the page shows.
+    """Recordings and the simulated chain that the page shows.
 
     Attributes:
         experiment: the recordings.
-        links, placement: of the simulated chain.
+        links, placement: number of links and placement of the joints of the simulated chain.
     """
 
     experiment: Experiment
@@ -69,16 +69,16 @@ class Session:
 
     @classmethod
     def of(cls, dataset: Dataset, links: int | None = None, placement: Placement | None = None) -> Session:
-        """The usable trials of a dataset; links and placement as of :func:`~hsr_pin.identification.hypothesis.chain_of`.
+        """Return a session of the usable trials; the chain is that of :func:`~hsr_pin.identification.hypothesis.chain_of`.
 
         Raises:
-            IdentificationError: none is.
+            IdentificationError: no trial is usable.
         """
         return cls(prepare(dataset), **chain_of(dataset, links, placement))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the trials."""
+        """Names of the trials."""
         return tuple(run.trial.name for run in self.experiment.runs)
 
     @property
@@ -88,27 +88,27 @@ class Session:
 
     @property
     def across(self) -> dict[str, Array]:
-        """Title -> (3,) the direction, across the straight arm, in which its tip is drawn over time."""
-        dataset, title = self.experiment.dataset, "Place of the outermost marker"
+        """Directions (3,) perpendicular to the straight arm in which the tip is plotted over time, by title of the plot."""
+        dataset, title = self.experiment.dataset, "Position of the outermost marker"
         if not self.space:
-            return {f"{title}, across the straight arm": np.eye(3)[2 if dataset.mount == "horizontal" else 0]}
+            return {f"{title}, perpendicular to the straight arm": np.eye(3)[2 if dataset.mount == "horizontal" else 0]}
         axes = base_rotations(Arms.of([ArmSpecification.from_trial(dataset, dataset.trials[0])]))[0]
-        return {f"{title}, towards {way} of the base": axes[:, k] for k, way in enumerate("xy")}
+        return {f"{title}, towards {axis} of the base": axes[:, k] for k, axis in enumerate("xy")}
 
     @property
     def noise(self) -> float:
-        """[m] RMS distance that noise alone leaves."""
+        """RMS distance due to noise alone [m]."""
         return self.experiment.noise_rms
 
     def run(self, name: str) -> Run:
-        """A trial by name."""
+        """Return a trial by its name."""
         return self.experiment.runs[self.names.index(name)]
 
     def answer(self, run: Run, settings: Settings) -> Answer:
-        """Simulate a trial."""
+        """Simulate a trial with the given settings."""
         hypothesis = Hypothesis(settings.effects(), tuple(ARM), self.links, self.placement)
         values = np.array([[settings.arm(name) for name in ARM]])
-        found = respond(self.experiment, run.whole, hypothesis, values)
+        found = simulate_run(self.experiment, run.whole, hypothesis, values)
         markers = found.positions[:, 0]
         residual = markers[..., run.axes] - run.tracked
         squares = (residual**2).sum(axis=-1)
@@ -119,7 +119,7 @@ class Session:
         return Answer(self._backbone(found), markers, error, residual, stopped)
 
     def _backbone(self, found: object) -> Array:
-        arms, effects = found.columns.arms, found.columns.effects  # type: ignore[attr-defined]
+        arms, effects = found.batch.arms, found.batch.effects  # type: ignore[attr-defined]
         reach = np.linspace(0.0, self.experiment.dataset.length, POINTS)
         places: Any = space_marker_map(arms, reach) if self.space else marker_map(arms, reach)
         angles = found.angles  # type: ignore[attr-defined]
@@ -131,5 +131,5 @@ class Session:
 
 
 def overall(answers: Sequence[Answer]) -> float:
-    """[m] RMS distance over several trials; NaN if one of the simulations failed."""
+    """Return the RMS distance over several trials [m]; NaN if a simulation failed."""
     return float("nan") if any(each.stopped is not None for each in answers) else rms([each.residual for each in answers])

@@ -1,4 +1,4 @@
-"""Where the sliders stand: numbers of the arm, and the parameters of every effect."""
+"""Values of the sliders: numbers of the arm and parameters of the effects."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from hsr_pin.identification.part import ARM
 
 @dataclass(frozen=True)
 class Settings:
-    """A model of the arm.
+    """Model of the arm, given by the values of the sliders.
 
     Attributes:
-        values: by name ("keq_scale", "dry_friction.level"); what is not named is neutral.
-        options: readings of laws, by name ("hysteresis.form"); what is not named is the default.
+        values: values by name ("keq_scale", "dry_friction.level"); values that are not given are neutral.
+        options: variants of laws by name ("hysteresis.form"); options that are not given have their defaults.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
@@ -26,7 +26,7 @@ class Settings:
 
     @classmethod
     def of(cls, model: CorrectedModel, keq: float, damping: float, mass: float) -> Settings:
-        """A model that was found, for recordings that declare these numbers."""
+        """Return the settings of a model, relative to declared stiffness [Nm/rad], damping [Nm s/rad] and mass [kg]."""
         values = {"keq_scale": model.arm.keq / keq, "mass_scale": model.arm.mass / mass, "torque_gain": model.torque_gain}
         if damping > 0:
             values["damping_scale"] = model.arm.damping / damping
@@ -36,20 +36,20 @@ class Settings:
         return cls(values, options)
 
     def arm(self, name: str) -> float:
-        """An open number of the arm."""
+        """Return the value of a number of the arm."""
         return self.values.get(name, ARM[name].neutral)
 
     def acts(self, name: str) -> bool:
-        """Whether an effect does anything."""
+        """Return whether an effect is active, that is not neutral."""
         facts = [fact for fact in effect_named(name).parameters() if fact.amplitude]
         return any(self.values.get(f"{name}.{fact.name}", fact.neutral) != fact.neutral for fact in facts)
 
     def effects(self) -> tuple[Effect, ...]:
-        """Those that do something."""
+        """Return the active effects."""
         return tuple(self._effect(name, kind) for name, kind in (EFFECTS | SPATIAL).items() if self.acts(name))
 
     def changed(self, name: str, value: float | str) -> Settings:
-        """The same with one number or option changed."""
+        """Return the settings with one number or option changed."""
         if isinstance(value, str):
             return replace(self, options={**self.options, name: value})
         return replace(self, values={**self.values, name: value})

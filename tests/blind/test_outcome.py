@@ -99,7 +99,7 @@ def test_the_flexible_law_of_a_kind_stands_for_its_kind():
 
 def test_what_is_left_is_left_by_the_last_model_not_by_what_cannot_be_repeated():
     rungs = {"declared model": 9.0, "stiffness and damping": 4.0, "dry_friction": 1.0}
-    feet = {"not repeatable; asked of no model": 0.5, "noise floor (unexplained rest above it)": 0.4}
+    feet = {"not repeatable (trial-to-trial scatter)": 0.5, "noise floor (share: unexplained remainder)": 0.4}
     verdict = said("identified", ["dry_friction"])
     for foot in ({}, feet, dict([feet.popitem()])):
         verdict["ladder"] = [{"rung": name, "heldout_rms_mm": value} for name, value in (rungs | foot).items()]

@@ -106,7 +106,7 @@ def test_too_few_trials_are_a_verdict_too_and_a_dash_prints_json(heavy_tip, tmp_
     write_dataset(replace(heavy_tip, trials=heavy_tip.trials[:1]), tmp_path / "one")
     assert run(command, [str(tmp_path / "one"), "--jobs", "1"]) == 0
     shown = capsys.readouterr().out
-    assert shown.startswith("heavy-tip: Too little to go on")
+    assert shown.startswith("heavy-tip: Not enough data")
     assert "next:  Record next: " in shown
     assert run(command, [str(tmp_path / "one"), "--jobs", "1", "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["verdict"]["status"] == "insufficient"

@@ -9,7 +9,7 @@ import pytest
 from hsr_pin.cli import fit, replay, sim
 from hsr_pin.cli.command import run
 from hsr_pin.diagnosis.diagnose import diagnose
-from hsr_pin.identification.evaluation import respond
+from hsr_pin.identification.evaluation import simulate_run
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.recordings.clean import clean
@@ -79,7 +79,7 @@ def test_fit_finds_the_same_stiffness(folders, capsys):
 def test_identification_and_diagnosis_simulate_it_at_its_samples(folders):
     experiment = prepare(read_dataset(folders[1]))
     for one in experiment.runs:
-        answer = respond(experiment, one, Hypothesis(free=()), np.empty((1, 0)))
+        answer = simulate_run(experiment, one, Hypothesis(free=()), np.empty((1, 0)))
         assert len(answer.positions) == len(one.time)
 
 
@@ -102,5 +102,5 @@ def test_a_dataset_made_in_memory_is_put_on_even_times_too(folders):
 def test_what_was_done_is_said_where_it_is_more_than_a_last_digit(folders, request):
     notes = [note for trial in read_dataset(folders[1]).trials for note in trial.trajectory.notes]
     name = request.node.callspec.params["folders"]
-    assert any("Unix" not in name or "count from the first sample" in note for note in notes) or "microsecond" in name
+    assert any("Unix" not in name or "counted from the first sample" in note for note in notes) or "microsecond" in name
     assert any("jitter" in note or "uneven" in note for note in notes) == ("jitter" in name)

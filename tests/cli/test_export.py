@@ -66,7 +66,7 @@ def test_a_diagnosis_is_handed_on(result, tmp_path, capsys):
     assert "a diagnosis of made: dry_friction is missing from the model." in text
     spring = ElementTree.fromstring(text.encode()).find(".//joint[@name='joint_6']").get("stiffness")
     assert float(spring) == pytest.approx(6 * 1.1 * 2.33)
-    assert "beside it: dry_friction: its law, in arm_laws.py" in capsys.readouterr().out
+    assert "beside it: dry_friction: law in arm_laws.py" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("target", ["mjcf", "urdf", "sdf"])

@@ -118,7 +118,7 @@ def test_trials_can_be_set_aside_and_the_document_goes_to_standard_output(folder
 def test_a_parameter_that_the_data_do_not_move_is_told(still, capsys, effect):
     assert run(command, [str(still), "--free", effect]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"not told by these data: {effect}" in shown and "is hardly seen in these data" in shown
+    assert f"not told by these data: {effect}" in shown and "is hardly determined by these data" in shown
 
 
 @pytest.mark.parametrize("effect", ["actuator_lag", "torque_map", "torque_decay", "dead_time"])

@@ -68,14 +68,14 @@ def test_a_capture_becomes_a_dataset(take, tmp_path, capsys):
     assert np.corrcoef(tip[:, 0], trial.trajectory.torque)[0, 1] > 0.95
     said = capsys.readouterr().out
     assert "trial_01" in said
-    assert "x is the way the arm goes as its input rises" in said
+    assert "x is the direction of bending as the input rises" in said
 
 
 def test_the_points_of_a_file_can_be_listed(take, capsys):
     assert run(command, [str(take), "--list"]) == 0
     said = capsys.readouterr().out
     assert all(name in said for name in ("Arm:base", "Arm:mid", "Arm:tip"))
-    assert f"{take}: Vicon CSV, 200 frames, 1.990 s, 100 Hz, in mm, +z up as Vicon has it" in said
+    assert f"{take}: Vicon CSV, 200 frames, 1.990 s, 100 Hz, in mm, +z up by the convention of Vicon" in said
 
 
 def test_the_list_tells_gaps(take, capsys):
@@ -135,7 +135,7 @@ WRONG = {
     "no axis": (["--up", "north"], "up"),
     "no mount": (["--mount", "sideways"], "hanging or upright or horizontal"),
     "no unit": (["--unit", "furlong"], "furlong"),
-    "wrong unit": (["--unit", "m"], "another unit"),
+    "wrong unit": (["--unit", "m"], "check the unit"),
     "no place": (["--origin", "here"], "X,Y,Z"),
     "half a place": (["--origin", "1,2"], "three numbers"),
     "no such point": (["-m", "top=Arm:top"], "did you mean 'Arm:tip'"),
@@ -230,10 +230,10 @@ def test_the_input_is_moved_as_the_motion_shows_and_the_estimate_is_printed(take
     log.write_text("\n".join([header, *late]), encoding="utf-8")
     given = [take, "-o", tmp_path / "arm", *ARM, *MARKERS, "--input", log]
     assert "the clock of the input: expected times of the recording" in complaint(capsys, given)
-    assert "'--input-offset': expected a number of s, or auto" in complaint(capsys, [*given, "--input-offset", "soon"])
+    assert "'--input-offset': expected a time in s, or auto" in complaint(capsys, [*given, "--input-offset", "soon"])
     assert run(command, [str(one) for one in (*given, "--input-offset", "auto")]) == 0
     said = capsys.readouterr().out
-    assert "input moved by -40 +- " in said and "a delay of the arm itself is lost in it" in said
+    assert "input moved by -40 +- " in said and "this removes a delay of the arm itself" in said
 
 
 def test_recordings_of_other_files_are_replaced_only_by_force(take, tmp_path, capsys):

@@ -84,7 +84,7 @@ def test_a_trial_is_replayed_with_all_its_coordinates(folder, answered, tmp_path
 @pytest.mark.parametrize(
     ("module", "arguments", "word"),
     [
-        (fit, ("--free", "torque_bias,preset_bend,restraint"), "laws that hold about two axes, got restraint"),
+        (fit, ("--free", "torque_bias,preset_bend,restraint"), "laws that are defined for arms in space, got restraint"),
         (diagnose, ("--effects", "restraint"), "laws that hold about two axes"),
     ],
 )

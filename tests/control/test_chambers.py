@@ -48,9 +48,9 @@ def test_no_value_changes_faster_than_its_rate():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(InputError, match="at least one that gives a torque"):
+    with pytest.raises(InputError, match="at least one that produces a torque"):
         ChannelRegulators((Channel("seen", "bar"),), highest=1.0)
-    with pytest.raises(InputError, match="a lowest and a higher value"):
+    with pytest.raises(InputError, match="a lowest value below the highest"):
         ChannelRegulators(CHAMBERS, highest=0.0)
     with pytest.raises(InputError, match="4 finite torques"):
         ChannelRegulators(TWO, highest=1.0).command([0.1, 0.2])

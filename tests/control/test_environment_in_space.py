@@ -134,5 +134,5 @@ def test_it_settles_under_two_torques():
 
 def test_an_arm_of_several_sections_is_refused_in_one_line():
     arm = ArmSpecification.in_sections([Section(0.1, 0.1, 3.0, 0.1), Section(0.1, 0.1, 3.0, 0.1)])
-    with pytest.raises(InputError, match="sections: expected none of the arm of an environment"):
+    with pytest.raises(InputError, match="sections: expected none, because the arm of an environment has one torque"):
         ReachTip(arm)

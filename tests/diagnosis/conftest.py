@@ -1,4 +1,4 @@
-"""One small diagnosis, made once; variants of it that a dataset would have to be searched for."""
+"""A small diagnosis that all tests share, and modified versions of it for rare verdicts."""
 
 from dataclasses import replace
 
@@ -12,13 +12,13 @@ from hsr_pin.inference.verdict import Verdict
 
 @pytest.fixture(scope="session")
 def diagnosis(heavy_tip):
-    """Of an arm with a heavy tip, among two candidates."""
+    """Diagnosis of an arm with a heavy tip, with two candidate effects."""
     return diagnose(heavy_tip, effects=["tip_mass", "actuator_lag"], max_effects=1, jobs=1)
 
 
 @pytest.fixture(scope="session")
 def ambiguous(diagnosis):
-    """The same, as if it could not tell two effects apart."""
+    """The diagnosis with a fabricated ambiguous verdict."""
     said = "these recordings cannot tell apart: <a>, or b & c."
     verdict = Verdict("ambiguous", (), (("tip_mass",), ("actuator_lag",)), said, left=diagnosis.verdict.left)
     return replace(diagnosis, verdict=verdict, next_experiment=(Proposal("payload", 40.0), Proposal("steps", np.inf)))
@@ -26,5 +26,5 @@ def ambiguous(diagnosis):
 
 @pytest.fixture(scope="session")
 def insufficient(heavy_tip):
-    """Of one trial alone."""
+    """Diagnosis of a single trial."""
     return diagnose(replace(heavy_tip, trials=heavy_tip.trials[:1]), jobs=1)

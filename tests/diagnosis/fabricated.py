@@ -1,4 +1,4 @@
-"""Fitted models and a fit pool that never simulated: what they leave of a gap is set by hand."""
+"""Fitted models and a fit pool without simulation: the remaining gaps are given."""
 
 from dataclasses import dataclass, field
 
@@ -27,13 +27,13 @@ _noise -= _noise.mean(axis=1, keepdims=True)  # so that what lasts is the gap al
 
 
 def heldout(*gaps):
-    """For each trial the same noise, and a constant distance [m] beside it; one number stands for all trials."""
+    """Return residuals of each trial: the same noise plus a constant distance [m]; one number stands for all trials."""
     sizes = gaps * TRIALS if len(gaps) == 1 else gaps
     return tuple(noise + np.array([size, 0.0]) for noise, size in zip(_noise, sizes, strict=True))
 
 
 def fitted(parts, gap=0.0):
-    """A fit of a model with parts (names of effects or of the arm's numbers, effects with options, or parts)."""
+    """Return a fit of a model with parts (names of effects or of the arm's parameters, effects with options, or parts)."""
     hypothesis = Hypothesis()
     for part in map(_part, parts):
         hypothesis = hypothesis.with_part(part)
@@ -49,7 +49,7 @@ def fitted(parts, gap=0.0):
 
 
 def _part(given):
-    """As a part of a model, an effect's amplitudes one scale away from neutral."""
+    """Return a part of a model; the amplitudes of an effect are one scale away from neutral."""
     if given in PLAIN:
         return Part(given)
     part = given if isinstance(given, Part) else None
@@ -61,7 +61,7 @@ def _part(given):
 
 
 def candidate(*parts, gap=0.0):
-    """A fitted model that leaves this distance [m] (one for all trials, or one for each)."""
+    """Return a fitted model that leaves this distance [m] (one for all trials, or one for each)."""
     gaps = gap if isinstance(gap, tuple) else (gap,)
     fit = fitted(parts, float(np.sqrt(np.mean(np.square(gaps)))))
     causes = tuple(Cause(part.name, part.kind, part.flexible) for part in fit.hypothesis.parts)
@@ -72,15 +72,7 @@ def candidate(*parts, gap=0.0):
 
 @dataclass
 class FakePool:
-    """Answers from a table instead of simulating.
-
-    Attributes:
-        gaps: what is left [m] with each set of effects (names joined by "+", with "@each" behind one that has a size for each
-            level); a set that is not in the table leaves what its largest subset leaves.
-        quick_gaps: what quick fits leave, in the same form; default: the same.
-        unseen: names of laws that a probe shows nothing of.
-        fitted: keys of the models that got a full fit, in the order in which they were asked for.
-    """
+    """Fit pool that answers from a table instead of simulating."""
 
     gaps: dict
     quick_gaps: dict | None = None

@@ -1,4 +1,4 @@
-"""Recordings made by us, with what is wrong with the declared arm known."""
+"""Synthetic recordings with a known error of the declared arm."""
 
 import zlib
 
@@ -57,10 +57,7 @@ def made(
     name="made",
     draw="",
 ):
-    """A dataset simulated on a fine chain with effects (texts or laws), the true Keq and C off the declared ones by factors.
-
-    Each trial rests for 0.1 s, then goes to its first torque, and half-way to its second. Another ``draw`` has other noise.
-    """
+    """Return a dataset simulated on a fine chain with effects (texts or laws); the factors relate true to declared Keq and C."""
     generator = np.random.default_rng(zlib.crc32((repr(effects) + draw).encode()))
     laws = tuple(parse_effect(effect) if isinstance(effect, str) else effect for effect in effects)
     time = np.arange(round(duration / step) + 1) * step

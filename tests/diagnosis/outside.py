@@ -1,8 +1,4 @@
-"""Laws that are in no catalogue, unlike it and unlike one another: used to make recordings that nothing should explain.
-
-A law sees one joint, so that none of them can stand for a force at one place of the arm; what they share is time, which no law of
-the catalogue knows.
-"""
+"""Laws outside the catalogue, for recordings that no candidate should explain."""
 
 from dataclasses import dataclass
 
@@ -13,7 +9,7 @@ from hsr_pin.parameters import parameter
 
 
 class Clocked(Effect):
-    """A law that knows the time since the recording began: its first internal state."""
+    """A law that depends on the time since the start of the recording, its first internal state."""
 
     states = 1
 
@@ -52,7 +48,7 @@ class SwitchingStiffness(Clocked):
 
 @dataclass(frozen=True)
 class Lean(Clocked):
-    """Somebody leans on the arm, which bends it all along, from ``start`` for ``duration``, and lets go."""
+    """A person leans on the arm, which bends it along its whole length, from ``start`` for ``duration``."""
 
     name = "lean"
     kind = "contact"
@@ -68,7 +64,7 @@ class Lean(Clocked):
 
 @dataclass(frozen=True)
 class Ripple(Effect):
-    """The supply pulses: a torque that swings whatever is commanded, from an arm at rest under none."""
+    """The supply pulsates: a periodic torque that does not depend on the command."""
 
     name = "ripple"
     kind = "actuation_map"
@@ -77,14 +73,14 @@ class Ripple(Effect):
     frequency: float = parameter(2.6, lower=0.1, upper=10.0, unit="Hz", scale=0.5, description="of the torque")
 
     @staticmethod
-    def respond(p, torque, memory, step, keq):
+    def actuator_response(p, torque, memory, step, keq):
         time = memory[0]
         return torque + p.amplitude * np.sin(2 * np.pi * p.frequency * time), (time + step,)
 
 
 @dataclass(frozen=True)
 class Dropout(Effect):
-    """A regulator that lets go now and then: for ``duration`` in every ``period`` nothing arrives of the command."""
+    """A regulator fails periodically: for ``duration`` in every ``period`` the command has no effect."""
 
     name = "dropout"
     kind = "actuation_time"
@@ -93,7 +89,7 @@ class Dropout(Effect):
     period: float = parameter(0.7, lower=0.1, upper=10.0, unit="s", scale=0.1, description="between dropouts")
 
     @staticmethod
-    def respond(p, torque, memory, step, keq):
+    def actuator_response(p, torque, memory, step, keq):
         time = memory[0]
         return torque * (time % p.period <= p.period - p.duration), (time + step,)
 
@@ -108,7 +104,7 @@ class SlewLimit(Effect):
     slowness: float = parameter(0.0, lower=0.0, upper=5.0, unit="s/Nm", scale=0.1, amplitude=True, description="1 / fastest rate")
 
     @staticmethod
-    def respond(p, torque, memory, step, keq):
+    def actuator_response(p, torque, memory, step, keq):
         most = step / np.maximum(p.slowness, 1e-9)
         now = memory[0] + np.minimum(np.maximum(torque - memory[0], -most), most)
         return (memory[0] + now) / 2, (now,)
@@ -116,7 +112,7 @@ class SlewLimit(Effect):
 
 @dataclass(frozen=True)
 class Tether(Effect):
-    """A sleeve that comes taut on one side: no resistance up to a bending angle of ``slack``, a stiff one beyond."""
+    """A sleeve that becomes taut on one side: stiff beyond a bending angle of ``slack``, and without resistance below."""
 
     name = "tether"
     kind = "contact"

@@ -1,4 +1,4 @@
-"""A base that moves foretells what the model misses; one that stands still, or moves by itself, does not."""
+"""A moving base predicts the gap; a fixed base, or an independently moving one, does not."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ STEP = 0.02
 
 
 def shaken(seed, size=0.003):
-    """Six trials whose base marker moves by (T,) [m] each, smooth and never the same."""
+    """Return six trials whose base marker moves by a smooth, different path (T,) [m] in each."""
     generator, dataset = np.random.default_rng(seed), made()
     time, moved = dataset.trials[0].trajectory.time, []
     for trial in dataset.trials:
@@ -28,7 +28,7 @@ def shaken(seed, size=0.003):
 
 
 def swung(move):
-    """(T, 2, 2) [m] of two markers on a lightly damped pendulum (1.6 Hz, 10 %) that hangs on what moves."""
+    """Return positions (T, 2, 2) [m] of two markers on a lightly damped pendulum (1.6 Hz, 10 %) on a moving base."""
     time = STEP * np.arange(len(move))
     _, tip, _ = lsim(([-1.0, 0.0, 0.0], [1.0, 2.0, 100.0]), move - move[0], time)
     gap = np.zeros((len(move), 2, 2))
@@ -36,10 +36,10 @@ def swung(move):
     return gap
 
 
-def test_a_gap_that_follows_the_base_is_foretold_by_it():
+def test_a_gap_that_follows_the_base_is_predicted_by_it():
     experiment, moves = shaken(0)
     found = base_motion(experiment, [swung(move) for move in moves])
-    assert found.kind == "measurement" and found.foretold > 0.6
+    assert found.kind == "measurement" and found.predicted > 0.6
     assert "the base moves" in found.sentence
 
 
@@ -48,7 +48,7 @@ def test_a_gap_that_goes_its_own_way_is_not(size):
     experiment, _ = shaken(0, size)
     _, others = shaken(1)
     found = base_motion(experiment, [swung(move) for move in others])
-    assert (found.kind, found.sentence) == ("", "") and found.foretold < 0.2
+    assert (found.kind, found.sentence) == ("", "") and found.predicted < 0.2
 
 
 def test_without_a_marker_at_the_base_nothing_is_said():

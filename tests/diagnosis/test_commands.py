@@ -1,11 +1,11 @@
-"""Plateaus and steps of a command are found, and flickers are none of their own."""
+"""Plateaus and steps of a command are found, and brief fluctuations are not."""
 
 import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.commands import plateaus, steps
 
-from .fingerprint.recorded import STEP, arcs
+from .indicators.recorded import STEP, arcs
 
 
 def run(torque):

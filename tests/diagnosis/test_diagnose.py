@@ -1,4 +1,4 @@
-"""From recordings to a verdict: what was put into them is named, and what no candidate knows is not."""
+"""A diagnosis names the simulated cause, and does not name causes outside the catalogue."""
 
 from dataclasses import replace
 from types import SimpleNamespace

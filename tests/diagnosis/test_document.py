@@ -1,4 +1,4 @@
-"""The JSON of a diagnosis holds all that was found, in the fields that programs rely on."""
+"""The JSON of a diagnosis contains all results in the documented fields."""
 
 import json
 import math

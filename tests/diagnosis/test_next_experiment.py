@@ -1,9 +1,9 @@
-"""The experiment that is proposed tells apart what can be told apart."""
+"""The proposed experiment separates alternatives that can be separated."""
 
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.next_experiment import ALIKE, propose
+from hsr_pin.diagnosis.next_experiment import INDISTINGUISHABLE, propose
 from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
@@ -30,5 +30,5 @@ def test_laws_that_are_the_same_count_as_one_beside_another(experiment):
     three, two = (propose(experiment, rivals) for rivals in ([HEAVIER, LADEN, TIP], [HEAVIER, TIP]))
     assert [each.name for each in three] == [each.name for each in two]
     assert [each.separation for each in three] == pytest.approx([each.separation for each in two], rel=0.02)
-    assert three[0].separation > 10 * ALIKE
+    assert three[0].separation > 10 * INDISTINGUISHABLE
     assert list(three) == sorted(three, key=lambda each: -each.separation)

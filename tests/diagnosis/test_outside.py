@@ -1,4 +1,4 @@
-"""The laws outside of the catalogue do something, alike in the compiled loop and in the one over Pinocchio."""
+"""The laws outside the catalogue have an influence, equal in the compiled loop and in the Pinocchio loop."""
 
 from dataclasses import replace
 

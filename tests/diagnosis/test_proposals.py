@@ -1,4 +1,4 @@
-"""Each effect, tried: its probe points at it, the fit ends on it, and what cannot be simulated is passed over."""
+"""The probe of each effect points to it, the fit recovers it, and effects that cannot be simulated are skipped."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -10,10 +10,10 @@ from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.effect import Effect, neutral
 from hsr_pin.identification.experiment import Experiment, prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
-from hsr_pin.identification.part import Part, readings
+from hsr_pin.identification.part import Part, part_variants
 from hsr_pin.inference.candidate import full_fit
 from hsr_pin.inference.fit import fit
-from hsr_pin.inference.proposals import Proposal, _starts, looked_at, proposals, quick_fit
+from hsr_pin.inference.proposals import Proposal, _starts, probed_runs, proposals, quick_fit
 from hsr_pin.parameters import parameter
 
 from .made import CATALOGUE, TRIALS, made
@@ -29,16 +29,16 @@ each_effect = pytest.mark.parametrize(
 
 @lru_cache
 def fitted(text):
-    """The experiment with an effect in it, and stiffness and damping fitted without."""
+    """Return an experiment with an effect, and the fit of stiffness and damping without it."""
     experiment = prepare(made(text, **SMALL) if text else made(**SMALL))
     return experiment, fit(experiment, Hypothesis(links=8))
 
 
 @lru_cache
 def proposed(text):
-    """Proposals for the whole catalogue, the most promising first, each kind once."""
+    """Return proposals for the whole catalogue, the most promising first, each effect once."""
     experiment, base = fitted(text)
-    parts = [part for kind in EFFECTS.values() for part in readings(kind)]
+    parts = [part for kind in EFFECTS.values() for part in part_variants(kind)]
     first = {}
     for proposal in sorted(proposals(experiment, base, parts), key=lambda proposal: -proposal.gain):
         first.setdefault(proposal.hypothesis.effects[-1].name, proposal)
@@ -106,7 +106,7 @@ def test_proposals_come_in_the_order_of_the_effects_that_were_asked_for():
 
 
 def two_levels(biases):
-    """Stiffness and damping fitted to trials at two stiffness levels, each with a bias of its own; and the experiment."""
+    """Return the fit of stiffness and damping to trials at two stiffness levels with different biases, and the experiment."""
     by_level = {level: [trial for trial in TRIALS[1:5] if trial[0] == level] for level in biases}
     both = [made(f"torque_bias:bias={bias}", **(SMALL | {"trials": by_level[level]})) for level, bias in biases.items()]
     trials = [trial for one in both for trial in one.trials]
@@ -121,7 +121,7 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
     simulated = []
     plain = Experiment.probe
     monkeypatch.setattr(Experiment, "probe", lambda *given: simulated.append(given) or plain(*given))
-    stays, goes, each = proposals(experiment, base, readings(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
+    stays, goes, each = proposals(experiment, base, part_variants(EFFECTS["torque_bias"], levels=2, each=(soft, stiff)))
     assert len(simulated) == 1
     assert (stays.hypothesis.resized, goes.hypothesis.resized) == ((), ("torque_bias",))
     right, wrong = (goes, stays) if sizes_change else (stays, goes)
@@ -133,7 +133,7 @@ def test_the_reading_whose_size_goes_with_the_level_is_guessed_from_the_probes_o
 
 def test_a_size_of_its_own_at_each_level_is_guessed_where_the_levels_disagree():
     biases = {1.11: 0.08, 2.33: -0.06}
-    *one_size, each = proposals(*two_levels(biases), readings(EFFECTS["torque_bias"], levels=2, each=tuple(biases)))
+    *one_size, each = proposals(*two_levels(biases), part_variants(EFFECTS["torque_bias"], levels=2, each=tuple(biases)))
     assert each.gain > 0.95 > 0.7 > max(proposal.gain for proposal in one_size)
     assert each.starts[0][-2:] == pytest.approx(list(biases.values()), rel=0.1)
 
@@ -164,7 +164,7 @@ def test_a_lag_that_damping_stood_in_for_is_found_behind_it():
 
 
 def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(monkeypatch):
-    """There lateness is worth nothing, and six times next to nothing is next to nothing still."""
+    """The predicted gain of the lag is zero at the fitted damping, so that start points with less damping are needed."""
     experiment = prepare(made("actuator_lag:time_constant=0.08"))
     whole = Hypothesis().with_part(part(EFFECTS["actuator_lag"]))
     proposal = Proposal(whole, (np.array([1.0, 6.0, 0.001]),), 0.0)
@@ -173,7 +173,7 @@ def test_a_lag_is_looked_for_at_less_damping_where_damping_has_taken_its_place(m
         return max(start[whole.free.index("actuator_lag.time_constant")] for start in _starts(experiment, proposal))
 
     assert latest() >= 0.03
-    monkeypatch.setattr("hsr_pin.identification.hypothesis._LATE", ((), ()))
+    monkeypatch.setattr("hsr_pin.identification.hypothesis._DELAY_STARTS", ((), ()))
     assert latest() < 0.01
 
 
@@ -205,10 +205,10 @@ def test_a_soft_spot_narrower_than_an_element_is_fitted_down_to_the_noise(depth,
 def test_of_many_trials_those_in_which_the_arm_moves_farthest_and_least_are_looked_at():
     torques = (0.2, 0.3, 0.25, 0.9, 0.3, 0.2, 0.35, 0.05, 0.25, 0.3)
     experiment = prepare(made(trials=[(1.11, 0.05, (torque, 0.0)) for torque in torques], duration=0.6, links=4))
-    chosen = looked_at(experiment)
+    chosen = probed_runs(experiment)
     assert len(chosen) == 8 and {3, 7, 6} <= set(chosen) and chosen == sorted(chosen)
     few = prepare(made(**SMALL))
-    assert looked_at(few) == [0, 1, 2]
+    assert probed_runs(few) == [0, 1, 2]
 
 
 def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():
@@ -222,7 +222,7 @@ def test_held_out_trials_are_predicted_by_models_that_did_not_see_them():
 
 @dataclass(frozen=True)
 class Fragile(Effect):
-    """A stiffer arm, where ``mood`` is small; where it is not, no simulation ends well."""
+    """A stiffer arm if ``mood`` is small; otherwise every simulation fails."""
 
     name = "fragile"
     kind = "elastic"
@@ -236,7 +236,7 @@ class Fragile(Effect):
 
 @dataclass(frozen=True)
 class Broken(Effect):
-    """Nothing ends well."""
+    """An effect with which every simulation fails."""
 
     name = "broken"
     kind = "elastic"

@@ -1,4 +1,4 @@
-"""A wave by a clock of its own is told from what follows the command, and a torque that pulses from a stiffness."""
+"""A periodic disturbance is distinguished from what follows the command, and a pulsating torque from a pulsating stiffness."""
 
 import numpy as np
 import pytest
@@ -10,20 +10,20 @@ TORQUES = (0.3, 0.8, -0.5, 1.0, 0.6)
 
 
 def bending(torque, samples=120):
-    """Of an arm that goes to its place under a step, swinging."""
+    """Return the bending of an arm that oscillates after a step."""
     t = np.arange(samples) * STEP
     return torque * (1 - np.exp(-4 * t) * np.cos(9 * t))
 
 
 def runs(missing, samples=120, seed=0):
-    """What ``missing(k, t, bending)`` says, under noise."""
+    """Return runs with the missing torque ``missing(k, t, bending)`` and noise."""
     t, rng = np.arange(samples) * STEP, np.random.default_rng(seed)
     bends = [bending(torque, samples) for torque in TORQUES]
     return [(missing(k, t, bend) + 0.003 * rng.normal(size=samples), bend) for k, bend in enumerate(bends)]
 
 
 def saw(k, t, frequency=2.3):
-    """It began at another moment in every trial."""
+    """Return a sawtooth wave with a different phase in every trial."""
     return (frequency * t + 0.37 * k**2) % 1.0 - 0.5
 
 
@@ -72,8 +72,8 @@ def test_a_wave_that_may_be_either_is_of_no_kind():
     ]
 
 
-def test_chance_is_foretold_by_nothing():
-    """Waves of six numbers take a share of whatever they are fitted to."""
+def test_chance_is_not_predicted():
+    """A wave of six coefficients explains a share of any data that it is fitted to, but predicts nothing."""
     rng = np.random.default_rng(3)
     found = wave([(rng.normal(size=40), bending(torque, 40)) for torque in TORQUES[:3]], STEP)
     assert max(found.added, found.elastic) < 0.16

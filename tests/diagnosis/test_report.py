@@ -1,4 +1,4 @@
-"""The report is one page that needs nothing else, says the verdict first, and reads well on screen and paper."""
+"""The report is one self-contained page that starts with the verdict and is readable on screen and on paper."""
 
 import re
 import shutil
@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.report import _notes, report, telling, write_report
+from hsr_pin.diagnosis.report import _notes, report, shown_runs, write_report
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import HEADLINES, STATUSES
 
@@ -35,7 +35,7 @@ root.dataset.ink = getComputedStyle(document.querySelector("svg text")).fill;
 
 
 class Page(HTMLParser):
-    """What a browser would read: tags in order, text without styles, and faults in the nesting."""
+    """The tags, the text without styles, and the nesting errors of a page, as a browser reads them."""
 
     def __init__(self, text):
         super().__init__()
@@ -74,12 +74,20 @@ def page(html):
 
 
 def test_the_verdict_comes_first_and_then_all_that_supports_it(page, diagnosis):
-    order = ["Missing physics identified", "Tip mass is missing", "What next", "How far", "Which", "Where", "Simulation against"]
-    places = [page.text.index(words) for words in (*order, "What was used", "What counted")]
+    order = [
+        "Missing physics identified",
+        "Tip mass is missing",
+        "Next steps",
+        "Error of each model",
+        "Candidate causes",
+        "Where the gap",
+        "Simulation against",
+    ]
+    places = [page.text.index(words) for words in (*order, "Recordings used", "Criteria")]
     assert places == sorted(places)
     pictures = [attributes["aria-label"] for tag, attributes in page.tags if tag == "svg"]
-    assert pictures[:3] == ["Error from rung to rung", "Error of each candidate", "Maps of the gap"]
-    indicators = [each.sentence for each in diagnosis.fingerprint.prints if each.sentence in pictures]
+    assert pictures[:3] == ["Error of each model in the ladder", "Error of each candidate", "Maps of the gap"]
+    indicators = [each.sentence for each in diagnosis.indicators.items if each.sentence in pictures]
     assert pictures[3 : 3 + len(indicators)] == indicators != []
     assert all("marker tip" in words for words in pictures[3 + len(indicators) :]) and len(pictures) > 3 + len(indicators)
 
@@ -87,17 +95,17 @@ def test_the_verdict_comes_first_and_then_all_that_supports_it(page, diagnosis):
 def test_it_shows_numbers_with_intervals_limits_and_what_to_simulate(page, diagnosis):
     assert re.search(r"tip mass: mass at the tip 0\.0\d+ 0\.0\d+ to 0\.0\d+ kg", page.text)
     assert "--effect tip_mass:mass=0.0" in page.text
-    assert f"less than {1e3 * diagnosis.limits.closed:#.3g} mm beyond noise is too small to report" in page.text
+    assert f"less than {1e3 * diagnosis.limits.closed:#.3g} mm beyond noise is not reported" in page.text
     assert re.search(r"tip mass [01]\.\d\d", page.text)  # its probability
-    assert "Nothing was left out." in page.text
+    assert "No data were left out." in page.text
 
 
 def test_what_does_not_repeat_is_not_shown_as_what_the_best_model_leaves(diagnosis):
     best, noise = diagnosis.ladder[-2:]
-    floor = Rung("not repeatable; asked of no model", (), 0.123e-3, 0.0, (0.123e-3, 0.123e-3), floor=True)
+    floor = Rung("not repeatable (trial-to-trial scatter)", (), 0.123e-3, 0.0, (0.123e-3, 0.123e-3), floor=True)
     shown = Page(report(replace(diagnosis, ladder=(*diagnosis.ladder[:-1], floor, noise)))).text
     assert "0.123 mm" in shown and "0.123 mm most probable model" not in shown
-    assert re.search(r"mm most probable model, on trials it was not fitted to", shown)
+    assert re.search(r"mm most probable model, on held-out trials", shown)
     value = re.search(r"([0-9.]+) mm most probable model", shown).group(1)
     assert float(value) == pytest.approx(1e3 * best.rms, rel=0.01)
 
@@ -139,21 +147,21 @@ def test_every_verdict_has_a_headline():
 def test_rivals_are_shown_each_with_its_parameters_and_the_experiment_that_tells_them_apart(ambiguous):
     text = Page(report(ambiguous)).text
     assert "These recordings cannot tell apart: <a>, or b & c." in text
-    assert "Not told apart from it: actuator lag" in text
+    assert "Alternative model: actuator lag" in text
     assert "actuator lag: time constant" in text
     assert text.index("Record next: the same steps with 50 g at the tip") < text.index("payload the same steps")
 
 
 def test_too_little_to_go_on_still_gives_a_page(insufficient):
     text = Page(report(insufficient)).text
-    assert "Too little to go on" in text
-    assert "where the declared model misses most" in text
-    assert "Which: the candidates" not in text
+    assert "Not enough data" in text
+    assert "the trial with the largest error of the declared model" in text
+    assert "Candidate causes" not in text
 
 
 def test_gaps_in_the_measurement_and_a_marker_that_was_never_seen_can_be_drawn(diagnosis):
     runs = [replace(run, measured=run.measured.copy()) for run in diagnosis.experiment.runs]
-    blind = [index for index, _ in telling(diagnosis)]
+    blind = [index for index, _ in shown_runs(diagnosis)]
     for index in blind:
         runs[index].measured[5:20] = np.nan
         runs[index].measured[:, -1] = np.nan
@@ -178,7 +186,7 @@ def test_the_same_diagnosis_gives_the_same_file(diagnosis, html, tmp_path):
 
 
 def in_browser(folder, html, *arguments):
-    """What headless Chromium prints on a page."""
+    """Return what headless Chromium prints for a page."""
     (folder / "page.html").write_text(html, encoding="utf-8")
     flags = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
     command = [CHROMIUM, *flags, *arguments, (folder / "page.html").as_uri()]

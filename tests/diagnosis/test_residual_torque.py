@@ -1,4 +1,4 @@
-"""What torque is missing, by motion capture that is stiller than it is right."""
+"""The missing torque is recovered from marker tracks whose noise is smaller than their systematic error."""
 
 from dataclasses import replace
 
@@ -16,13 +16,13 @@ ARM = Hypothesis(links=12)
 
 
 def missing(dataset):
-    """(T,) [N m] the mean along the arm, of each trial but for its ends."""
+    """Return the mean missing torque (T,) along the arm in each trial, without its ends [N m]."""
     experiment = prepare(dataset)
     return [each.torque.mean(axis=1)[10:-10] for each in residual_torques(experiment, fit(experiment, ARM), 0)]
 
 
 def seen_along(dataset, shift):
-    """The same with every marker so far from where it is declared, along the straight arm."""
+    """Return the experiment with every marker displaced along the straight arm from its declared position."""
     step = np.array([0.0, 0.0, shift])
 
     def moved(trial):
@@ -33,7 +33,7 @@ def seen_along(dataset, shift):
 
 @pytest.mark.parametrize("noise", [1e-6, 1e-4])
 def test_a_marker_that_is_half_a_millimetre_off_is_no_torque(noise):
-    """An arm that is nearly straight would have to be folded to bring it there."""
+    """A nearly straight arm would have to fold to move the marker there."""
     small = [(keq, damping, (0.1 * a, 0.05 * b)) for keq, damping, (a, b) in TRIALS[:3]]
     exact = made(trials=small, noise=noise, keq=1.0, damping=1.0)
     for one, other in zip(missing(exact), missing(seen_along(exact, 5e-4)), strict=True):

@@ -1,17 +1,17 @@
-"""The search fits what may be credible, and no more: the cause that closes the gap, pairs, and what a first choice hid."""
+"""The search fits the models that may be credible, and no others: single causes, pairs, and causes hidden by a first choice."""
 
 import pytest
 
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
-from hsr_pin.identification.part import readings
+from hsr_pin.identification.part import part_variants
 from hsr_pin.inference.search import judged, search, without
 
 from ..inference.fabricated import CALIBRATION
 from .fabricated import DATA, FakePool, candidate
 
 GAP = 4e-3
-EVERY = [part for kind in EFFECTS.values() for part in readings(kind)]
+EVERY = [part for kind in EFFECTS.values() for part in part_variants(kind)]
 
 
 def searched(pool, parts=EVERY, **how):
@@ -49,7 +49,7 @@ def test_but_beside_one_that_explains_a_part_though_it_is_no_more_probable_than_
 
 
 def test_each_cause_of_the_best_stands_against_all_others_beside_the_rest():
-    """Beside the lag friction is the better partner, though alone a law did more that is none."""
+    """With the lag, friction is the best second cause, although alone another law explained more."""
     pool = FakePool(
         {"": GAP, "hysteresis": 1.5e-3, "actuator_lag": 2.5e-3, "actuator_lag+hysteresis": 0.6e-3, "actuator_lag+backlash": 0.0},
         unseen=(),
@@ -66,7 +66,7 @@ def test_no_more_causes_are_tried_than_asked_for():
 def test_every_variant_of_a_likely_law_is_fitted():
     pool = FakePool({"": GAP, "gravity_tilt": 0.0})
     searched(pool)
-    assert pool.fitted.count("gravity_tilt") == len(readings(EFFECTS["gravity_tilt"]))
+    assert pool.fitted.count("gravity_tilt") == len(part_variants(EFFECTS["gravity_tilt"]))
 
 
 def test_a_special_case_is_tried_in_place_of_a_law_that_contains_it():
@@ -84,13 +84,13 @@ def test_every_law_gets_a_quick_fit_beside_the_arm_alone_whatever_a_probe_promis
 
 
 def test_a_flexible_law_hands_its_probability_to_a_law_of_its_kind_that_does_as_much():
-    parts = [*EVERY, *(part for kind in FLEXIBLE.values() for part in readings(kind))]
+    parts = [*EVERY, *(part for kind in FLEXIBLE.values() for part in part_variants(kind))]
     found = searched(FakePool({"": GAP, "stiffness_profile": 0.0, "stiffness_gradient": 0.1e-3}), parts)
     assert found.best.names == ("stiffness_gradient",)
 
 
 def test_a_size_for_each_level_gives_way_to_one_size_that_does_as_much():
-    parts = [part for kind in EFFECTS.values() for part in readings(kind, levels=2, each=(1.11, 2.33))]
+    parts = [part for kind in EFFECTS.values() for part in part_variants(kind, levels=2, each=(1.11, 2.33))]
     found = searched(FakePool({"": GAP, "gravity_tilt": 0.1e-3, "gravity_tilt@each": 0.0}), parts)
     assert not any(part.levels for part in found.best.fit.hypothesis.parts)
     found = searched(FakePool({"": GAP, "gravity_tilt": 2e-3, "gravity_tilt@each": 0.0}), parts)

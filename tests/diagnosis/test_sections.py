@@ -1,4 +1,4 @@
-"""An arm of sections under opposite torques is diagnosed as any other: each section by what it was commanded."""
+"""An arm of sections under opposite torques is diagnosed like any other, with the command of each section."""
 
 from dataclasses import replace
 

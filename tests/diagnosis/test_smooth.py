@@ -1,4 +1,4 @@
-"""Smoothing, its derivatives and ranks are those of SciPy, to the last digit where they steer a diagnosis."""
+"""Smoothing, derivatives and ranks are equal to those of SciPy, to the last digit where a diagnosis depends on them."""
 
 import subprocess
 import sys

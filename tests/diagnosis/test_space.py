@@ -1,4 +1,4 @@
-"""Arms in space that another engine moved, with a law that the model was not told of: it is named, and told where it shows."""
+"""Missing laws of arms in space, simulated by another engine, are named, with their location."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ TRUE = Nuisance(k=1.08, c=0.9, noise=3e-4)
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """Makes a dataset of a program with some laws."""
+    """Return a function that makes a dataset of a program with some laws."""
 
     def make(*acting, kinds="steps+releases"):
         folder = tmp_path_factory.mktemp("arm")
@@ -41,7 +41,7 @@ def recorded(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def flat(recorded):
-    """An arm with a flat section: 15 % stiffer towards 0.7 rad."""
+    """Return an arm with a flat cross section: 15 % stiffer towards 0.7 rad."""
     return recorded(laws.UnequalStiffness(0.15, side=0.7), kinds="steps")
 
 
@@ -62,7 +62,7 @@ def test_a_flat_section_is_told_with_its_direction(flat):
     sides = next(chart for chart in found.where.operating_range if chart.quantity == "direction of bending")
     assert [part.label for part in sides.bins] == list(SIDES)
     assert sum(part.share for part in sides.bins) == pytest.approx(1.0)
-    assert found.fingerprint is not None and any("fingerprint is of the trials that stay" in n for n in found.experiment.notes)
+    assert found.indicators is not None and any("indicators use trials that stay" in n for n in found.experiment.notes)
     document = to_json(found)
     assert document["where"]["operating_range"]["direction_of_bending"]["unit"] == "mm"
     text = report(found)

@@ -1,4 +1,4 @@
-"""An arm that bends in another plane than the declared one is told so, and turned back."""
+"""A rotated plane of bending is detected and corrected."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from hsr_pin.diagnosis.diagnose import diagnose
 from hsr_pin.diagnosis.verdict import turned_plane
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.identify import identify
-from hsr_pin.identification.plane import in_its_plane, plane_of
+from hsr_pin.identification.plane import plane_of, with_plane_corrected
 from hsr_pin.inference.verdict import Verdict
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
@@ -22,7 +22,7 @@ ALONG = {"hanging": 2, "upright": 2, "horizontal": 0}
 
 
 def rotation(mount, degrees):
-    """(3, 3) about the straight arm, from the axis across it in the plane towards y."""
+    """Return the rotation matrix (3, 3) about the straight arm, from the transverse axis in the plane towards y."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     matrix, across = np.eye(3), 2 - ALONG[mount]
     matrix[across, across], matrix[across, 1], matrix[1, across], matrix[1, 1] = c, -s, s, c
@@ -30,7 +30,7 @@ def rotation(mount, degrees):
 
 
 def recorded(mount, degrees=0.0, beside=0.0, released=False, noise=1e-4):
-    """Of an arm as declared, seen turned; the plane passes so far [m] beside the base."""
+    """Return recordings of the declared arm seen in a rotated plane, which passes at this distance [m] from the base."""
     rng = np.random.default_rng(5)
     arm = ArmSpecification(links=8, placement="mid", keq=2.33, damping=0.05, mount=mount)
     torques = [0 * TIME if released else np.where(TIME < 0.2, 0.0, size) for size in (0.5, 0.9, -0.7)]
@@ -49,7 +49,7 @@ def recorded(mount, degrees=0.0, beside=0.0, released=False, noise=1e-4):
 @pytest.mark.parametrize("released", [False, True], ids=["driven", "released"])
 def test_a_turned_plane_is_told_and_turned_back(mount, released):
     truth, seen = (prepare(recorded(mount, *turn, released=released)) for turn in ((), (-14.0, 0.02)))
-    back, found = in_its_plane(seen)
+    back, found = with_plane_corrected(seen)
     turn = np.degrees(found.turn.value)
     assert turn == pytest.approx(-14.0, abs=0.3)
     assert f"turned by {turn:.1f} degrees" in found.sentence and back.notes[-1] == found.sentence
@@ -58,22 +58,22 @@ def test_a_turned_plane_is_told_and_turned_back(mount, released):
         assert np.nanmax(np.abs(run.trial.trajectory.positions[..., 1] - 0.02)) < 1e-3
         if released:
             np.testing.assert_allclose(run.start_pose[:, run.axes], own.start_pose[:, run.axes], atol=1e-3)
-    assert in_its_plane(back) == (back, None)
+    assert with_plane_corrected(back) == (back, None)
 
 
 def test_the_declared_plane_and_a_small_turn_are_left_alone():
     for degrees in (0.0, 1.0):
         seen = prepare(recorded("hanging", degrees))
-        assert in_its_plane(seen) == (seen, None)
+        assert with_plane_corrected(seen) == (seen, None)
 
 
 def test_a_diagnosis_tells_it_and_its_stiffness_does_not_suffer():
     found = diagnose(recorded("hanging", 20.0), effects=(), jobs=1)
     assert (found.verdict.status, found.verdict.kinds, found.verdict.effects) == ("partly_identified", ("measurement",), ())
-    assert found.fingerprint.named("out_of_plane").plane.sentence in found.verdict.sentence
+    assert found.indicators.named("out_of_plane").plane.sentence in found.verdict.sentence
     fit = found.search.best.fit if found.search else None
     assert fit is not None and fit.named["keq_scale"] == pytest.approx(1.0, abs=0.01)  # 6 % of a chord, seen at an angle
-    assert found.fingerprint.kinds.count("measurement") == 1
+    assert found.indicators.kinds.count("measurement") == 1
 
 
 def test_a_fit_turns_it_back_and_says_so():

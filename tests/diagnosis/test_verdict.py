@@ -1,4 +1,4 @@
-"""What is said of the posterior: names, kinds, alternatives, parameters, or that nothing explains the gap."""
+"""The verdict follows from the posterior: names, kinds, alternatives, parameters, or an unexplained gap."""
 
 import pytest
 
@@ -49,7 +49,7 @@ def test_a_law_that_takes_little_is_not_named():
 def test_a_law_that_leaves_something_is_named_with_what_is_left():
     said = verdict(candidate("tip_mass", gap=0.25 * GAP))
     assert (said.status, said.effects) == ("partly_identified", ("tip_mass",))
-    assert "something else is left" in said.sentence and said.left.rms == pytest.approx(1e-3, rel=0.02)
+    assert "another cause is not identified" in said.sentence and said.left.rms == pytest.approx(1e-3, rel=0.02)
 
 
 def test_a_flexible_law_is_a_kind_without_a_name():

@@ -1,4 +1,4 @@
-"""What to do next follows from the verdict."""
+"""The advice follows from the verdict."""
 
 from dataclasses import replace
 
@@ -30,7 +30,7 @@ def advised(*candidates, **changes):
 @pytest.mark.parametrize(
     ("best", "said"),
     [
-        (["tip_mass"], "Simulate with Keq times 1.00, C times 1.00, and the effects found."),
+        (["tip_mass"], "Simulate with Keq times 1.00, C times 1.00, and the identified effects."),
         (["torque_gain"], "Simulate with Keq times 1.00, C times 1.00, the torque times 1.10."),
         ([], "Do not trust the values of a model that does not explain the gap"),
     ],
@@ -42,12 +42,12 @@ def test_the_advice_fits_the_verdict(best, said):
 
 def test_where_something_is_left_only_what_is_reported_is_to_be_simulated():
     (line,) = advised(candidate("tip_mass", gap=1e-3))
-    assert "Simulate with what is reported" in line
+    assert "Simulate with the reported effects" in line
 
 
 def test_where_no_experiment_tells_the_alternatives_apart_none_is_proposed():
     both = candidate("torque_bias"), candidate("dry_friction")
-    assert any(line.startswith("No standard experiment tells these apart") for line in advised(*both))
+    assert any(line.startswith("No standard experiment separates these explanations") for line in advised(*both))
     proposals = (Proposal("steps", 3.0),)
     assert any(line.startswith("Record next: ") for line in advised(*both, next_experiment=proposals))
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.effects import EFFECTS, effect_named, parse_effect
-from hsr_pin.effects.effect import columns_of, neutral, stack
+from hsr_pin.effects.effect import effect_subset, neutral, stack
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.gravity_tilt import GravityTilt
 from hsr_pin.errors import EffectError
@@ -101,8 +101,8 @@ def test_the_first_reading_is_the_default():
 def test_stacking_keeps_the_reading_and_columns_come_back():
     both = stack([GravityTilt(angle=a, frame="base") for a in (0.1, 0.2, 0.3)])
     assert both.frame == "base"
-    np.testing.assert_array_equal(columns_of(both, [2, 0]).angle, [0.3, 0.1])
-    assert columns_of(both, [1]).frame == "base"
+    np.testing.assert_array_equal(effect_subset(both, [2, 0]).angle, [0.3, 0.1])
+    assert effect_subset(both, [1]).frame == "base"
 
 
 def test_readings_are_kept_apart_in_a_batch():

@@ -45,11 +45,11 @@ def updated(law, turn):
 
 def answered(law, turn):
     torque, *memory = turn * random(0.8, 1 + law.memories, 40)
-    mean, remembered = law.respond(law.p, torque, tuple(memory), 0.02, KEQ)
+    mean, remembered = law.actuator_response(law.p, torque, tuple(memory), 0.02, KEQ)
     return np.array([mean, *remembered])
 
 
-HOOKS = {"moment": moment, "update": updated, "respond": answered}
+HOOKS = {"moment": moment, "update": updated, "actuator_response": answered}
 
 
 @pytest.mark.parametrize(

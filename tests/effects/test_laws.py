@@ -12,7 +12,7 @@ from hsr_pin.effects.dry_friction import presliding
 from hsr_pin.effects.effect import Bending, stack
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation import reference
-from hsr_pin.simulation.columns import Columns, along
+from hsr_pin.simulation.arm_batch import ArmBatch, along
 from hsr_pin.simulation.command import deliver
 from hsr_pin.simulation.scenario import Marker, Pose, Scenario, Settled, step_scenario
 from hsr_pin.simulation.simulate import simulate
@@ -44,9 +44,9 @@ def walked(effect, path, step=0.01):
 
 def delivered(effect, torque, step=0.01, initial=0.0):
     """(S,) the mean over each step, of a command that was ``initial`` before."""
-    columns = Columns.of([Scenario(ArmSpecification(keq=KEQ), [0.0, step], [0.0, 0.0], effects=(effect,))])
+    batch = ArmBatch.of([Scenario(ArmSpecification(keq=KEQ), [0.0, step], [0.0, 0.0], effects=(effect,))])
     held = np.append(torque, 0.0)[:, None]
-    impulse = deliver(columns, held, np.array([initial]), step).impulse[0]
+    impulse = deliver(batch, held, np.array([initial]), step).impulse[0]
     return np.diff(impulse[:: (len(impulse) - 1) // len(torque)]) * len(torque) / (len(impulse) - 1)
 
 
@@ -54,7 +54,7 @@ def answers(effect, torque, steps, initial=0.0):
     """(S,) the mean over steps of any length, of a law with memory."""
     memory, means = (initial,) * effect.memories, []
     for held, step in zip(torque, np.broadcast_to(steps, len(torque)), strict=True):
-        mean, memory = effect.respond(effect.p, held, memory, step, KEQ)
+        mean, memory = effect.actuator_response(effect.p, held, memory, step, KEQ)
         means.append(mean)
     return np.array(means)
 
@@ -223,7 +223,7 @@ def test_a_lag_starts_settled_and_takes_each_column_its_own_time():
     laws = stack([EFFECTS["actuator_lag"](t) for t in (0.0, 1e-9, 0.1)])
     torque, memory = np.empty((100, 3)), (np.full(3, 0.5),)
     for n in range(100):
-        torque[n], memory = laws.respond(laws.p, np.full(3, 2.0), memory, 0.01, np.full(3, KEQ))
+        torque[n], memory = laws.actuator_response(laws.p, np.full(3, 2.0), memory, 0.01, np.full(3, KEQ))
     assert np.all(torque[:, 0] == 2.0)
     np.testing.assert_allclose(torque[:, 1], 2.0, atol=1e-6)
     assert torque[0, 2] < 0.6 and torque[-1, 2] == pytest.approx(2.0, abs=1e-3)
@@ -272,8 +272,8 @@ def test_a_bias_is_a_shift_of_the_command():
 def test_the_torque_map_bends_the_command_both_ways_alike():
     law = EFFECTS["torque_map"](0.3)
     np.testing.assert_allclose(delivered(law, [1.0, -1.0, 2.0]), [1.15, -1.15, 2.6])
-    columns = Columns.of([Scenario(ArmSpecification(keq=KEQ), [0.0, 1.0], [0.0, 0.0], effects=(law,))])
-    assert deliver(columns, np.zeros((2, 1)), np.array([2.0]), 1.0).initial == pytest.approx([2.6])  # before the first step too
+    batch = ArmBatch.of([Scenario(ArmSpecification(keq=KEQ), [0.0, 1.0], [0.0, 0.0], effects=(law,))])
+    assert deliver(batch, np.zeros((2, 1)), np.array([2.0]), 1.0).initial == pytest.approx([2.6])  # before the first step too
 
 
 def test_an_even_torque_map_is_a_parabola():
@@ -387,7 +387,7 @@ def test_no_distance_of_a_restraint_is_far_from_one_that_a_first_look_tries():
     # an arm that meets it with its last few millimetres shows nothing of one much nearer or farther
     (distance,) = (fact for fact in EFFECTS["restraint"].parameters() if fact.name == "distance")
     for there in np.geomspace(distance.lower, distance.upper, 40):
-        assert min(max(there / tried, tried / there) for tried in distance.across) < 1.5
+        assert min(max(there / tried, tried / there) for tried in distance.start_values) < 1.5
 
 
 @pytest.mark.parametrize("side", ["positive", "negative"])
@@ -395,15 +395,15 @@ def test_a_restraint_holds_the_tip_back_by_the_lever_of_its_force(side):
     sign = 1.0 if side == "positive" else -1.0
     arm, bend = ArmSpecification(links=2, placement="base", keq=KEQ), np.array([0.3, 0.5]) * sign
     restraint = parse_effect(f"restraint:contact_stiffness=100,distance=0.05,side={side}")
-    columns = Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(bend), (restraint,))])
-    system, resisting = columns.pinocchio("aba"), np.zeros((1, 2))
-    reference.resist(system, bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
+    batch = ArmBatch.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(bend), (restraint,))])
+    system, resisting = batch.pinocchio("aba"), np.zeros((1, 2))
+    reference.add_joint_moments(system, bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
     depth = 0.12 * (math.sin(0.3) + math.sin(0.8)) - 0.05
     force, lever = 100 * (depth - 0.0025), 0.12 * math.cos(0.8)
     assert depth > 0.005
     assert resisting[0] * sign == pytest.approx([force * (lever + 0.12 * math.cos(0.3)), force * lever])
     resisting[:] = 0.0
-    reference.resist(system, -bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
+    reference.add_joint_moments(system, -bend[None], np.zeros((1, 2)), np.zeros((0, 1, 2)), resisting)
     assert not resisting.any()
 
 
@@ -420,9 +420,9 @@ def test_a_side_force_bends_the_arm_up_to_where_it_acts_and_no_further(at):
     links, length = 64, 0.24
     arm = ArmSpecification(links=links, placement="mid", keq=KEQ)
     force = parse_effect(f"side_force:force=0.01,at={at}")
-    columns = Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(np.zeros(links)), (force,))])
-    system, resisting = columns.pinocchio("aba"), np.zeros((1, links))
-    reference.resist(system, np.zeros((1, links)), np.zeros((1, links)), np.zeros((0, 1, links)), resisting)
+    batch = ArmBatch.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0], Pose(np.zeros(links)), (force,))])
+    system, resisting = batch.pinocchio("aba"), np.zeros((1, links))
+    reference.add_joint_moments(system, np.zeros((1, links)), np.zeros((1, links)), np.zeros((0, 1, links)), resisting)
     places = (np.arange(links) + 0.5) / links
     assert -resisting[0] == pytest.approx(0.01 * length * np.maximum(at - places, 0.0), abs=1e-12)
 
@@ -431,19 +431,19 @@ def test_a_drive_rings_with_its_period_and_its_damping_ratio():
     law = parse_effect("ringing_drive:period=0.2,damping_ratio=0.15")
     step, memory, seen = 0.001, (0.0, 0.0, 0.0), []
     for _ in range(600):
-        mean, memory = law.respond(law.p, 1.0, memory, step, KEQ)
+        mean, memory = law.actuator_response(law.p, 1.0, memory, step, KEQ)
         seen.append(mean)
     w, zeta, t = 2 * math.pi / 0.2, 0.15, (np.arange(600) + 0.5) * step
     wd = w * math.sqrt(1 - zeta**2)
     closed = 1 - np.exp(-zeta * w * t) * (np.cos(wd * t) + zeta * w / wd * np.sin(wd * t))
     np.testing.assert_allclose(seen, closed, atol=2e-4)
     plain = parse_effect("ringing_drive:period=0")
-    assert plain.respond(plain.p, 0.7, (0.1, 0.1, 0.1), 0.01, KEQ)[0] == 0.7
+    assert plain.actuator_response(plain.p, 0.7, (0.1, 0.1, 0.1), 0.01, KEQ)[0] == 0.7
 
 
 def test_of_a_partial_lag_a_share_comes_at_once():
     law = parse_effect("partial_lag:time_constant=0.1,at_once=0.25")
-    mean, _ = law.respond(law.p, 1.0, (0.0,), 1e-6, KEQ)
+    mean, _ = law.actuator_response(law.p, 1.0, (0.0,), 1e-6, KEQ)
     assert mean == pytest.approx(0.25, abs=1e-4)
-    mean, _ = law.respond(law.p, 1.0, (0.0,), 100.0, KEQ)
+    mean, _ = law.actuator_response(law.p, 1.0, (0.0,), 100.0, KEQ)
     assert mean == pytest.approx(1.0, abs=1e-3)

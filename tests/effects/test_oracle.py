@@ -17,10 +17,10 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.parameters import parameter
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.batch import moved
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import simulate_together
 from hsr_pin.simulation.integrator import LONGEST, Integrator
-from hsr_pin.simulation.reference import remember, resist
+from hsr_pin.simulation.reference import add_joint_moments, update_states
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
 
@@ -160,7 +160,7 @@ def neutral_is_nominal(effect):
     for dynamics in ("compiled", "aba"):
         found, plain = markers(off, dynamics=dynamics), nominal(dynamics=dynamics)
         # a muscle that remembers, or is late, is given its command in shorter cells, and those may be summed in another order
-        in_cells = effect.memories or effect.acts_through("late")
+        in_cells = effect.memories or effect.acts_through("command_delay")
         assert distance(found, plain) < 1e-12 if in_cells else np.array_equal(found, plain)
     assert distance(markers(short(effect)), nominal()) > 1e-4
 
@@ -188,18 +188,18 @@ def loses_energy_in_free_motion(effect):
         ArmSpecification(links=links, placement="mid"), time, 0 * time, Pose(np.linspace(0.1, 0.35, links)), (effect,)
     )
     run = simulate(free, dynamics="compiled", step=step).trajectory
-    columns = Columns.of([free])
-    system = columns.pinocchio("aba")
+    batch = ArmBatch.of([free])
+    system = batch.pinocchio("aba")
     model, data = system.models[0], system.data[0]
     energy, moments = [], []
-    memory, before = np.zeros((columns.states, 1, links)), np.zeros((1, links))
+    memory, before = np.zeros((batch.states, 1, links)), np.zeros((1, links))
     for n, (q, v) in enumerate(zip(run.joint_angles, run.joint_rates, strict=True)):
         here, moment, after = q[None], np.zeros((1, links)), memory.copy()
-        remember(system, memory, before, here, step if n else math.inf, after)
-        resist(system, here, v[None], after, moment)
+        update_states(system, memory, before, here, step if n else math.inf, after)
+        add_joint_moments(system, here, v[None], after, moment)
         moments.append(moment[0])
         gravity, kinetic = pin.computePotentialEnergy(model, data, q), pin.computeKineticEnergy(model, data, q, v)
-        energy.append(gravity + kinetic + columns.arrays.spring[0] @ q**2 / 2)
+        energy.append(gravity + kinetic + batch.arrays.spring[0] @ q**2 / 2)
         memory, before = after, here
     stored = np.cumsum(np.sum(np.diff(run.joint_angles, axis=0) * (np.array(moments[1:]) + moments[:-1]), axis=1) / 2)
     total = np.add(energy, [0.0, *stored])  # of the bodies and springs, and the work that went into the laws
@@ -248,10 +248,10 @@ def side_by_side_equals_alone(effect):
         value = getattr(effect, fact.name)
         more.append(with_values(effect, **{fact.name: value + 0.1 * fact.scale * (1 if value < fact.upper else -1)}))
     runs = [short(e) for e in (effect, *more)]
-    columns, method = Columns.of(runs), Integrator(step=0.01)
-    together = moved(runs, columns, method, "aba").angles
+    batch, method = ArmBatch.of(runs), Integrator(step=0.01)
+    together = simulate_together(runs, batch, method, "aba").angles
     for b, run in enumerate(runs):
-        alone = moved([run], columns.members(slice(b, b + 1)), method, "aba").angles
+        alone = simulate_together([run], batch.members(slice(b, b + 1)), method, "aba").angles
         np.testing.assert_allclose(together[:, b], alone[:, 0], rtol=0, atol=1e-12)
 
 
@@ -270,7 +270,7 @@ def rests_in_long_steps(effect):
         arm = ArmSpecification(links=links, placement=placement)
         for torque in (np.full(3001, 1.0), np.where(time < 1, 0.8, 0.0)):
             held = scenario(effect, arm=arm, time=time, torque=torque, start=Settled(torque[0]))
-            run = moved([held], Columns.of([held]), Integrator(), "compiled")
+            run = simulate_together([held], ArmBatch.of([held]), Integrator(), "compiled")
             later = run.steps.cumsum() > 15
             assert later.sum() < 1.5 * 15 / LONGEST
             assert np.abs(run.angles[-1] - run.angles[1500]).max() < 1e-6

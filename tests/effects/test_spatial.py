@@ -79,7 +79,7 @@ def test_off_it_is_nothing_and_on_it_shows(effect):
 
 @each_effect
 def test_in_a_plane_it_is_refused(effect):
-    with pytest.raises(InputError, match=f"laws of an arm in a plane, got {effect.name}"):
+    with pytest.raises(InputError, match=f"laws that are defined for planar arms, got {effect.name}"):
         step_scenario(ArmSpecification(), 0.1, effects=(effect,))
 
 
@@ -121,11 +121,11 @@ def test_an_arm_that_is_stiffer_one_way_bends_less_that_way():
 def test_a_weak_chamber_lacks_where_it_pulls_and_nowhere_else():
     law = parse_effect("weak_chamber:loss=0.5,direction=0")
     ways = np.exp(2j * np.pi / 3 * np.arange(3))
-    arriving = law.respond(law.p, ways, (), 0.01, 1.0)[0]
+    arriving = law.actuator_response(law.p, ways, (), 0.01, 1.0)[0]
     np.testing.assert_allclose(arriving, [0.5, ways[1], ways[2]], atol=1e-12)
-    assert law.respond(law.p, -ways[:1], (), 0.01, 1.0)[0] == pytest.approx(-ways[0])  # made by the other two
+    assert law.actuator_response(law.p, -ways[:1], (), 0.01, 1.0)[0] == pytest.approx(-ways[0])  # made by the other two
     between = np.exp(0.9j)  # by two of them, one of which is weak: what is missing points at it
-    missing = between - law.respond(law.p, between, (), 0.01, 1.0)[0]
+    missing = between - law.actuator_response(law.p, between, (), 0.01, 1.0)[0]
     assert missing.real > 0.1 and missing.imag == pytest.approx(0.0)
 
 

@@ -1,4 +1,4 @@
-"""Causes are named for a function that is no arm: a mass on a spring."""
+"""Missing causes are named for a user-defined function: a mass on a spring."""
 
 import json
 from concurrent.futures import ProcessPoolExecutor
@@ -9,7 +9,7 @@ import pytest
 
 from hsr_pin.errors import InputError
 from hsr_pin.explain import Cause, Model, Trial, amplitude, explain, explain_change, factor, shape
-from hsr_pin.explain.recordings import Missing, Recordings, Variant
+from hsr_pin.explain.recordings import CauseVariant, ExtendedModel, Recordings
 from hsr_pin.inference.fit import fit
 
 STEP = 0.02
@@ -17,7 +17,7 @@ TIME = np.arange(0, 4, STEP)
 
 
 def simulate(values, trial):
-    """Place [m] of a mass of 1 kg on a spring of 40 N/m under a force, by semi-implicit steps of 5 ms."""
+    """Return the position [m] of a mass of 1 kg on a spring of 40 N/m under a force, by semi-implicit steps of 5 ms."""
     k, c = 40 * values["stiffness"], 0.8 * values["damping"]
     delay, bias, level = values["delay.time"], values["bias.force"], values["friction.level"]
     cubic = values["hardening.cubic"]
@@ -129,10 +129,10 @@ def test_nothing_has_changed_where_nothing_has():
 
 
 def test_numbers_of_a_trial_are_taken_out():
-    """Starts at other speeds, which the model knows of, are no cause; one that does not know them finds something."""
+    """Different initial speeds that are declared as trial parameters are not reported as a cause."""
     found = explain(MODEL, trials(start=0.05))
     assert found.verdict.status == "parameters"
-    assert fit(Recordings(MODEL, trials(start=0.05)), Variant(MODEL)).values == pytest.approx([1.1, 0.7], rel=0.02)
+    assert fit(Recordings(MODEL, trials(start=0.05)), ExtendedModel(MODEL)).values == pytest.approx([1.1, 0.7], rel=0.02)
 
 
 def test_nothing_is_simulated_twice():
@@ -155,8 +155,8 @@ def test_derivatives_that_are_given_are_used():
         return {"x": {"stiffness": (aside[0] - aside[1]) / 2e-4}}
 
     recordings = Recordings(replace(MODEL, slopes=slopes), trials())
-    given = recordings.predict_with_slopes(Variant(recordings.model), np.array([1.0, 1.0]))
-    plain = Recordings(MODEL, trials()).predict_with_slopes(Variant(MODEL), np.array([1.0, 1.0]))
+    given = recordings.predict_with_slopes(ExtendedModel(recordings.model), np.array([1.0, 1.0]))
+    plain = Recordings(MODEL, trials()).predict_with_slopes(ExtendedModel(MODEL), np.array([1.0, 1.0]))
     assert len(asked) == 4
     assert given[0].slopes[..., 0] == pytest.approx(plain[0].slopes[..., 0], rel=0.05, abs=5.0)
 
@@ -171,7 +171,7 @@ def test_processes_give_the_same_answer():
 
 def test_a_group_of_parameters_may_be_open_alone():
     both = Cause("pull", "actuation_map", (amplitude("one", 0.2), amplitude("two", 0.2)), apart=(("one",), ("two",)))
-    every, *single = Missing.variants(both)
+    every, *single = CauseVariant.variants(both)
     assert [each.opens for each in single] == [("one",), ("two",)] and all(every.contains(each) for each in single)
     assert [fact.name for fact in single[0].parameters] == ["pull.one"]
 
@@ -180,7 +180,7 @@ def test_the_report_is_whole_and_needs_nothing_else(tmp_path):
     found = explain(MODEL, trials(**{"friction.level": 0.2}), causes=["friction", "bias"])
     found.to_html(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    for part in ("mass on a spring", "friction.level", "How far", "Where", found.verdict.sentence):
+    for part in ("mass on a spring", "friction.level", "Error of each model", "Where", found.verdict.sentence):
         assert part in text
     assert "http" not in text.replace("http://www.w3.org", "")
 
@@ -189,13 +189,13 @@ def test_the_report_is_whole_and_needs_nothing_else(tmp_path):
     ("build", "words"),
     [
         (lambda: explain(MODEL, trials()[:1]), "two or more"),
-        (lambda: explain(MODEL, [*trials(), trials()[0]]), "a name of its own"),
+        (lambda: explain(MODEL, [*trials(), trials()[0]]), "a different name"),
         (lambda: explain(MODEL, trials(), causes=["frition"]), "one of friction, hardening, delay, bias"),
         (lambda: explain(MODEL, trials(), test=["trial 9"]), "names among"),
         (lambda: explain(replace(MODEL, predict=lambda values, trial: {"y": TIME}), trials()), "channel x"),
         (lambda: explain(replace(MODEL, predict=lambda values, trial: {"x": TIME[:3]}), trials()), "200 values"),
         (lambda: explain(replace(MODEL, predict=lambda values, trial: {}), trials(), jobs=2), "use jobs=1"),
-        (lambda: Trial("one", [0, 0, 1], {"x": [1, 2, 3]}), "rising"),
+        (lambda: Trial("one", [0, 0, 1], {"x": [1, 2, 3]}), "increasing"),
         (lambda: Trial("one", [0, 1], {"x": [1, 2, 3]}), "2 values"),
         (lambda: Model(simulate, (factor("a"), factor("a"))), "a twice"),
         (lambda: explain_change(MODEL, trials(), []), "two or more with the same name"),
@@ -214,8 +214,24 @@ def test_shapes_start_within_their_bounds():
 
 
 def test_a_change_of_the_inputs_alone_shows_though_the_same_was_measured():
-    """As where the log of a command is another: what should differ, and does not."""
+    """If only the recorded command differs, the motion should differ too, but does not."""
     old = trials(0, **{"friction.level": 0.2})
     new = [replace(each, inputs=1.1 * each.inputs) for each in old]
     found = explain_change(MODEL, new, old, known=KNOWN)
     assert found.verdict.status != "unchanged" and found.ladder[0].rms > 5
+
+
+@pytest.mark.parametrize("cause", ["delay.time", "bias.force"])
+def test_a_cause_is_found_above_its_detection_limit_and_not_far_below(cause):
+    found = explain(MODEL, trials(**{"friction.level": 0.2}))
+    (limit,) = [each for each in found.search.detection if each.parameter == cause]
+    assert limit.size == found.to_json()["detection_limits"][[e.parameter for e in found.search.detection].index(cause)]["size"]
+    name = cause.partition(".")[0]
+    above, below = (explain(MODEL, trials(**{"friction.level": 0.2, cause: size * limit.size})) for size in (2.0, 0.3))
+    assert set(above.verdict.effects) == {"friction", name}
+    assert name not in below.verdict.effects
+
+
+def test_causes_in_the_best_model_have_no_detection_limit():
+    found = explain(MODEL, trials(**{"friction.level": 0.2}))
+    assert {each.cause for each in found.search.detection} == {"hardening", "delay", "bias"}

@@ -1,4 +1,4 @@
-"""Numbers of a MuJoCo model are opened by name, and what is missing among them is named."""
+"""Parameters of a MuJoCo model are selected by name, and a missing cause among them is named."""
 
 import pickle
 import sys

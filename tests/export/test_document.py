@@ -70,7 +70,7 @@ def test_a_verdict_without_effects_takes_the_model_without_effects(written, stat
 def test_an_open_verdict_gives_the_best_and_says_so(written, status):
     model = read_result(written(diagnosis(status, ())), keq=1.11)
     assert [effect.name for effect in model.effects] == ["actuator_lag", "hysteresis"]
-    assert "leaves open" in model.origin[1]
+    assert "does not determine" in model.origin[1]
 
 
 def test_an_amplitude_that_goes_with_the_level_is_that_of_the_level(written):
@@ -164,7 +164,7 @@ def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written,
     del document["arm"]
     path = written(document)
     with pytest.raises(
-        InputError, match=r"result\.json: arm: expected a section that tells .*got none; give the recordings too: --dataset"
+        InputError, match=r"result\.json: arm: expected a section with .*got none; give the recordings with --dataset"
     ):
         read_result(path)
     write_dataset(found.experiment.dataset, tmp_path / "recordings")
@@ -176,7 +176,7 @@ def test_a_document_without_the_arm_takes_it_from_the_recordings(found, written,
 @pytest.mark.parametrize(
     ("document", "said"),
     [
-        ("{", r"result\.json:1:2: not JSON: expected the JSON of hsr-fit --json or hsr-diagnose --json"),
+        ("{", r"result\.json:1:2: invalid JSON: expected the JSON of hsr-fit --json or hsr-diagnose --json"),
         ("[]", "not a result: .*got list"),
         ("{}", "not a result"),
         ({"schema": 3, "parameters": {}}, "schema: expected 1 or 2, got 3"),
@@ -202,9 +202,9 @@ DAMAGES = [
     (("arm", "markers", 0, "arc_length"), -0.1, r"arm\.markers\[0\]\.arc_length: expected a number from 0 to 1000, got -0\.1"),
     (("arm", "markers", 0, "arc_length"), 0.4, r"arc_length of marker tip: expected from 0 to the arm's length, 0\.3 m"),
     (("arm", "markers", 0, "radius"), 1e6, r"arm\.markers\[0\]\.radius: expected a number from 0 to 1000, got 1000000\.0"),
-    (("arm", "markers", 0, "name"), "a\x1bb", r"arm\.markers\[0\]\.name: expected a text of one printable line"),
-    (("arm", "markers", 0, "name"), "\ud800", r"arm\.markers\[0\]\.name: expected a text of one printable line"),
-    (("arm", "markers"), [ARM["markers"][0]] * 2, r"markers: expected a name for each, got 'tip' twice"),
+    (("arm", "markers", 0, "name"), "a\x1bb", r"arm\.markers\[0\]\.name: expected a printable string of one line"),
+    (("arm", "markers", 0, "name"), "\ud800", r"arm\.markers\[0\]\.name: expected a printable string of one line"),
+    (("arm", "markers"), [ARM["markers"][0]] * 2, r"markers: expected a unique name for each marker, got 'tip' twice"),
     (("arm", "levels"), "1.11", r"arm\.levels: expected a list of at least 1, got '1\.11'"),
     (("arm", "levels", 0), 1.11, r"arm\.levels\[0\]: expected a table, got 1\.11"),
     (("arm", "levels", 0), {"damping": 0.05}, r"arm\.levels\[0\]\.keq: expected a value, got none"),
@@ -221,7 +221,7 @@ DAMAGES = [
     (("verdict", "effects"), None, r"verdict\.effects: expected a list, got None"),
     (("candidates",), {"a": 1}, r"candidates: expected a list of at least 1"),
     (("candidates", 0, "effects"), "lag", r"candidates\[0\]\.effects: expected a list, got 'lag'"),
-    (("candidates", 0, "effects"), [["lag"]], r"candidates\[0\]\.effects\[0\]: expected a text"),
+    (("candidates", 0, "effects"), [["lag"]], r"candidates\[0\]\.effects\[0\]: expected a string"),
     (("candidates", 0, "options"), {"hysteresis.shape": "x"}, r"an option of hysteresis: expected form, got 'shape'"),
     (("candidates", 0, "options"), {"actuator_lag.x": "x"}, r"an option of actuator_lag: expected order"),
     (("candidates", 0, "options"), {"hysteresis.form": "loose"}, r"hysteresis\.form: expected .* got 'loose'"),
@@ -230,7 +230,7 @@ DAMAGES = [
     (("candidates", 0, "parameters", "keq_scale"), {"values": 1}, r"parameters\.keq_scale: expected a number .*got None"),
     (("candidates", 0, "parameters", "hysteresis.amplitude"), -HUGE, r"hysteresis\.amplitude: expected a number, got -1000"),
     (("candidates", 0, "parameters", "hysteresis.amplitude"), 1e9, r"result\.json: hysteresis\.amplitude: expected 0 to "),
-    (("dataset",), 3, r"dataset: expected a text, got 3"),
+    (("dataset",), 3, r"dataset: expected a string, got 3"),
 ]  # fmt: skip
 
 
@@ -309,8 +309,8 @@ def test_an_arm_of_sections_is_read_with_them_and_tells_what_its_inputs_give(wri
     assert model.arm.sections == tuple(Section(**row) for row in SECTIONS)
     assert (model.arm.keq, model.arm.links, model.inputs) == (pytest.approx(1.1 * 2.33), 12, 2)
     assert model.origin[-2:] == (
-        "P1: each bar of it is a command of (0.3, 0, 0, 0) N m",
-        "pull: each N of it is a command of (0, 0.01, 0, 0.02) N m",
+        "P1: each bar corresponds to a command of (0.3, 0, 0, 0) N m",
+        "pull: each N corresponds to a command of (0, 0.01, 0, 0.02) N m",
     )
 
 

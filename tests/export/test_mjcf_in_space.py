@@ -10,7 +10,7 @@ from hsr_pin.cli.command import run
 from hsr_pin.cli.export import command
 from hsr_pin.effects import parse_effect
 from hsr_pin.effects.catalogue import laws
-from hsr_pin.effects.effect import formless, neutral
+from hsr_pin.effects.effect import neutral, unsupported_laws
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.export.document import read_result
 from hsr_pin.export.mjcf import to_mjcf
@@ -84,7 +84,9 @@ def model(*effects, markers=(), **arm):
 
 def test_every_law_of_an_arm_in_space_is_tried():
     tried = {text.partition(":")[0] for text in (*NATIVE, *BY_LAW, *LOST)}
-    assert tried == {law.name for law in laws(space=True) if not formless([neutral(law)], space=True) and not law.flexible}
+    assert tried == {
+        law.name for law in laws(space=True) if not unsupported_laws([neutral(law)], space=True) and not law.flexible
+    }
     assert set(SPATIAL) <= tried
     for text in LOST:
         assert text.partition(":")[0] in {line.partition(":")[0] for line in sort(model(text), 4).missing}
@@ -184,7 +186,7 @@ def test_a_fit_of_an_arm_of_sections_moves_in_mujoco_as_it_was_recorded(fitted, 
 @pytest.mark.parametrize("target", ["urdf", "sdf"])
 def test_where_a_format_has_no_actuators_the_share_of_each_section_is_told(fitted, target, tmp_path, capsys):
     assert run(command, ["--from", str(fitted[0]), "--to", target, "-o", str(tmp_path / "arm.xml")]) == 0
-    assert "from base to tip the joints get, of section 1 1, 1, 1, 1, 1, 0.833333, 0," in capsys.readouterr().out
+    assert "shares at the joints from base to tip: of section 1 1, 1, 1, 1, 1, 0.833333, 0," in capsys.readouterr().out
 
 
 def test_in_one_order_throughout_the_hinges_would_not_do(tmp_path, monkeypatch):
@@ -194,7 +196,7 @@ def test_in_one_order_throughout_the_hinges_would_not_do(tmp_path, monkeypatch):
 
 def test_few_links_are_said_to_be_few(tmp_path):
     told = model(links=4)
-    assert "4 links are few: take 10 or more" in to_mjcf(told).missing[0]
+    assert "4 links are few; use 10 or more" in to_mjcf(told).missing[0]
     assert worst_gap(told, tmp_path, names=("round",))["round"] > LARGEST
 
 

@@ -29,7 +29,7 @@ def test_each_hinge_of_a_urdf_bends_to_its_side(told):
     model = pin.buildModelFromXML(to_urdf(told).text)
     data, places = (
         model.createData(),
-        space_marker_map(told.loaded_arm, [m.arc_length for m in MARKERS], [m.beside for m in MARKERS]),
+        space_marker_map(told.loaded_arm, [m.arc_length for m in MARKERS], [m.offset for m in MARKERS]),
     )
     assert model.nq == 12
     for joint in range(4):
@@ -80,7 +80,7 @@ def test_drake_bends_an_sdf_as_the_model_is_bent(told, tmp_path):
         plant.GetJointByName(f"joint_{joint + 1}_{'xy'[way]}").set_angle(context, 0.5)
         ours[joint, way] = 0.5
     seen = [plant.GetFrameByName(f"marker_{m.name}").CalcPoseInWorld(context).translation() for m in MARKERS]
-    places = space_marker_map(told.loaded_arm, [m.arc_length for m in MARKERS], [m.beside for m in MARKERS])
+    places = space_marker_map(told.loaded_arm, [m.arc_length for m in MARKERS], [m.offset for m in MARKERS])
     np.testing.assert_allclose(seen, places.positions(ours.ravel()), atol=1e-12)
 
 
@@ -89,10 +89,10 @@ def test_what_is_lost_is_told(told):
     for line in exported.missing:
         assert f"Not in it: {line}" in exported.text
     said = "\n".join(exported.missing)
-    assert "joints: hinges one after the other" in said and "4 links are few: take 10 or more" in said
-    assert "towards x and towards y alike, from base to tip k [Nm/rad] = 4.44 each" in said
-    assert "springs against twisting: likewise, k [Nm/rad] = 3.2 each" in said
-    assert "weak_chamber: the torque towards one side arrives in part (loss 0.3, direction 0 rad)" in said
+    assert "joints: hinges in series" in said and "4 links are few; use 10 or more" in said
+    assert "towards x and towards y, from base to tip k [Nm/rad] = 4.44 each" in said
+    assert "torsional springs: a torque of -k times the twist at each joint, k [Nm/rad] = 3.2 each" in said
+    assert "weak_chamber: the torque towards one side arrives only in part (loss 0.3, direction 0 rad)" in said
     assert "actuator: two components of torque" in said
     assert {line.partition(":")[0] for line in exported.held} == {"dry_friction", "tip_mass", "base_tilt"}
 

@@ -29,7 +29,7 @@ def told(request):
 def test_every_joint_has_its_spring_damper_and_friction(told):
     model = ElementTree.fromstring(to_sdf(told).text).find("model")
     joints = [joint.find("axis/dynamics") for joint in model.findall("joint") if joint.get("type") == "revolute"]
-    springs = told.columns.arrays.spring[0]
+    springs = told.batch.arrays.spring[0]
     assert np.ptp(springs) > 0.5
     assert [float(j.findtext("spring_stiffness")) for j in joints] == pytest.approx(list(springs))
     assert [float(j.findtext("damping")) for j in joints] == pytest.approx([0.15] * 3)
@@ -39,7 +39,7 @@ def test_every_joint_has_its_spring_damper_and_friction(told):
 def test_what_an_sdf_cannot_say_is_listed_in_it(told):
     exported = to_sdf(told)
     assert [line for line in exported.missing if line.startswith("actuator_lag")] == [
-        "actuator_lag: the torque follows the command as a lag of first or second order, or as through an orifice "
+        "actuator_lag: the torque follows the command with a lag of first or second order, or as through an orifice "
         "(time_constant 0.05 s, first)"
     ]
     assert not any(line.startswith("springs") for line in exported.missing)

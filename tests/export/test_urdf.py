@@ -79,7 +79,7 @@ def test_what_a_urdf_cannot_say_is_listed_in_it(told):
         assert f"Not in it: {line}" in exported.text
     said = " ".join(exported.missing)
     assert "viscoelastic: creep and relaxation (ratio 0.3, time_constant 0.5 s)" in said
-    assert "torque_decay: of the command, from base to tip the joints get 0.966667, 0.9, 0.833333" in said
+    assert "torque_decay: shares of the command at the joints, from base to tip: 0.966667, 0.9, 0.833333" in said
     assert "springs: " in said
     assert {line.partition(":")[0] for line in exported.held} == {"dry_friction", "tip_mass"}
 

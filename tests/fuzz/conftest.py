@@ -2,10 +2,10 @@
 
 import pytest
 
-from hsr_pin.simulation.compiled import ready
+from hsr_pin.simulation.compiled import precompile
 
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled():
-    ready()
-    ready(space=True)
+    precompile()
+    precompile(space=True)

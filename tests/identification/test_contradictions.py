@@ -36,13 +36,13 @@ def with_each(dataset, **factors):
 @pytest.mark.parametrize("key, meant", [("keq", "keq of 1.11 Nm/rad"), ("damping", "damping of 0.05 Nm s/rad")])
 def test_a_stiffness_or_a_damping_off_by_a_thousand_is_noted_with_what_was_meant(steps, key, meant, factor):
     note = prepare(with_each(steps, **{key: factor})).notes[0]
-    assert note.startswith("trial_01, trial_02: declared are keq ") and meant in note and "in N mm" in note
+    assert note.startswith("trial_01, trial_02: the declaration is keq ") and meant in note and "in N mm" in note
 
 
 def test_one_trial_of_several_that_is_declared_in_another_unit_is_noted(steps):
     spoiled = with_each(replace(steps, trials=steps.trials[1:]), keq=1000.0)
     note = prepare(replace(steps, trials=(steps.trials[0], *spoiled.trials))).notes[0]
-    assert note.startswith("trial_02: declared are keq 1110 Nm/rad") and "with keq of 1.11 Nm/rad" in note
+    assert note.startswith("trial_02: the declaration is keq 1110 Nm/rad") and "fits keq of 1.11 Nm/rad" in note
 
 
 @pytest.mark.parametrize("factors", [{}, {"keq": 5.0}, {"keq": 0.2}, {"damping": 20.0}, {"damping": 0.05}])
@@ -56,8 +56,8 @@ def test_a_log_that_is_late_is_told_with_how_late_it_is(steps):
         torque = np.concatenate([np.zeros(140), trial.trajectory.torque[:-140]])
         late.append(replace(trial, trajectory=replace(trial.trajectory, torque=torque)))
     note = prepare(replace(steps, trials=tuple(late))).notes[0]
-    assert note.startswith("trial_01, trial_02: the motion comes 1.")
-    assert abs(float(note.split(" comes ")[1].split()[0]) - 1.4) < 0.05
+    assert note.startswith("trial_01, trial_02: the motion begins 1.")
+    assert abs(float(note.split(" begins ")[1].split()[0]) - 1.4) < 0.05
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.effects import EFFECTS
-from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, respond
+from hsr_pin.identification.evaluation import predict, predict_all, predict_with_slopes, simulate_run
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.part import Part
@@ -69,9 +69,9 @@ def test_arms_side_by_side_move_as_each_alone(record):
     (run,) = experiment.runs
     model = Hypothesis(tolerance=1e-7).with_effects(EFFECTS["hysteresis"](0.1, 0.3))
     points = model.start * np.array([[1.0] * 4, [1.1, 0.7, 1.0, 1.0], [0.9, 1.2, 0.5, 1.2]])
-    together = respond(experiment, run, model, points).positions
+    together = simulate_run(experiment, run, model, points).positions
     for k, point in enumerate(points):
-        assert together[:, k] == pytest.approx(respond(experiment, run, model, point[None]).positions[:, 0], abs=2e-5)
+        assert together[:, k] == pytest.approx(simulate_run(experiment, run, model, point[None]).positions[:, 0], abs=2e-5)
 
 
 def test_the_compiled_loop_predicts_what_the_one_over_pinocchio_does(record):
@@ -79,7 +79,8 @@ def test_the_compiled_loop_predicts_what_the_one_over_pinocchio_does(record):
     model = Hypothesis(links=4).with_effects(EFFECTS["dry_friction"](0.05))
     for run in experiment.runs:
         compiled, reference = (
-            respond(experiment, run, model, model.start[None], dynamics=dynamics).positions for dynamics in ("compiled", "aba")
+            simulate_run(experiment, run, model, model.start[None], dynamics=dynamics).positions
+            for dynamics in ("compiled", "aba")
         )
         assert compiled == pytest.approx(reference, abs=1e-9)
 
@@ -91,7 +92,7 @@ def test_where_one_in_three_samples_is_looked_at_these_are_as_among_all(record, 
     (run,) = experiment.runs
     few = replace(run, every=3)
     points = np.array([[1.0, 1.0], [1.2, 0.5], [0.05, 1.0]])
-    whole, third = (respond(experiment, each, Hypothesis(), points).positions for each in (run, few))
+    whole, third = (simulate_run(experiment, each, Hypothesis(), points).positions for each in (run, few))
     np.testing.assert_array_equal(third, whole[::3])
     np.testing.assert_array_equal(few.compared, run.compared[::3])
     slopes, some = (

@@ -51,7 +51,7 @@ def test_a_marker_declared_too_near_to_the_base_is_told_and_its_trials_stay(heav
     experiment = prepare(replace(heavy_tip, trials=tuple(map(misplaced, heavy_tip.trials))))
     assert len(experiment.runs) == len(heavy_tip.trials)
     (note,) = experiment.notes
-    assert "in most samples, though declared 72 mm along the arm: check its arc_length" in note
+    assert "in most samples, but is declared 72 mm along the arm; check its arc_length" in note
 
 
 def test_an_arm_that_rests_elsewhere_in_every_trial_is_said_to_and_one_that_does_not_is_not(heavy_tip):
@@ -60,7 +60,7 @@ def test_an_arm_that_rests_elsewhere_in_every_trial_is_said_to_and_one_that_does
         scattered = changed(scattered, number, lambda positions, aside=aside: positions + np.array([aside, 0.0, 0.0]))
     experiment = prepare(scattered)
     assert experiment.rest_scatter == pytest.approx(np.std([3e-3, -3e-3, 2e-3, -2e-3], ddof=1), rel=0.1)
-    assert experiment.notes == ("the arm rests within 2.9 mm (standard deviation) of one place, anew in every trial",)
+    assert experiment.notes == ("the resting position of the arm varies from trial to trial by 2.9 mm (standard deviation)",)
     assert prepare(heavy_tip).rest_scatter == 0 and prepare(heavy_tip).notes == ()
 
 

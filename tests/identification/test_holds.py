@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.identification.evaluation import predict_all, respond
+from hsr_pin.identification.evaluation import predict_all, simulate_run
 from hsr_pin.identification.experiment import prepare
-from hsr_pin.identification.holds import clock, is_held, unheld
+from hsr_pin.identification.holds import clock, is_held, without_holds
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.identification.input_form import as_it_fits
+from hsr_pin.identification.input_form import best_form
 from hsr_pin.inference.fit import fit
 from hsr_pin.inference.residuals import residuals, rms
 
@@ -39,7 +39,7 @@ def swings(record):
 @pytest.mark.parametrize("every", [2, 3, 12])
 def test_repeats_of_a_logger_are_found_told_and_left_out(swings, every):
     experiment = prepare(with_held_markers(swings, every))
-    assert experiment.notes[0].startswith(f"mid, tip: sample and hold, a new position comes every {every} samples")
+    assert experiment.notes[0].startswith(f"mid, tip: sample and hold; a new position is recorded every {every} samples")
     for run in experiment.runs:
         assert run.rows.tolist() == list(range(0, 201, every)) and np.isfinite(run.compared).all()
         assert np.isnan(np.delete(run.measured, run.rows, axis=0)).all()
@@ -60,7 +60,7 @@ def test_a_held_sample_is_that_of_the_row_in_which_it_is_seen_first(swings):
     for late in (-1, 0, 1):
         left = []
         for run in experiment.runs:
-            whole = respond(experiment, run.whole, Hypothesis(), truth).positions[:, 0][..., run.axes]
+            whole = simulate_run(experiment, run.whole, Hypothesis(), truth).positions[:, 0][..., run.axes]
             left.append(whole[np.clip(run.rows + late, 0, len(whole) - 1)] - run.compared)
         missed[late] = rms(left)
     assert missed[0] < 0.5 * min(missed[-1], missed[1])
@@ -90,7 +90,7 @@ def test_a_clock_of_a_command_is_found_and_steps_have_none():
     curve = np.sin(0.02 * np.arange(300))[:, None]
     assert clock(held(curve, 6)) == 6 and clock(curve) == 1
     assert clock((np.arange(300)[:, None] > 100) * 1.0) == 1
-    assert np.abs(unheld(held(curve, 6)) - curve)[:294].max() < 1e-2 < np.abs(held(curve, 6) - curve).max()
+    assert np.abs(without_holds(held(curve, 6)) - curve)[:294].max() < 1e-2 < np.abs(held(curve, 6) - curve).max()
 
 
 def test_a_command_that_the_logger_held_too_may_go_straight_from_one_new_sample_to_the_next(record):
@@ -100,6 +100,6 @@ def test_a_command_that_the_logger_held_too_may_go_straight_from_one_new_sample_
     logged = changed(dataset, lambda t: replace(t, positions=held(t.positions, 6), torque=held(t.torque, 6)))
     experiment = prepare(logged)
     alone = fit(experiment, Hypothesis())
-    experiment, found = as_it_fits(experiment, alone)
+    experiment, found = best_form(experiment, alone)
     assert all(run.interpolated for run in experiment.runs) and abs(alone.values[1] - 1) > 0.3
     assert found.values == pytest.approx([1.0, 1.0], abs=0.03)

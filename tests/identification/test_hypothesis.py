@@ -11,7 +11,7 @@ from hsr_pin.identification.choice import choose
 from hsr_pin.identification.evaluation import predict_all
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import LINKS, Hypothesis
-from hsr_pin.identification.part import Part, readings
+from hsr_pin.identification.part import Part, part_variants
 from hsr_pin.inference.fit import fit
 from hsr_pin.inference.residuals import rms
 from hsr_pin.inference.uncertainty import uncertainty
@@ -55,7 +55,7 @@ def test_a_part_that_is_added_and_taken_away_leaves_what_was_there():
         Part("gravity_tilt", EFFECTS["gravity_tilt"](frame="cameras"), levels=(1.11, 2.33)),
     ):
         more = plain.with_part(part)
-        assert more.parts[-1 if part.effect else 0].reading == part.reading
+        assert more.parts[-1 if part.effect else 0].variant == part.variant
         fewer, kept = more.without_part(part.name)
         assert (fewer.effects, fewer.free, fewer.resized) == (plain.effects, plain.free, ())
         assert kept == [0, 1, 2]
@@ -65,37 +65,39 @@ def test_a_part_that_is_added_and_taken_away_leaves_what_was_there():
 
 def test_of_amplitudes_that_are_told_apart_each_is_a_reading_of_its_own():
     kind = EFFECTS["torque_map"]
-    one = {(part.effect.parity, part.opens, part.resized) for part in readings(kind)}
+    one = {(part.effect.parity, part.opens, part.resized) for part in part_variants(kind)}
     assert one == {(parity, opens, False) for parity in ("odd", "even") for opens in ("quadratic", "threshold")}
-    more = {(part.effect.parity, part.opens, part.resized) for part in readings(kind, levels=2)}
+    more = {(part.effect.parity, part.opens, part.resized) for part in part_variants(kind, levels=2)}
     assert more - one == {(parity, "threshold", True) for parity in ("odd", "even")}
-    assert {part.effect.parity for part in readings(kind, space=True)} == {"odd"}
-    (opened,) = {Hypothesis(free=()).with_part(part).free for part in readings(kind, space=True) if part.opens == "threshold"}
+    assert {part.effect.parity for part in part_variants(kind, space=True)} == {"odd"}
+    (opened,) = {
+        Hypothesis(free=()).with_part(part).free for part in part_variants(kind, space=True) if part.opens == "threshold"
+    }
     assert opened == ("torque_map.threshold",)
 
 
 def test_a_law_of_a_single_number_may_have_one_for_each_level():
     def own(name):
-        return [part for part in readings(EFFECTS[name], levels=2, each=(1.11, 2.33)) if part.levels]
+        return [part for part in part_variants(EFFECTS[name], levels=2, each=(1.11, 2.33)) if part.levels]
 
     (bias,) = own("torque_bias")
     assert Hypothesis(free=()).with_part(bias).free == ("torque_bias.bias@1.11", "torque_bias.bias@2.33")
     assert {(part.effect.frame, part.levels) for part in own("gravity_tilt")} == {
         (frame, (1.11, 2.33)) for frame in ("world", "base", "cameras")
     }
-    odd = readings(EFFECTS["torque_bias"], levels=2, each=(1.2345678, 2.33))[-1]
-    assert Hypothesis().with_part(odd).parts[-1].reading == odd.reading  # names have six digits
+    odd = part_variants(EFFECTS["torque_bias"], levels=2, each=(1.2345678, 2.33))[-1]
+    assert Hypothesis().with_part(odd).parts[-1].variant == odd.variant  # names have six digits
     assert own("bending_stop") == own("unequal_lag") == own("torque_map") == []  # of several numbers
     assert own("stiffness_gradient") == own("quadratic_damping") == own("dry_friction") == []  # what the arm is made of
-    assert not [part for part in readings(EFFECTS["torque_bias"], levels=2) if part.levels]
+    assert not [part for part in part_variants(EFFECTS["torque_bias"], levels=2) if part.levels]
 
 
 def test_a_size_for_each_level_has_as_its_special_cases_one_for_all_of_the_same_reading_only():
-    tilts = readings(EFFECTS["gravity_tilt"], levels=2, each=(1.11, 2.33))
+    tilts = part_variants(EFFECTS["gravity_tilt"], levels=2, each=(1.11, 2.33))
     for part in tilts:
         inside = [other for other in tilts if part.contains(other)]
         assert [(other.effect.frame, other.levels) for other in inside] == ([(part.effect.frame, ())] if part.levels else [])
-    *one_size, each = readings(EFFECTS["torque_bias"], levels=2, each=(1.11, 2.33))
+    *one_size, each = part_variants(EFFECTS["torque_bias"], levels=2, each=(1.11, 2.33))
     assert [part.resized for part in one_size] == [False, True]
     assert all(each.contains(part) for part in one_size)
 
@@ -182,7 +184,7 @@ def test_a_gain_is_told_to_be_inseparable_from_stiffness_and_damping_where_nothi
     dataset = record([(1.11, 0.5), (1.11, 1.0), (2.33, 1.5)], mount="horizontal", mass=1e-4)
     sure = uncertainty(fit(prepare(dataset), Hypothesis().with_part(Part("torque_gain"))))
     (words,) = sure.weak
-    assert {"keq_scale", "damping_scale", "torque_gain"} <= set(words.split()) and words.endswith("together unseen")
+    assert {"keq_scale", "damping_scale", "torque_gain"} <= set(words.split()) and words.endswith("together without visible effect")
 
 
 @pytest.mark.parametrize("name", ["keq", "torque_gain@soft", "keq_drift@1.11", "hysteresis.amplitude"])

@@ -10,7 +10,7 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.identify import identify
-from hsr_pin.identification.input_form import as_it_fits, form_of, is_open, otherwise, taken
+from hsr_pin.identification.input_form import alternative_forms, best_form, form_of, is_open, with_form
 from hsr_pin.inference.fit import fit
 
 TIME = 0.02 * np.arange(101)
@@ -46,7 +46,7 @@ def test_what_is_not_declared_the_recordings_tell(waves, straight):
     found = identify(waves(straight))
     assert form_of(found.experiment) == ("straight" if straight else "held")
     assert found.fit.named == pytest.approx({"keq_scale": 1.1, "damping_scale": 1.0}, rel=0.01)
-    told = [note for note in found.experiment.notes if "goes straight from sample to sample" in note]
+    told = [note for note in found.experiment.notes if "is interpolated linearly between samples" in note]
     assert told == ([f"the command of trial_01, trial_02, trial_03 {told[0].partition(' trial_03 ')[2]}"] if straight else [])
 
 
@@ -59,14 +59,14 @@ def test_what_is_declared_stays(waves):
     dataset = waves(True)
     declared = replace(dataset, trials=tuple(replace(trial, interpolated=False) for trial in dataset.trials))
     experiment = prepare(declared)
-    assert otherwise(experiment) == []
-    assert as_it_fits(experiment, fit(experiment, Hypothesis()))[0] is experiment
+    assert alternative_forms(experiment) == []
+    assert best_form(experiment, fit(experiment, Hypothesis()))[0] is experiment
 
 
 def test_steps_alone_are_held(steps):
     experiment = prepare(steps)
-    assert all(map(is_open, experiment.runs)) and otherwise(experiment) == []
-    assert taken(experiment, "steps held").notes == experiment.notes
+    assert all(map(is_open, experiment.runs)) and alternative_forms(experiment) == []
+    assert with_form(experiment, "steps held").notes == experiment.notes
 
 
 @pytest.mark.parametrize("form", ["held", "steps held", "straight"])
@@ -87,7 +87,7 @@ def test_without_the_lag_it_has_an_arm_looks_held_and_the_diagnosis_finds_both(w
     dataset = waves(True, lag)
     named = (replace(trial, name=f"step_{k}") for k, trial in enumerate(steps.trials))
     dataset = replace(dataset, trials=(*dataset.trials, *named))
-    alone, _ = as_it_fits(prepare(dataset), fit(prepare(dataset), Hypothesis()))
+    alone, _ = best_form(prepare(dataset), fit(prepare(dataset), Hypothesis()))
     assert form_of(alone) == "held"
     found = diagnose(dataset, effects=["tip_mass", "actuator_lag", "stiffening"], max_effects=2, jobs=1)
     assert form_of(found.experiment) == "steps held" and found.verdict.effects == ("actuator_lag",)

@@ -27,7 +27,7 @@ def test_the_fewest_links_within_the_noise_are_recommended(study):
     good = [row.links for row in study.rows if row.model_error < limit]
     assert study.recommended == min(good) > 2
     assert f"N = {study.recommended} " in study.sentence
-    assert "more buys nothing" in study.sentence
+    assert "more links do not reduce the data error" in study.sentence
 
 
 def test_the_cost_grows_with_the_links(study):

@@ -14,13 +14,13 @@ from hsr_pin.identification.identify import identify
 from hsr_pin.identification.nuisance import rest_scatter
 from hsr_pin.inference import heldout
 from hsr_pin.inference.fit import fit
-from hsr_pin.inference.own_numbers import Eliminated, believed, prices, taken_out
 from hsr_pin.inference.residuals import rms
+from hsr_pin.inference.trial_parameters import Eliminated, noise_inflation, supported, without_trial_parameters
 from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns
 
 TRUE = np.array([1.1, 0.8])
 COMMANDS = [(keq, share * keq) for keq in (1.11, 2.33) for share in (0.3, -0.5, 0.7, 0.9)]
@@ -29,7 +29,7 @@ COMMANDS = [(keq, share * keq) for keq in (1.11, 2.33) for share in (0.3, -0.5, 
 def owned(lasting, axes=2):
     """Which of a trial's own numbers last, are seen in any case, and could stand in for what a model lacks."""
     own = np.arange(lasting + axes + 3 * (axes - 1))
-    return SimpleNamespace(lasting=lasting, seen=lasting + axes, doubted=(own < lasting) | (own >= lasting + axes))
+    return SimpleNamespace(systematic=lasting, unconditional=lasting + axes, confounded=(own < lasting) | (own >= lasting + axes))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_what_is_taken_out_is_what_the_fitted_numbers_make(linear):
     weights = np.where(np.arange(40) % 7 == 0, 0.0, 2.0).reshape(10, 2, 2)
     y = B @ [0.6, -0.9] + 0.1 * y
     residual = np.where(weights > 0, y.reshape(10, 2, 2), np.nan)
-    (left,) = taken_out([residual], [weights], [B.reshape(10, 2, 2, 2)], owned(2))
+    (left,) = without_trial_parameters([residual], [weights], [B.reshape(10, 2, 2, 2)], owned(2))
     seen = (weights > 0).ravel()
     numbers = np.linalg.lstsq(np.vstack([2 * B[seen], np.eye(2)]), np.append(2 * y[seen], [0, 0]), rcond=None)[0]
     assert left.ravel()[seen] == pytest.approx((y - B @ numbers)[seen])
@@ -74,7 +74,7 @@ def test_what_all_trials_share_is_none_of_their_own(linear):
     basis, weights = B.reshape(10, 2, 2, 2), np.ones((10, 2, 2))
     for mean in (0.0, 4.0):
         numbers = np.random.default_rng(1).normal(size=(16, 2)) * 0.5 + mean
-        left = taken_out([basis @ own for own in numbers], [weights] * 16, [basis] * 16, owned(2))
+        left = without_trial_parameters([basis @ own for own in numbers], [weights] * 16, [basis] * 16, owned(2))
         share = np.mean([np.sum(part**2) for part in left]) / np.sum((basis @ np.full(2, 4.0)) ** 2)
         assert share < 0.01 if mean == 0 else 0.7 < share < 1.1
 
@@ -82,12 +82,12 @@ def test_what_all_trials_share_is_none_of_their_own(linear):
 def test_a_place_of_rest_and_the_hold_of_a_hand_are_as_dear_as_what_lasts_but_not_from_where_an_arm_was_let_go():
     noise = np.random.default_rng(2).normal(size=(8, 400, 1, 2))
     weights = [np.ones((400, 1, 2))] * 8
-    assert prices(noise, weights, owned(1).doubted) == pytest.approx([1] * 6, abs=0.1)
-    lasting = prices(noise + 3 * np.sin(np.arange(400) / 60)[:, None, None], weights, owned(1).doubted)
+    assert noise_inflation(noise, weights, owned(1).confounded) == pytest.approx([1] * 6, abs=0.1)
+    lasting = noise_inflation(noise + 3 * np.sin(np.arange(400) / 60)[:, None, None], weights, owned(1).confounded)
     assert lasting[0] > 5
     assert list(lasting[1:3]) == [1, 1]
     assert list(lasting[3:]) == [lasting[0]] * 3
-    assert list(prices(5 * noise, weights, owned(0).doubted)) == pytest.approx([1, 1, 5, 5, 5], rel=0.1)
+    assert list(noise_inflation(5 * noise, weights, owned(0).confounded)) == pytest.approx([1, 1, 5, 5, 5], rel=0.1)
 
 
 def test_a_hand_does_not_stand_in_for_what_a_model_lacks():
@@ -98,7 +98,7 @@ def test_a_hand_does_not_stand_in_for_what_a_model_lacks():
     for lacks, taken in ((0.0, True), (8.0, False)):
         rest = lacks * np.sin(n / 60)[:, None, None] + np.random.default_rng(4).normal(size=(300, 1, 2))
         seen = rest + 2.0 * hold[..., 4]
-        (left,) = taken_out([seen], [np.ones(seen.shape)], [hold], owned(0))
+        (left,) = without_trial_parameters([seen], [np.ones(seen.shape)], [hold], owned(0))
         assert bool(np.sum((left - rest) ** 2) < 0.1 * np.sum((seen - rest) ** 2)) is taken
 
 
@@ -131,7 +131,7 @@ def test_rests_that_differ_by_3_mm_are_said_and_do_not_move_the_arms_own_numbers
     dataset = add_noise(scattered(still, 3e-3, seed=4), lambda shape: 3e-4 * noise.normal(size=shape))
     found = identify(dataset)
     assert found.experiment.rest_scatter == pytest.approx(3e-3, rel=0.5)
-    assert any("rests within" in note and "anew in every trial" in note for note in found.experiment.notes)
+    assert any("resting position" in note and "from trial to trial" in note for note in found.experiment.notes)
     assert found.fit.values == pytest.approx(TRUE, rel=0.02)
     assert np.all((found.uncertainty.interval[:, 0] <= TRUE) & (found.uncertainty.interval[:, 1] >= TRUE))
     blind = fit(replace(found.experiment, rest_scatter=0.0), Hypothesis())
@@ -183,7 +183,7 @@ def test_an_arm_that_was_held_further_aside_than_seen_does_not_bend_the_fit(reco
     """The pose before a release is shown 1 mm off at the tip; against a fit that takes it as it is shown."""
     dataset = record([(1.11, None), (2.33, None)], keq=TRUE[0], damping=TRUE[1], noise=3e-5)
     arm = ArmSpecification(links=24, placement="mid", bending_limit=6.0)
-    cameras = Cameras(Columns(Arms.of([arm]), ()), [marker.arc_length for marker in dataset.markers])
+    cameras = Cameras(ArmBatch(Arms.of([arm]), ()), [marker.arc_length for marker in dataset.markers])
 
     def shown(bend):
         return cameras.positions(np.full((1, 1, 24), bend / 24))[0, 0]
@@ -198,9 +198,9 @@ def test_an_arm_that_was_held_further_aside_than_seen_does_not_bend_the_fit(reco
 
     assert off(1e-3) == pytest.approx(TRUE, rel=3e-3)
     assert off(1e-3) == pytest.approx(off(0.0), rel=1e-3)
-    monkeypatch.setattr(evaluation, "HELD", 1e-9)
-    monkeypatch.setattr(evaluation, "INSTANT", 1e-9)
-    monkeypatch.setattr(evaluation, "GRIP", (1e-9,) * 3)
+    monkeypatch.setattr(evaluation, "POSE_SIGMA", 1e-9)
+    monkeypatch.setattr(evaluation, "INSTANT_SIGMA", 1e-9)
+    monkeypatch.setattr(evaluation, "DISTURBANCE_SIGMAS", (1e-9,) * 3)
     assert np.abs(off(1e-3) / off(0.0) - 1).max() > 4e-3
 
 
@@ -208,9 +208,9 @@ def test_a_hold_is_believed_for_its_evidence_alone():
     """Chance explains a little of any residual; a real hold much of it, but not of what a model lacks for longer."""
     noise = np.random.default_rng(5).normal(size=600)
     hold = 40 * np.exp(-np.arange(600) / 20)[:, None] * np.array([1.0, 0.5, 0.2])
-    assert not any(believed(np.random.default_rng(k).normal(size=600), hold, 1.0) for k in range(20))
-    assert believed(noise + 0.3 * hold[:, 0], hold, 1.0)
-    assert not believed(10 * noise + 0.3 * hold[:, 0], hold / 30, 30.0)
+    assert not any(supported(np.random.default_rng(k).normal(size=600), hold, 1.0) for k in range(20))
+    assert supported(noise + 0.3 * hold[:, 0], hold, 1.0)
+    assert not supported(10 * noise + 0.3 * hold[:, 0], hold / 30, 30.0)
 
 
 def let_go(record, fade):
@@ -228,7 +228,7 @@ def test_a_hand_that_lets_go_within_40_ms_does_not_spoil_the_fit(record):
     for fade, spoilt in ((0.04, 0.05), (0.01, 0.0)):
         experiment = let_go(record, fade)
         whole = fit(experiment, Hypothesis())
-        found, blind = whole.values, fit(replace(experiment, hand=False), Hypothesis()).values
+        found, blind = whole.values, fit(replace(experiment, disturbed_release=False), Hypothesis()).values
         assert {nuisance.shape[-1] for nuisance in whole.nuisance[2:]} == ({5} if spoilt else {2, 5})
         assert found == pytest.approx(TRUE, rel=0.01)
         assert spoilt <= blind[1] / TRUE[1] - 1 < spoilt + 0.05

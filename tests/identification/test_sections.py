@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.diagnosis.commands import plateaus, steps
-from hsr_pin.diagnosis.repeats import alike
+from hsr_pin.diagnosis.repeatability import repeated_groups
 from hsr_pin.errors import IdentificationError, InputError
 from hsr_pin.identification.arm_document import arm_to_json
 from hsr_pin.identification.comparison import compare
@@ -56,7 +56,7 @@ def test_the_numbers_of_an_arm_of_sections_are_found():
     found = fit(experiment, Hypothesis(links=12))
     np.testing.assert_allclose(found.values, [1.3, 0.8], rtol=2e-3)
     alone = fit(prepare(under_the_mean(dataset)), Hypothesis(links=12))
-    assert rms(found.missed) < 1.02 * experiment.noise_rms and rms(alone.missed) > 2e-3
+    assert rms(found.raw_residuals) < 1.02 * experiment.noise_rms and rms(alone.raw_residuals) > 2e-3
 
 
 def test_a_comparison_and_its_document_have_the_sections():
@@ -72,7 +72,7 @@ def test_trials_whose_torques_are_the_same_in_the_mean_alone_do_not_repeat_each_
     other = [0.6 + 0.24, 0.2, -0.5 - 0.336, 0.1]  # as much more on 14 cm as less on 10 cm
     runs = prepare(recorded((COMMANDS[0], COMMANDS[0], other))).runs
     np.testing.assert_allclose(runs[2].torque, runs[0].torque, atol=1e-12)
-    assert [[run.trial.name for run in group] for group in alike(runs)] == [["trial_01", "trial_02"]]
+    assert [[run.trial.name for run in group] for group in repeated_groups(runs)] == [["trial_01", "trial_02"]]
 
 
 def test_a_step_that_the_mean_does_not_show_is_one():
@@ -89,8 +89,8 @@ def test_inputs_of_other_sections_are_refused():
         prepare(replace(dataset, trials=under_the_mean(dataset).trials))
     with pytest.raises(IdentificationError, match="two components of torque, for an arm in space, got"):
         prepare(replace(dataset, sections=()))
-    columns = Hypothesis(links=12).columns(prepare(dataset), prepare(dataset).runs[0], np.ones((1, 2)))
-    engine = Engine(columns, "compiled")
+    batch = Hypothesis(links=12).arm_batch(prepare(dataset), prepare(dataset).runs[0], np.ones((1, 2)))
+    engine = Engine(batch, "compiled")
     with pytest.raises(InputError, match="one for each of 2 sections, or one for all, got 3"):
         engine.deliver(np.zeros((5, 1, 3), dtype=complex), np.zeros((1, 3), dtype=complex), 0.01)
     alike_driven = engine.deliver(np.full((5, 1), 0.3j), np.zeros(1, dtype=complex), 0.01)
@@ -99,11 +99,11 @@ def test_inputs_of_other_sections_are_refused():
 
 def test_a_curve_in_one_section_beside_steps_in_another_is_held_as_they_are():
     """A curve may be taken as one, in finer cells: then the sections' would not fit together."""
-    columns = Hypothesis(links=12).columns(
+    batch = Hypothesis(links=12).arm_batch(
         prepare(recorded(COMMANDS[:1])), prepare(recorded(COMMANDS[:1])).runs[0], np.ones((1, 2))
     )
     curve, step = 0.4 * np.sin(np.linspace(0, 2 * np.pi, 41)), np.where(np.arange(41) < 20, 0.0, 0.3)
-    engine, none = Engine(columns, "compiled"), np.zeros((1, 2), dtype=complex)
+    engine, none = Engine(batch, "compiled"), np.zeros((1, 2), dtype=complex)
     for second, cells in ((step, 1), (curve, 4)):
         torque = np.stack([curve, second], axis=1)[:, None] + 0j
         found = engine.deliver(torque, none, 0.01, smooth=True)

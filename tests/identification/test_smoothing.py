@@ -58,9 +58,9 @@ def test_a_moving_average_is_found_and_noise_stiffness_and_damping_come_out_true
     ("change", "name", "error", "left"),
     [
         (lambda track: savgol_filter(track, 9, 2, axis=0), "a Savitzky-Golay filter of 9 samples", 0.01, 1e-4),
-        (butterworth(4, 0.25), "a Butterworth filter of order 4", 0.01, 1.5e-4),
-        (butterworth(2, 0.2), "a Butterworth filter of order 2", 0.01, 1.5e-4),
-        (butterworth(4, 0.15), "a Butterworth filter of order 4", 0.03, 1.5e-4),
+        (butterworth(4, 0.25), "a zero-phase Butterworth filter of order 4", 0.01, 1.5e-4),
+        (butterworth(2, 0.2), "a zero-phase Butterworth filter of order 2", 0.01, 1.5e-4),
+        (butterworth(4, 0.15), "a zero-phase Butterworth filter of order 4", 0.03, 1.5e-4),
     ],
 )
 def test_other_filters_are_found_and_little_error_remains(exact, change, name, error, left):
@@ -92,7 +92,7 @@ def test_motion_without_noise_is_not_taken_for_smoothed_noise(exact, change):
 def test_a_declared_width_counts_and_one_switches_it_off(exact):
     dataset = seen(exact, lambda track: averaged(track, 5))
     told = prepare(replace(dataset, smoothed=7))
-    assert told.runs[0].smoothing.weights == pytest.approx(np.full(7, 1 / 7)) and "as dataset.toml says" in told.notes[0]
+    assert told.runs[0].smoothing.weights == pytest.approx(np.full(7, 1 / 7)) and "as declared in dataset.toml" in told.notes[0]
     off = prepare(replace(dataset, smoothed=1))
     assert off.runs[0].smoothing is None and not any("smoothed" in note for note in off.notes)
 
@@ -113,7 +113,7 @@ def test_predictions_and_their_derivatives_are_those_of_the_arm_filtered(exact):
 def test_what_differences_of_smoothed_noise_tell_too_little_and_how_far_apart_it_is_white_is_known(width):
     noise = moving_average(width)(np.random.default_rng(0).normal(size=(200_000, 1)))[:, 0]
     rough = np.diff(noise, 4).std() / np.sqrt(70)
-    assert moving_average(width).undervalued == pytest.approx(noise.std() / rough, rel=0.02)
+    assert moving_average(width).noise_factor == pytest.approx(noise.std() / rough, rel=0.02)
     assert moving_average(width).spacing == width
 
 

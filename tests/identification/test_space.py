@@ -19,9 +19,9 @@ from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled
 from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
 
@@ -29,7 +29,7 @@ ARM = ArmSpecification(12, keq=0.8, damping=0.03, placement="mid", length=0.3, m
 MARKERS = (Marker("low", 0.1), Marker("mid", 0.2, 0.02, 2.0), Marker("tip", 0.3))
 BEND = parse_effect("bend_at_rest:towards_x=0.2,towards_y=-0.1")
 TWO = ("bend_at_rest.towards_x", "bend_at_rest.towards_y")
-REACH, BESIDE = [marker.arc_length for marker in MARKERS], np.array([marker.beside for marker in MARKERS])
+REACH, BESIDE = [marker.arc_length for marker in MARKERS], np.array([marker.offset for marker in MARKERS])
 WAYS = ((0.7, 0.0), (-0.2, 0.6), (0.3, -0.5))
 
 
@@ -92,21 +92,21 @@ def test_in_a_plane_space_predicts_what_the_plane_does(record, add_noise):
 
 def test_poses_are_those_that_the_markers_show():
     random = np.random.default_rng(2)
-    columns = Columns(Arms.of([ARM]), ())
-    cameras = Cameras(columns, REACH, BESIDE)
+    batch = ArmBatch(Arms.of([ARM]), ())
+    cameras = Cameras(batch, REACH, BESIDE)
     for _ in range(3):
         q, v = np.zeros((2, 12, 3))
         shape = np.stack([np.linspace(1, a, 12) for a in (0.2, 0.8)], axis=-1)
         q[:, :2], v[:, :2] = 0.08 * random.normal(size=2) * shape, random.normal(size=2) * shape
         q, v = q.reshape(1, 1, 36), v.reshape(1, 1, 36)
         seen, speed = cameras.positions(q)[0, 0], cameras.velocities(q, v)[0, 0]
-        pose, rate, _ = pose_from_markers(columns, cameras, seen, speed, 1e-5)
+        pose, rate, _ = pose_from_markers(batch, cameras, seen, speed, 1e-5)
         np.testing.assert_allclose(cameras.positions(pose[None])[0, 0], seen, atol=2e-5)
         np.testing.assert_allclose(pose, q[0], atol=5e-3)
         np.testing.assert_allclose(rate, v[0], atol=5e-2)
         one = seen.copy()
         one[1] = np.nan
-        pose, _, _ = pose_from_markers(columns, cameras, one, speed, 1e-5)
+        pose, _, _ = pose_from_markers(batch, cameras, one, speed, 1e-5)
         np.testing.assert_allclose(cameras.positions(pose[None])[0, 0], seen, atol=4e-3)
 
 
@@ -151,11 +151,11 @@ def test_where_a_trial_rests_is_its_own_in_two_directions():
 
     anew = replace(dataset, trials=tuple(map(moved, dataset.trials, shifts)))
     experiment = prepare(anew)
-    assert experiment.rest_scatter == pytest.approx(3e-3, rel=0.3) and experiment.lasting == 2
+    assert experiment.rest_scatter == pytest.approx(3e-3, rel=0.3) and experiment.systematic == 2
     answer = fit(experiment, choose(("keq", "damping", *TWO), (), experiment.runs, links=6))
     assert answer.named["bend_at_rest.towards_x"] == pytest.approx(0.2, abs=0.03)
     assert {n.shape[-1] for n in answer.nuisance} == {2}
-    assert answer.rms < 0.5 * rms(answer.missed)
+    assert answer.rms < 0.5 * rms(answer.raw_residuals)
 
 
 def test_a_comparison_shows_both_components_of_the_torque():
@@ -169,7 +169,7 @@ def test_a_comparison_shows_both_components_of_the_torque():
 
 def test_what_has_no_form_in_space_is_refused_in_one_line():
     dataset = recorded(WAYS[:1])
-    with pytest.raises(IdentificationError, match="laws that hold about two axes, got torque_map"):
+    with pytest.raises(IdentificationError, match="laws that are defined for arms in space, got torque_map"):
         identify(dataset, free=("keq",), effects=(parse_effect("torque_map:quadratic=0.1,parity=even"),))
     flat = replace(dataset, bending="plane")
     with pytest.raises(IdentificationError, match="input of trial_01"):
@@ -177,7 +177,7 @@ def test_what_has_no_form_in_space_is_refused_in_one_line():
 
 
 def test_a_law_of_space_alone_is_refused_in_a_plane(steps):
-    with pytest.raises(IdentificationError, match="laws of an arm in a plane, got bend_at_rest"):
+    with pytest.raises(IdentificationError, match="laws that are defined for planar arms, got bend_at_rest"):
         identify(steps, free=("keq", "bend_at_rest"))
 
 

@@ -1,4 +1,4 @@
-"""Models without a robot: a few laws that act on a few numbers."""
+"""Summaries of models without a robot: a few laws with given misfits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CURVE = Cause("curve", "elastic", flexible=True)
 
 
 def model(causes: Sequence[Cause], misfit: float, *, departures: Sequence[float] = (), information: float = 1e4) -> Model:
-    """A fitted model with two parameters of its own and one for each cause, all of them well known."""
+    """Return a fitted model with two parameters of its own and one for each cause, all of them well determined."""
     count = 2 + len(causes)
     away = np.zeros(count)
     away[: len(departures)] = departures

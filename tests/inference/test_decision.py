@@ -1,4 +1,4 @@
-"""The report is the one that gains most by the table, and the table is the user's."""
+"""The report with the largest expected gain is chosen, from a table that users can change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.inference.fabricated import CURVE, FRICTION, LAG, MASS, model
 
 
 def found(*weighted):
-    """A posterior with these probabilities: causes, what they leave of a nominal misfit of ten, and how probable they are."""
+    """Return a posterior from causes, their remaining misfit (10 for the nominal model), and their probability."""
     models = tuple(model(causes, misfit) for causes, misfit, _ in weighted)
     probabilities = np.array([weight for *_, weight in weighted], dtype=float)
     return Posterior(models, np.log(np.maximum(probabilities, 1e-12)), probabilities / probabilities.sum())

@@ -1,4 +1,4 @@
-"""The evidence rewards what a model explains, and charges what it needs for it."""
+"""The evidence rewards a smaller misfit and penalises additional causes and parameters."""
 
 from __future__ import annotations
 

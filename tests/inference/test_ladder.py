@@ -1,4 +1,4 @@
-"""The ladder shares out the squared gap: nothing twice, nothing lost."""
+"""The shares of the ladder add up to the squared gap."""
 
 import itertools
 
@@ -11,7 +11,7 @@ NOISE = 0.5e-3
 
 
 def residuals(*sizes):
-    """Of one marker, for each trial a distance [m] from the measurement."""
+    """Return residuals of one marker, with a constant distance [m] from the measurement in each trial."""
     return [np.tile([0.0, 0.0, size], (10, 1, 1)) for size in sizes]
 
 
@@ -35,7 +35,7 @@ def test_shares_add_up_to_one_and_the_last_line_is_the_rest(rungs):
     drops = [max(0.0, before.rms**2 - after.rms**2) for before, after in itertools.pairwise(rungs)]
     assert rest.share == pytest.approx((last.rms**2 - NOISE**2) / sum(drops))
     assert (rest.rms, rest.interval, rest.effects) == (NOISE, (NOISE, NOISE), ())
-    assert "rest" in rest.name
+    assert "remainder" in rest.name
 
 
 def test_each_share_is_what_the_rung_takes_away_and_a_step_backwards_has_none(rungs):

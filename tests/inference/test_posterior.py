@@ -1,4 +1,4 @@
-"""Probabilities follow from the models, not from their order or from how laws are counted; and they hold on synthetic data."""
+"""Probabilities do not depend on the order of models or the number of variants, and are calibrated on synthetic data."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_the_credible_set_is_the_smallest_that_holds_its_level():
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_stated_probabilities_are_as_often_right_as_they_say(seed):
-    """Of sets that are stated with 0.5 to 0.9, and with more, as many are right as they say, within chance."""
+    """The share of right answers agrees with the stated probabilities of 0.5 to 0.9, and above, within chance."""
     rng = np.random.default_rng(seed)
     stated, right = [], []
     for _ in range(300):
@@ -82,10 +82,7 @@ def test_stated_probabilities_are_as_often_right_as_they_say(seed):
 
 
 def _one_case(rng: np.random.Generator) -> tuple[tuple[tuple[str, ...], float], tuple[str, ...]]:
-    """The most probable set with its probability, and the truth: one of three shapes, or none, drawn from the prior.
-
-    There are as many independent samples as the judgement takes, so that nothing is coarsened.
-    """
+    """Return the most probable set with its probability, and the truth: one of three shapes, or none, drawn from the prior."""
     count = 40
     numbers = Calibration(samples=float(count), cause=0.0, flexible=0.0, floor=0.0, share=0.0)
     shapes = rng.normal(size=(3, count))

@@ -1,9 +1,9 @@
-"""Errors on held-out trials with their intervals, and whether a gain holds in most of the trials."""
+"""Held-out errors have intervals, and a gain is significant if it holds in most of the trials."""
 
 import numpy as np
 import pytest
 
-from hsr_pin.inference.resampling import certainly_better, draws, gain_interval, interval, squares
+from hsr_pin.inference.resampling import draws, gain_interval, interval, significantly_better, squares
 
 
 def noise(size, *, trials=4, samples=5000, seed=0):
@@ -12,7 +12,7 @@ def noise(size, *, trials=4, samples=5000, seed=0):
 
 
 def trials_of(*sizes, samples=40):
-    """Residuals of one marker, constant in each trial, with these distances [m]."""
+    """Return residuals of one marker, constant in each trial, with these distances [m]."""
     return [np.tile([size, 0.0, 0.0], (samples, 1, 1)) for size in sizes]
 
 
@@ -80,9 +80,9 @@ def test_a_large_gain_in_one_trial_alone_is_not_certain():
 
 def test_what_shows_in_two_trials_of_six_is_certain_and_in_one_alone_is_not():
     same = trials_of(*[1e-3] * 6)
-    assert certainly_better(same, trials_of(2e-3, 2e-3, *[1e-3] * 4), seed=0)
-    assert not certainly_better(same, trials_of(9e-3, *[1e-3] * 5), seed=0)
-    assert not certainly_better(same, same, seed=0)
+    assert significantly_better(same, trials_of(2e-3, 2e-3, *[1e-3] * 4), seed=0)
+    assert not significantly_better(same, trials_of(9e-3, *[1e-3] * 5), seed=0)
+    assert not significantly_better(same, same, seed=0)
 
 
 def test_a_loss_is_a_gain_below_zero():

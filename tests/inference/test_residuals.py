@@ -1,4 +1,4 @@
-"""What lasts in residuals is told from white noise."""
+"""The correlated part of residuals is distinguished from white noise."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_the_lasting_square_of_a_slow_swing_is_its_mean_square_times_the_cosine_
 
 @pytest.mark.parametrize("frequency", [0.02, 0.08, 0.125, 0.17, 0.25, 0.33, 0.375, 0.42, 0.5])
 def test_the_lasting_square_finds_a_swing_however_few_samples_it_has_a_cycle(frequency):
-    """Of what rings nearly as fast as the cameras look, neighbours have opposite signs."""
+    """Near the Nyquist frequency, neighbouring samples of an oscillation have opposite signs."""
     swing = 1e-3 * np.cos(2 * np.pi * frequency * np.arange(3000) + 0.3)[:, None, None] * np.ones((3000, 2, 3))
     assert 0.69 * mean_square(swing) < lasting_square([swing]) < 1.01 * mean_square(swing)
 

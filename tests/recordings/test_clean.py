@@ -36,9 +36,9 @@ def test_spikes_become_gaps_exchanges_are_undone_and_the_rest_is_as_it_was(dirty
 def test_what_was_done_is_said(dirty):
     notes = clean(dirty[0]).notes
     assert notes[0] == "read"
-    assert notes[1].startswith("mid, tip: exchanged for one another in 5 of 400 samples")
-    assert notes[2].startswith("tip: 1 of 400 samples removed as spikes")
-    assert notes[3] == "mid: 20 of 400 samples missing, the longest gap 0.2 s"
+    assert notes[1].startswith("mid, tip: exchanged in 5 of 400 samples")
+    assert notes[2].startswith("tip: 1 of 400 samples were removed as spikes")
+    assert notes[3] == "mid: 20 of 400 samples are missing; the longest gap is 0.2 s"
     assert len(notes) == 4
 
 

@@ -64,7 +64,7 @@ def test_a_key_inside_of_a_line_is_placed_where_its_table_begins(tmp_path):
 def test_what_is_no_toml_is_an_error_of_ours(tmp_path, text):
     path = tmp_path / "dataset.toml"
     path.write_bytes(text.encode())
-    with pytest.raises(RecordingError, match="not TOML"):
+    with pytest.raises(RecordingError, match="invalid TOML"):
         read_document(path)
 
 

@@ -6,21 +6,21 @@ import pytest
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.settings import ImportSettings
-from hsr_pin.recordings.plausible import angle_doubt, exchanged, mount_doubt, payload_doubt, size_doubt
+from hsr_pin.recordings.plausible import exchanged, implausible_angle, implausible_mount, implausible_payload, implausible_size
 from hsr_pin.recordings.read import read_dataset
 
 
 @pytest.mark.parametrize(
     "old, new, said",
     [
-        ("mass = 0.15", "mass = 150", "got 150 kg; masses are in kg: is it in grams? then 0.15"),
-        ("mass = 0.15", "mass = 0.00015", "got 0.00015 kg; masses are in kg: is it in tonnes? then 0.15"),
+        ("mass = 0.15", "mass = 150", "got 150 kg; the mass is in kg; if this is grams, write 0.15"),
+        ("mass = 0.15", "mass = 0.00015", "got 0.00015 kg; the mass is in kg; if this is tonnes, write 0.15"),
         (
             "diameter = 0.04",
             "diameter = 40",
-            "at most 0.48 m for an arm of 0.24 m, got 40 m; diameters are in metres: is it in mm",
+            "at most 0.48 m for an arm of 0.24 m, got 40 m; the diameter is in metres; if this is mm",
         ),
-        ("diameter = 0.04", "diameter = 0.00004", "is the mass in kg, and the outer diameter in m?"),
+        ("diameter = 0.04", "diameter = 0.00004", "check that the mass is in kg and the outer diameter in m"),
     ],
 )
 def test_a_size_that_is_off_by_a_thousand_is_refused_where_it_stands(spoil, old, new, said):
@@ -34,16 +34,16 @@ def test_a_size_that_is_off_by_a_thousand_is_refused_where_it_stands(spoil, old,
     "size", [(0.24, 0.15, 0.04), (0.29, 0.293, 0.086), (0.1, 0.0963, 0.03), (2.0, 40.0, 0.2), (0.1, 0.0005, 0.01)]
 )
 def test_real_arms_are_plausible(size):
-    assert size_doubt(*size) is None
+    assert implausible_size(*size) is None
 
 
 def test_an_angle_in_degrees_is_refused_and_a_turn_is_not():
-    assert angle_doubt(120.0).hint == "is it in degrees? then 2.094"
-    assert angle_doubt(-2 * np.pi) is None
+    assert implausible_angle(120.0).hint == "the angle is in rad; if this is degrees, write 2.094"
+    assert implausible_angle(-2 * np.pi) is None
     bodies = [Body.parse("side@0.24,0.02,90=side")]
-    with pytest.raises(InputError, match=r"angle of marker side: expected .* is it in degrees"):
+    with pytest.raises(InputError, match=r"angle of marker side: expected .* if this is degrees"):
         ImportSettings(mass=0.15, diameter=0.04, keq=[1.11], bending="space", markers=bodies)
-    with pytest.raises(InputError, match=r"angle: expected .* got 120; is it in degrees"):
+    with pytest.raises(InputError, match=r"angle: expected .* got 120; the angle is in rad; if this is degrees"):
         ImportSettings(mass=0.15, diameter=0.04, keq=[1.11], bending="space", gain=0.3, angle=120.0)
 
 
@@ -73,17 +73,17 @@ def test_an_arm_that_curls_up_or_stretches_has_its_markers_in_order():
     ],
 )
 def test_an_arm_on_the_other_side_of_its_base_has_another_mount(mount, place, fits):
-    assert mount_doubt(mount, [place, place], 0.24).hint == f'is it mount = "{fits}"? z is up'
+    assert implausible_mount(mount, [place, place], 0.24).hint == f'z is up; mount = "{fits}" fits the recordings'
     bent = (0.2, 0.0, 0.0) if mount != "horizontal" else (0.0, 0.0, -0.2)
-    assert mount_doubt(mount, [place, bent], 0.24) is None
+    assert implausible_mount(mount, [place, bent], 0.24) is None
 
 
 def test_a_mount_that_the_recording_contradicts_is_refused_with_the_one_that_fits(spoil):
     folder = spoil("dataset.toml", 'mount = "hanging"', 'mount = "upright"')
-    with pytest.raises(RecordingError, match=r"mount: expected an arm that points up, got .* is it mount = .hanging."):
+    with pytest.raises(RecordingError, match=r"mount: expected an arm that points up, got .* mount = .hanging. fits"):
         read_dataset(folder)
 
 
 def test_a_payload_in_grams_is_refused():
-    assert payload_doubt(0.1, 52.0).hint == "masses are in kg: is it in grams? then 0.052"
-    assert payload_doubt(0.1, 2.0) is None
+    assert implausible_payload(0.1, 52.0).hint == "the mass is in kg; if this is grams, write 0.052"
+    assert implausible_payload(0.1, 2.0) is None

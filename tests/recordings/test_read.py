@@ -82,9 +82,9 @@ SPOILED_DECLARATIONS = {
     "one marker for several": ("[[trial]]", "[trial]", "[trial]", "at least one table [[trial]]"),
     "no keq": ("keq = 1.11", "", "[[trial]]", "keq is missing"),
     "no such file": ("trial_01.csv", "trial_1.csv", "file", "did you mean 'trial_01.csv'?"),
-    "file outside": ("trial_01.csv", "../x.csv", "file", "inside of the dataset"),
+    "file outside": ("trial_01.csv", "../x.csv", "file", "inside the dataset"),
     "input of a third kind": ("damping = 0.05", 'input = "holdd"', "input", "did you mean 'held'?"),
-    "not TOML": ("mass = 0.15", "mass = = 0.15", "= 0.15", "not TOML"),
+    "not TOML": ("mass = 0.15", "mass = = 0.15", "= 0.15", "invalid TOML"),
     "t_start after the end": ("damping = 0.05", "t_start = 9.0", "t_start", "a time in the recording"),
     "no marker beyond the base": (
         'name = "mid"\narc_length = 0.12\n\n[[marker]]\nname = "tip"\narc_length = 0.24',
@@ -118,15 +118,15 @@ def test_a_key_that_is_missing_is_named(folder, key):
 SPOILED_TABLES = {
     "missing column": ("t,tau,mid_x,mid_y", "t,tau,mid_y", 1, "column 'mid_x' is missing"),
     "unknown column": ("tip_x", "tipx", 1, "did you mean 'tip_x'?"),
-    "column twice": ("tip_x", "mid_x", 1, "stands twice"),
-    "one pressure": ("t,tau", "t,P1", 1, "P1 and P2, or tau, or none"),
+    "column twice": ("tip_x", "mid_x", 1, "occurs twice"),
+    "one pressure": ("t,tau", "t,P1", 1, "P1 and P2, or tau, or no input columns"),
     "no number": ("0.5,", "half,", 2, "a finite number"),
     "infinite": ("0.5,", "inf,", 2, "a finite number"),
     "number as Python has it": ("0.5,", "1_0,", 2, "a finite number"),
     "input missing": ("0.5,", ",", 2, "no value"),
     "time missing": ("0.000000,", ",", 2, "no value"),
-    "time standing": ("0.020000,", "0.010000,", 4, "the time before it"),
-    "time going back": ("0.020000,", "0.001000,", 4, "the time before it"),
+    "time standing": ("0.020000,", "0.010000,", 4, "the previous time"),
+    "time going back": ("0.020000,", "0.001000,", 4, "the previous time"),
     "coordinate of no measure": ("0.5,", "1e11,", 2, "at most 1e+10"),
     "row too long": ("0.010000,0.5", "0.010000,0.5,1", 3, "8 fields"),
     "semicolons": (None, None, 1, "separated by commas"),
@@ -158,7 +158,7 @@ def test_the_column_of_a_fault_is_where_the_field_begins(folder, spoil):
     assert (error.line, error.column) == place(folder, "trial_01.csv", "here")
 
 
-@pytest.mark.parametrize("factor, said", [(1000, "millimetres"), (100, "millimetres"), (1e-3, "cannot be in metres")])
+@pytest.mark.parametrize("factor, said", [(1000, "millimetres"), (100, "millimetres"), (1e-3, "is not in metres")])
 def test_units_that_cannot_be_metres_are_refused(folder, factor, said):
     path = folder / "trial_01.csv"
     table = np.loadtxt(path, delimiter=",", skiprows=1)

@@ -38,7 +38,7 @@ def test_an_unknown_name_lists_the_samples(capsys):
     with pytest.raises(RecordingError, match="beam, beam-empty"):
         sample("trunk")
     assert run(command, ["no-such-arm"]) == 2
-    assert "or the name of a sample: beam, " in capsys.readouterr().err
+    assert "samples can be given by name: beam, " in capsys.readouterr().err
 
 
 def test_the_samples_are_listed(capsys):

@@ -125,19 +125,19 @@ def test_uneven_times_are_put_onto_a_grid_with_their_channels(folder):
     ("old", "new", "said"),
     [
         ("format = 2", "format = 1", "unknown key 'bending'|unknown key 'section'"),
-        ('bending = "space"', 'bending = "plane"', 'section: expected bending = "space" with it, got plane'),
-        ("length = 0.1\n", "length = 0.2\n", r"length: expected 0.34 m, as all sections together, got 0.24"),
+        ('bending = "space"', 'bending = "plane"', 'section: expected bending = "space" together with this key, got plane'),
+        ("length = 0.1\n", "length = 0.2\n", r"length: expected 0.34 m, the value of all sections together, got 0.24"),
         ("keq = 1.4\n", "", r"keq is missing in \[section\]"),
         ("keq = 1.4\n", "kek = 1.4\n", "unknown key 'kek'"),
-        ("mass = 0.15", "mass = 0.15\nkeq = 2.0", "keq: expected 0.746667 Nm/rad, as all sections together, got 2"),
-        ("section = 1\n", "", "section: expected the section that they bend, 1 to 2, or torque, got None"),
-        ("section = 1\n", "section = 3\n", "section: expected the section that they bend, 1 to 2"),
-        ("section = 1\n", "section = 1\ntorque = [[1,0,0,0]]\n", "section: expected no torque beside it"),
-        ("[[0.01, 0.0, 0.01, 0.002]]", "[[0.01, 0.0]]", r"torque: expected for each of 1 columns 4 numbers \[N m per unit\]"),
-        ('"P3"', '"P1"', "column 'P1' is there already"),
-        ('"P3"', '"tip_x"', "column 'tip_x' is there already"),
-        ('["pull"]', "[]", "columns: expected names of columns"),
-        ('["pull"]', '["a,b"]', "columns: expected names of columns"),
+        ("mass = 0.15", "mass = 0.15\nkeq = 2.0", "keq: expected 0.746667 Nm/rad, the value of all sections together, got 2"),
+        ("section = 1\n", "", "section: expected the section that the columns bend, 1 to 2, or torque, got None"),
+        ("section = 1\n", "section = 3\n", "section: expected the section that the columns bend, 1 to 2"),
+        ("section = 1\n", "section = 1\ntorque = [[1,0,0,0]]\n", "section: expected either this key or torque"),
+        ("[[0.01, 0.0, 0.01, 0.002]]", "[[0.01, 0.0]]", r"torque: expected 4 numbers \[N m per unit\] for each of 1 columns"),
+        ('"P3"', '"P1"', "column 'P1' is declared twice"),
+        ('"P3"', '"tip_x"', "column 'tip_x' is declared twice"),
+        ('["pull"]', "[]", "columns: expected column names"),
+        ('["pull"]', '["a,b"]', "columns: expected column names"),
         ("gain = 0.3", "gain = true", "gain: expected a number"),
     ],
 )
@@ -192,7 +192,7 @@ def test_a_body_is_seen_as_the_points_that_turn_with_it(posed):
     folder, arm, q = posed
     read = read_dataset(folder)
     assert [marker.name for marker in read.markers] == ["tip", "tip:x", "tip:y"]
-    wanted = space_marker_map(arm, [0.24] * 3, [marker.beside for marker in read.markers]).positions(q)
+    wanted = space_marker_map(arm, [0.24] * 3, [marker.offset for marker in read.markers]).positions(q)
     np.testing.assert_allclose(read.trials[0].trajectory.positions, wanted, atol=1e-10)
     assert np.linalg.norm(wanted[:, 1] - wanted[:, 0], axis=1) == pytest.approx(0.02)
     write_dataset(read, folder / "again")
@@ -210,7 +210,9 @@ def test_an_orientation_that_was_not_seen_is_a_gap_and_one_that_is_none_is_refus
     assert seen[4].tolist() == [True, False, False] and seen.sum() == seen.size - 2
     lines[5] = ",".join([*fields[:6], "1", "1", "0", "0"])
     (posed[0] / "a.csv").write_text("\n".join(lines))
-    with pytest.raises(RecordingError, match=r"a.csv:6:\d+: orientation of marker tip: expected length 1, got 1.41"):
+    with pytest.raises(
+        RecordingError, match=r"a.csv:6:\d+: orientation of marker tip: expected a quaternion of length 1, got 1.41"
+    ):
         read_dataset(posed[0])
 
 

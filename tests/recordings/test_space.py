@@ -76,7 +76,7 @@ def test_hsr_sim_writes_it(tmp_path):
     [
         ("format = 2", "format = 1", r"dataset.toml:\d+:1: unknown key 'bending'"),
         ('bending = "space"', 'bending = "round"', "bending: expected plane or space, got round"),
-        ('bending = "space"', 'bending = "plane"', 'torsion: expected bending = "space" with it, got plane'),
+        ('bending = "space"', 'bending = "plane"', 'torsion: expected bending = "space" together with this key, got plane'),
         ("torsion = 0.6", "torsion = -1", "torsion: expected a number, zero or more"),
         ("radius = 0.02", "radius = -0.02", "radius: expected a number, zero or more"),
         ("radius = 0.02", "radius = 1e6", r"radius: expected from 0 to the arm's length, 0\.24 m, got 1000000"),
@@ -108,5 +108,5 @@ def test_a_fault_of_the_columns_is_named(dataset, tmp_path, old, new, said):
 
 
 def test_markers_beside_the_backbone_are_of_space_alone():
-    with pytest.raises(InputError, match="markers: expected on the backbone"):
+    with pytest.raises(InputError, match="markers: expected markers on the backbone"):
         step_scenario(ArmSpecification(), 0.5, markers=MARKERS)

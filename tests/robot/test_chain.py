@@ -69,4 +69,4 @@ def test_arms_side_by_side_keep_to_their_rows(some):
         alone = chain_of(Arms.of([arm]))
         for name in ("mass", "lever", "inertia", "reach", "gravity"):
             np.testing.assert_array_equal(getattr(chain, name)[b], getattr(alone, name)[0])
-    assert chain_of(together.columns(slice(0, 1))).mass.shape == (1, first.links)
+    assert chain_of(together.subset(slice(0, 1))).mass.shape == (1, first.links)

@@ -57,7 +57,7 @@ def test_the_three_combinations_of_a_stiffness_are_found(keq, tau):
 
 
 def test_a_stiffness_without_combinations_says_what_to_give_instead():
-    with pytest.raises(PressureError, match=r"stiffness of 1\.11 or 2\.33 Nm/rad, got 2; .* give pressures or a torque$"):
+    with pytest.raises(PressureError, match=r"stiffness of 1\.11 or 2\.33 Nm/rad, got 2; .* specify pressures or a torque$"):
         combinations(2.0)
 
 
@@ -113,7 +113,7 @@ def test_the_pressure_range_is_the_first_whole_bar_that_holds_table_i_and_table_
         (lambda: PressureMap.fit(np.zeros((3, 4))), r"rows: expected four or more rows of phi, P1, P2, Keq, got shape \(3, 4\)"),
         (lambda: PressureMap.fit(np.zeros((5, 4))), r"rows: .*got pressures on one line"),
         (lambda: PressureMap.fit(np.full((5, 4), np.nan)), r"rows: expected finite numbers, got nan"),
-        (lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 2.0)), r"planes: expected stiffness and bending that depend"),
+        (lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 2.0)), r"planes: expected stiffness and bending with linearly independent"),
         (lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 1.0), max_pressure=0), r"max_pressure: expected more than zero"),
     ],
 )

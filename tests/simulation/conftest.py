@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import hsr_pin.robot.chain as chain_module
-import hsr_pin.simulation.columns as columns_module
+import hsr_pin.simulation.arm_batch as batch_module
 from hsr_pin.robot.model import build_model
 
 
@@ -69,5 +69,5 @@ def weightless(monkeypatch):
         model.gravity = pin.Motion.Zero()
         return dataclasses.replace(arm, model=model)
 
-    monkeypatch.setattr(columns_module, "build_model", build)
+    monkeypatch.setattr(batch_module, "build_model", build)
     monkeypatch.setattr(chain_module, "GRAVITY", 0.0)

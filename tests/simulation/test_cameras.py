@@ -6,17 +6,17 @@ import pytest
 from hsr_pin.effects import parse_effect
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.cameras import Cameras
-from hsr_pin.simulation.columns import Columns
 
 
 @pytest.mark.parametrize("effects", [(), ("length_change:depth=0.03", "marker_offset:offset=0.004")])
 @pytest.mark.parametrize("bending", ["plane", "space"])
 def test_velocities_are_the_slope_of_positions(effects, bending):
     arm = ArmSpecification(links=5, placement="mid", bending=bending)
-    columns = Columns(Arms.of([arm, arm]), tuple(map(parse_effect, effects)))
-    cameras = Cameras(columns, [0.1, 0.24])
-    q, v = 0.3 * np.random.default_rng(0).normal(size=(2, 3, 2, columns.coordinates))
+    batch = ArmBatch(Arms.of([arm, arm]), tuple(map(parse_effect, effects)))
+    cameras = Cameras(batch, [0.1, 0.24])
+    q, v = 0.3 * np.random.default_rng(0).normal(size=(2, 3, 2, batch.coordinates))
     step = 1e-5
     slope = (cameras.positions(q + step * v) - cameras.positions(q - step * v)) / (2 * step)
     assert np.abs(slope).max() > 0.01
@@ -28,8 +28,8 @@ def test_velocities_are_the_slope_of_positions(effects, bending):
 def test_machine_code_sees_what_the_map_of_markers_says(width, arms):
     rng = np.random.default_rng(1)
     several = [ArmSpecification(links=7, length=0.24 + 0.1 * k * (arms - 1), tilt=0.3 * k * (arms - 1)) for k in range(2)]
-    columns = Columns(Arms.of(several), ())
-    fast, slow = (Cameras(columns, [0.05, 0.1, 0.24], fast=fast) for fast in (True, False))
+    batch = ArmBatch(Arms.of(several), ())
+    fast, slow = (Cameras(batch, [0.05, 0.1, 0.24], fast=fast) for fast in (True, False))
     q = np.clip(width * rng.normal(size=(8, 2, 7)), -1.2 * width, 1.2 * width)[::2]
     assert len(fast.places.fixed) == arms
     assert (np.abs(q).max() > 0.5) == (width > 0.5)

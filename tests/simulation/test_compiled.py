@@ -124,10 +124,10 @@ def test_a_damaged_cache_is_told_once_and_made_anew(installation, damage, part):
             path.write_bytes({"empty index": b"", "no pickle": b"\0no pickle" * 9}.get(damage, content[: len(content) // 2]))
     found, said = installation.run(part)
     assert not found["law"] and found["address"]
-    assert said.count("is damaged, and is made anew") == 1
+    assert said.count("is damaged and is compiled again") == 1
     again, silent = installation.run(part)
     if damage == "a folder":  # which stands in the way for good
-        assert "cannot keep machine code in" in silent
+        assert "cannot save machine code in" in silent
     else:
         assert (again["law"], silent) == (True, "")
 
@@ -139,8 +139,8 @@ def test_a_full_disk_is_told_once_and_what_was_written_is_mended(installation, p
     assert found["address"]
     (line,) = [line for line in said.splitlines() if "compiling" not in line]
     folder = installation.folder / "hsr_pin" / "effects" / "__pycache__"  # of the law, which is compiled first
-    assert line.startswith(f"hsr_pin: cannot keep machine code in {folder} (File too large), and makes it in every process")
-    assert line.endswith("make room there, or name another folder as NUMBA_CACHE_DIR")
+    assert line.startswith(f"hsr_pin: cannot save machine code in {folder} (File too large), so every process compiles it")
+    assert line.endswith("free some space there, or set NUMBA_CACHE_DIR to another folder")
     assert [installation.run(part)[0]["law"] for _ in range(2)] == [False, True]
 
 
@@ -170,7 +170,7 @@ def test_the_loops_are_compiled_once_and_that_is_said_once(installation, how):
     assert second[0]["loops"] == [True] * 4
     assert first[0]["tip"] == second[0]["tip"]
     assert first[1].count("compiling") == 1
-    assert "once for this machine" in first[1]
+    assert "once on this machine" in first[1]
     assert second[1] == ""
 
 

@@ -10,9 +10,9 @@ import pytest
 from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.errors import InputError
 from hsr_pin.robot.specification import ArmSpecification, default_damping
-from hsr_pin.simulation import march
-from hsr_pin.simulation.batch import moved, simulate_batch
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation import integrate
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import simulate_batch, simulate_together
 from hsr_pin.simulation.integrator import ORDERS, Integrator
 from hsr_pin.simulation.reference import PinocchioSystem
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled, step_scenario
@@ -47,10 +47,10 @@ def soft(exact_motion):
 
 def run(scenario, name, step, implicit=1.0):
     """(S, 2N) angles and rates, springs and dampers treated as if they were ``implicit`` times as strong."""
-    columns = Columns.of([scenario])
-    arrays = columns.arrays
-    columns.__dict__["arrays"] = arrays._replace(stiff=implicit * arrays.stiff, drag=implicit * arrays.drag)
-    motion = moved([scenario], columns, Integrator(name, step=step), "compiled")
+    batch = ArmBatch.of([scenario])
+    arrays = batch.arrays
+    batch.__dict__["arrays"] = arrays._replace(stiff=implicit * arrays.stiff, drag=implicit * arrays.drag)
+    motion = simulate_together([scenario], batch, Integrator(name, step=step), "compiled")
     return np.concatenate([motion.angles[:, 0], motion.rates[:, 0]], axis=1)
 
 
@@ -94,24 +94,24 @@ def test_samples_between_steps_are_as_good_as_those_at_their_ends(name, soft):
         exact = simulate_batch([fine], integrator="extrapolated6", step=1e-3)[0].trajectory.joint_angles
         sparse = replace(scenario, time=np.arange(round(0.3 / step) + 1) * step, torque=np.full(round(0.3 / step) + 1, 0.5))
         each = round(3600 * step / 0.3)
-        columns = Columns.of([sparse])
-        errors = np.abs(between_samples(columns, sparse, name, each) - exact).max(axis=1)
+        batch = ArmBatch.of([sparse])
+        errors = np.abs(between_samples(batch, sparse, name, each) - exact).max(axis=1)
         inside.append(errors.max())
         at_ends.append(errors[::each].max())
     assert np.log2(inside[0] / inside[1]) >= min(order, 4) - 0.3
     assert inside[1] <= max(1.5 * at_ends[1], 1e-6)
 
 
-def between_samples(columns, scenario, name, each):
+def between_samples(batch, scenario, name, each):
     """(S, N) angles by steps of a cell of ``each`` samples."""
     cells, first = len(scenario.time) - 1, scenario.start
-    q, v, z = first.angles[None].copy(), first.rates[None].copy(), np.zeros((0, 1, columns.links))
+    q, v, z = first.angles[None].copy(), first.rates[None].copy(), np.zeros((0, 1, batch.links))
     impulse = 0.5 * each * np.arange(cells * each + 1.0)[None] / each
-    angles, rates = np.zeros((2, cells * each + 1, 1, columns.links))
-    march.march(
-        columns.pinocchio("aba"), q, v, z, impulse, scenario.step / each, 1, np.arange(cells * each + 1.0) // each * each + each,
+    angles, rates = np.zeros((2, cells * each + 1, 1, batch.links))
+    integrate.integrate(
+        batch.pinocchio("aba"), q, v, z, impulse, scenario.step / each, 1, np.arange(cells * each + 1.0) // each * each + each,
         Integrator(name, step=1.0).weights, np.inf, float(each), float(each), np.full(1, np.inf), angles, rates,
-        np.full(1, np.inf), np.zeros(cells), np.zeros((1, columns.links)),
+        np.full(1, np.inf), np.zeros(cells), np.zeros((1, batch.links)),
     )  # fmt: skip
     return angles[:, 0]
 
@@ -140,7 +140,7 @@ def growth(name, frequencies, ratio):
         q, v = (np.full((count, 1), x) for x in start)
         work, z, torque = np.zeros((7, count, 1)), np.zeros((0, count, 1)), np.zeros(count)
         weights = Integrator(name, step=1.0).weights
-        march.extrapolate(system, q, v, z, np.zeros((count, 2)), 0.0, 1.0, 1.0, weights, work, z, torque, np.zeros((9, 1)))
+        integrate.extrapolate(system, q, v, z, np.zeros((count, 2)), 0.0, 1.0, 1.0, weights, work, z, torque, np.zeros((9, 1)))
         columns.append(work[:2, :, 0].T)
     return np.abs(np.linalg.eigvals(np.stack(columns, axis=-1))).max()
 
@@ -212,7 +212,7 @@ def test_no_dense_matrix_is_made_while_stepping(monkeypatch):
     ("how", "complaint"),
     [
         ({"integrator": "rk4"}, "integrator: expected euler, .*extrapolated6, got 'rk4'"),
-        ({"integrator": "euler"}, "step: expected a length"),
+        ({"integrator": "euler"}, "step: expected a step length"),
         ({"step": 0}, "step: expected a number above zero, got 0"),
         ({"step": np.nan}, "step: expected a number above zero, got nan"),
         ({"step": "fast"}, "step: expected a number above zero, got 'fast'"),

@@ -12,9 +12,9 @@ from hsr_pin.errors import InputError
 from hsr_pin.robot.pressure import PressureMap
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation import kernel
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.inverse import joint_torques, required_pressures, required_torque
-from hsr_pin.simulation.reference import resist
+from hsr_pin.simulation.reference import add_joint_moments
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
 
@@ -66,11 +66,11 @@ def test_inverse_dynamics_undoes_forward_dynamics():
     random = np.random.default_rng(0)
     q, v = (random.normal(0, size, (6, 4)) for size in (0.5, 3.0))
     torque = random.normal(0, 1.0, 6)
-    columns = Columns.of([Scenario(ARM, [0.0, 1.0], [0.0, 0.0], effects=laws)] * 6)
-    columns.__dict__["arrays"] = columns.arrays._replace(stiff=0 * q, drag=0 * q)  # a plain step of length 1
+    batch = ArmBatch.of([Scenario(ARM, [0.0, 1.0], [0.0, 0.0], effects=laws)] * 6)
+    batch.__dict__["arrays"] = batch.arrays._replace(stiff=0 * q, drag=0 * q)  # a plain step of length 1
     moment, after = np.zeros_like(q), v.copy()
-    resist(columns.pinocchio("aba"), q, v, np.zeros((0, 6, 4)), moment)
-    kernel.substep(columns.arrays, q.copy(), after, moment, torque, 1.0, np.zeros((kernel.SCRATCH, 4)))
+    add_joint_moments(batch.pinocchio("aba"), q, v, np.zeros((0, 6, 4)), moment)
+    kernel.substep(batch.arrays, q.copy(), after, moment, torque, 1.0, np.zeros((kernel.SCRATCH, 4)))
     found = joint_torques(ARM, q, v, after - v, laws)
     np.testing.assert_allclose(found, np.repeat(torque[:, None], 4, axis=1), rtol=0, atol=1e-11)
 

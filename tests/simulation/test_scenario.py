@@ -62,7 +62,7 @@ def test_the_markers_are_base_middle_and_tip_unless_told():
     ("time", "said"),
     [
         (np.array([0.0, 1e9]), "at most 86400 s"),
-        (np.arange(5) * 1e7, "are these milliseconds"),
+        (np.arange(5) * 1e7, "these may be milliseconds"),
     ],
 )
 def test_times_that_no_run_can_have_are_refused_before_anything_is_computed(time, said):

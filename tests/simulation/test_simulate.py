@@ -12,8 +12,8 @@ from scipy.integrate import simpson
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.batch import moved
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import simulate_together
 from hsr_pin.simulation.compiled import loops
 from hsr_pin.simulation.integrator import LONGEST, ORDERS, TOLERANCE, Integrator
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled, step_scenario
@@ -74,7 +74,7 @@ def test_an_arm_at_rest_takes_the_longest_steps(links):
     time = np.arange(4001) * 0.01
     for torque in (np.full(4001, 0.5), np.where((time > 5) & (time < 8), 0.6, 0.5)):
         scenario = Scenario(arm, time, torque, Settled(0.5))
-        steps = moved([scenario], Columns.of([scenario]), Integrator(), "compiled").steps
+        steps = simulate_together([scenario], ArmBatch.of([scenario]), Integrator(), "compiled").steps
         assert steps.sum() == pytest.approx(40)
         assert len(steps) < 40 / LONGEST + 12 + 35 * np.count_nonzero(np.diff(torque))
 

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from hsr_pin.effects import parse_effect
 from hsr_pin.errors import InputError, SpecificationError
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.batch import simulate_batch
-from hsr_pin.simulation.columns import Columns
 from hsr_pin.simulation.load import Load
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled, step_scenario
 from hsr_pin.simulation.simulate import simulate
@@ -64,14 +64,14 @@ def test_compiled_is_pinocchio(torsion, effects):
 def test_accelerations_of_the_recursion_are_those_of_the_mass_matrix(placement, torsion):
     arm = replace(SPACE, placement=placement, torsion=torsion)
     loads = (Load(0.1), Load(0.24))
-    columns = Columns.of([Scenario(arm, [0, 0.01], np.zeros((2, 2)), loads=loads)] * 4)
+    batch = ArmBatch.of([Scenario(arm, [0, 0.01], np.zeros((2, 2)), loads=loads)] * 4)
     random = np.random.default_rng(3)
     q, v, moment = (random.normal(0, size, (4, 15)) for size in (0.8, 4.0, 0.5))
     moment[:, 2::3] = 0.0
     if torsion == np.inf:
         q[:, 2::3], v[:, 2::3] = 0.0, 0.0
     after = []
-    for way, system in ((kernel, columns.arrays), (reference, columns.pinocchio("rnea"))):
+    for way, system in ((kernel, batch.arrays), (reference, batch.pinocchio("rnea"))):
         rates = v.copy()
         way.substep(system, q.copy(), rates, moment, np.tile(np.linspace(-1, 1, 14), (4, 1)), 0.01, np.zeros((kernel.ROWS, 15)))
         after.append(rates)
@@ -82,7 +82,7 @@ def test_a_whole_run_is_the_exact_motion_of_pinocchios_chain():
     arm = replace(SPACE, links=2, torsion=0.9, damping=0.02)
     start, time = np.array([[0.4, -0.2, 0.1], [0.3, 0.5, -0.2]]), np.arange(31) * 0.01
     scenario = Scenario(arm, time, np.tile([0.3, 0.2], (31, 1)), Pose(start))
-    system = Columns.of([scenario]).pinocchio("rnea")
+    system = ArmBatch.of([scenario]).pinocchio("rnea")
 
     def slope(_, y):
         return np.append(y[6:], reference.acceleration(system, 0, y[:6], y[6:], np.zeros(6), np.array([0.3, 0.2]), 0.0))
@@ -173,7 +173,7 @@ def test_what_only_space_has_is_refused_in_the_plane():
 def test_what_space_does_not_have_is_refused_there():
     with pytest.raises(InputError, match="compiled or rnea"):
         simulate(in_space(step_scenario(PLANE, 0.5, duration=0.1)), dynamics="aba")
-    with pytest.raises(InputError, match="two axes"):
+    with pytest.raises(InputError, match="defined for arms in space"):
         in_space(step_scenario(PLANE, 0.5, duration=0.1, effects=(parse_effect("torque_map:quadratic=0.1,parity=even"),)))
     with pytest.raises(InputError, match="towards x and towards y"):
         Scenario(SPACE, [0, 0.1], [0.0, 0.0])
@@ -187,7 +187,7 @@ def test_an_arm_that_is_bent_at_rest_rests_bent():
     for way in ("compiled", "rnea"):
         rest = simulate(Scenario(arm, [0, 0.01], np.zeros((2, 2)), effects=(bend,)), dynamics=way).trajectory.joint_angles[0]
         np.testing.assert_allclose(rest.sum(axis=0), [0.3, -0.2, 0.0], atol=1e-4)
-    with pytest.raises(InputError, match="expected laws of an arm in a plane, got bend_at_rest"):
+    with pytest.raises(InputError, match="expected laws that are defined for planar arms, got bend_at_rest"):
         step_scenario(PLANE, 0.1, effects=(bend,))
 
 

@@ -8,8 +8,8 @@ from scipy.optimize import root
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.columns import Columns
-from hsr_pin.simulation.rest import imbalance
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.equilibrium import imbalance
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
 
@@ -28,7 +28,7 @@ def test_gravity_turns_the_joints_as_pinocchio_says(placement, mount):
     model = build_model(arm).model
     data, found, nothing = model.createData(), np.zeros_like(q), np.zeros_like(q)
     expected = [-pin.computeGeneralizedGravity(model, data, pose) for pose in q]
-    imbalance(Columns.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0])] * 4).arrays, q, np.zeros(4), nothing, found)
+    imbalance(ArmBatch.of([Scenario(arm, [0.0, 0.01], [0.0, 0.0])] * 4).arrays, q, np.zeros(4), nothing, found)
     np.testing.assert_allclose(found + arm.joint_stiffness * q, expected, rtol=0, atol=1e-13)
 
 

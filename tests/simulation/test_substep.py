@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from hsr_pin.errors import InputError
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation import kernel, march, reference
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation import integrate, kernel, reference
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.integrator import ORDERS, Integrator
 from hsr_pin.simulation.reference import PinocchioSystem
 from hsr_pin.simulation.scenario import Pose, Scenario, step_scenario
@@ -38,10 +38,10 @@ def accelerations(arms, q, v, torque, dynamics="aba", armature=0.0):
 
     A substep of length 1 whose implicit part is the armature alone gives them as the change of the rates.
     """
-    columns = Columns.of([Scenario(arm, [0.0, 0.01], [torque, torque]) for arm in arms])
+    batch = ArmBatch.of([Scenario(arm, [0.0, 0.01], [torque, torque]) for arm in arms])
     nothing, same = np.zeros_like(q), np.full_like(q, armature)
-    columns.__dict__["arrays"] = columns.arrays._replace(stiff=nothing, drag=same)
-    way, system = (kernel, columns.system) if dynamics == "compiled" else (reference, columns.pinocchio(dynamics))
+    batch.__dict__["arrays"] = batch.arrays._replace(stiff=nothing, drag=same)
+    way, system = (kernel, batch.system) if dynamics == "compiled" else (reference, batch.pinocchio(dynamics))
     after = v.copy()
     way.substep(system, q.copy(), after, nothing, np.full(len(q), torque), 1.0, np.zeros((kernel.SCRATCH, q.shape[1])))
     return after - v
@@ -162,7 +162,7 @@ class DoublePendulum:
 def pendulum_run(name, dynamics, steps, duration=0.5):
     q, v, z = np.array([[1.0, -0.5]]), np.zeros((1, 2)), np.zeros((0, 1, 2))
     angles, rates = np.zeros((2, steps + 1, 1, 2))
-    march.march(
+    integrate.integrate(
         DoublePendulum(dynamics).system, q, v, z, np.zeros((1, steps + 1)), duration / steps, 1, np.arange(1.0, steps + 2),
         Integrator(name, step=duration / steps).weights, np.inf, 1.0, 1.0, np.full(1, np.inf), angles, rates,
         np.full(1, np.inf), np.zeros(steps), np.zeros((1, 2)),

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.batch import moved, simulate_batch
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import simulate_batch, simulate_together
 from hsr_pin.simulation.integrator import Integrator
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.simulation.scenario import Pose, Scenario, Settled
@@ -69,8 +69,8 @@ def scenarios(draw, laws, links=LINKS):
 
 def check(scenario, dynamics="aba", **how):
     """Both ways take the same steps, and arrive at the same places."""
-    columns, method = Columns.of([scenario]), Integrator(**how)
-    here, there = (moved([scenario], columns, method, way) for way in ("compiled", dynamics))
+    batch, method = ArmBatch.of([scenario]), Integrator(**how)
+    here, there = (simulate_together([scenario], batch, method, way) for way in ("compiled", dynamics))
     np.testing.assert_array_equal(here.steps, there.steps)
     np.testing.assert_array_equal(here.lost, there.lost)
     fast = max(1.0, np.abs(there.rates).max())
@@ -149,25 +149,25 @@ def test_different_arms_side_by_side_move_alike(scenario, seed):
             scenario.arm, keq=generator.uniform(0.5, 3), mass=generator.uniform(0.1, 0.3), tilt=generator.uniform(-1, 1)
         )
         family.append(replace(scenario, arm=arm))
-    columns = Columns.of(family)
-    here, there = (moved(family, columns, Integrator(step=0.01), way) for way in ("compiled", "aba"))
+    batch = ArmBatch.of(family)
+    here, there = (simulate_together(family, batch, Integrator(step=0.01), way) for way in ("compiled", "aba"))
     np.testing.assert_allclose(here.angles, there.angles, rtol=0, atol=1e-10)
     for b in range(4):
-        alone = moved(family[b : b + 1], columns.members(slice(b, b + 1)), Integrator(step=0.01), "compiled")
+        alone = simulate_together(family[b : b + 1], batch.members(slice(b, b + 1)), Integrator(step=0.01), "compiled")
         np.testing.assert_allclose(here.angles[:, b], alone.angles[:, 0], rtol=0, atol=1e-11)
 
 
 @examples(80)
 @given(scenarios(effects()), st.floats(-2, 2))
 def test_arms_rest_alike(scenario, torque):
-    columns, wanted = Columns.of([scenario]), np.ones(1, dtype=bool)
-    near = np.zeros((1, columns.links))
-    here, there = (Engine(columns, way).settled(np.array([torque]), wanted, near) for way in ("compiled", "aba"))
-    beside = [Engine(columns, "aba").settled(np.array([torque + change]), wanted, near) for change in (-1e-7, 1e-7)]
+    batch, wanted = ArmBatch.of([scenario]), np.ones(1, dtype=bool)
+    near = np.zeros((1, batch.links))
+    here, there = (Engine(batch, way).settled(np.array([torque]), wanted, near) for way in ("compiled", "aba"))
+    beside = [Engine(batch, "aba").settled(np.array([torque + change]), wanted, near) for change in (-1e-7, 1e-7)]
     moved = max(np.abs(other - there[0]).max() for other, _ in beside)
     assume(moved < 1e-5 and beside[0][1] == there[1] == beside[1][1])  # not where it buckles, or a law softens to nothing
     assert here[1] == there[1]
-    loose = any(law.name == "backlash" for law in columns.laws)  # no stiffness in the play: a residual of 1e-8 is far
+    loose = any(law.name == "backlash" for law in batch.laws)  # no stiffness in the play: a residual of 1e-8 is far
     np.testing.assert_allclose(here[0], there[0], rtol=0, atol=1e-5 if loose else 1e-9)
 
 

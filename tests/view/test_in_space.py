@@ -9,7 +9,7 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import step_scenario
 from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
-from hsr_pin.view.controls import arm_sliders, effect_sliders, effects_for, readings
+from hsr_pin.view.controls import arm_sliders, effect_sliders, effects_for, variants
 from hsr_pin.view.session import POINTS, Session
 from hsr_pin.view.settings import Settings
 
@@ -67,12 +67,12 @@ def test_every_effect_that_can_be_moved_can_be_simulated(session):
     for name, kind in kinds.items():
         amplitude = next(slider for slider in effect_sliders(name) if slider.upper > slider.neutral)
         settings = Settings({amplitude.name: amplitude.neutral + 3 * amplitude.step})
-        for option, values in readings(kind, space=True).items():
+        for option, values in variants(kind, space=True).items():
             for value in values:
                 answer = session.answer(run, settings.changed(f"{name}.{option}", value))
                 assert np.isfinite(answer.rms), (name, value)
         assert np.isfinite(session.answer(run, settings).rms), name
-    assert readings(kinds["torque_map"], space=True)["parity"] == ("odd",)
+    assert variants(kinds["torque_map"], space=True)["parity"] == ("odd",)
     assert len(arm_sliders()) == 4
 
 

@@ -7,7 +7,7 @@ from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.actuator_lag import ActuatorLag
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.view.controls import arm_sliders, effect_sliders, within
+from hsr_pin.view.controls import arm_sliders, effect_sliders, with_value
 from hsr_pin.view.session import POINTS, overall
 from hsr_pin.view.settings import Settings
 
@@ -95,5 +95,5 @@ def test_every_number_has_a_slider_within_its_bounds(name):
 
 def test_a_slider_reaches_what_was_found():
     slider = arm_sliders()[1]
-    assert within(slider, 12.0).upper == 12.0
-    assert within(slider, 1.0) == slider
+    assert with_value(slider, 12.0).upper == 12.0
+    assert with_value(slider, 1.0) == slider

@@ -1,20 +1,20 @@
-"""What has changed between two recordings of one arm: NEW judged relative to OLD.
+"""Changes between two recordings of one arm: the current recording compared with the reference recording.
 
-- ``chance``: what OLD's own trials would show
-- ``diagnose``: diagnose_change: two datasets -> ChangeDiagnosis
+- ``chance``: apparent changes between trials of the reference recording
+- ``diagnose``: the function ``diagnose_change``
+- ``discrepancy``: statistical model of the model discrepancy in the reference recording
 - ``document``: a change as JSON
-- ``figures``: the pictures of the report
-- ``fitting``: how much of the difference a change explains
-- ``frame``: residuals free of what is expected of them
-- ``history``: several recordings, in order
-- ``leftover``: what the model of OLD lacks and has no name for
+- ``figures``: the figures of the report
+- ``fitting``: initial estimates and fits of change hypotheses
+- ``frame``: whitened residuals of both recordings
+- ``history``: several recordings in order
+- ``hypotheses``: change hypotheses: parameters or effects that may have changed
+- ``mounting``: changes of the base and of the cameras as effects
 - ``pair``: two recordings as one experiment
-- ``placing``: how the arm and its cameras stand may be another
-- ``reference``: the best model of OLD
+- ``reference``: the best model of the reference recording
 - ``report``: a change as one HTML page
-- ``size``: how large a change is, and how sure that is
-- ``suspects``: what may have changed
-- ``swing``: what damping may do by itself where a change makes an arm swing slower or faster
-- ``verdict``: what may be said
-- ``words``: a change as a person would say it
+- ``size``: the size of a change and its interval
+- ``swing``: apparent damping changes that follow from a change of frequency
+- ``verdict``: the verdict on a change
+- ``words``: sentences on a change
 """

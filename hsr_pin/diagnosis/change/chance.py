@@ -1,4 +1,4 @@
-"""What OLD's own trials would show by chance: some of them taken for another recording, in which nothing has changed."""
+"""Apparent changes within the reference recording: some of its trials are treated as another recording without any change."""
 
 from __future__ import annotations
 
@@ -11,41 +11,41 @@ from hsr_pin.diagnosis.change.fitting import Fitted, moved
 from hsr_pin.diagnosis.change.frame import Before, Frame
 from hsr_pin.trajectory import Array
 
-#: Ways to take half of OLD's trials for another recording, beside each one alone.
+#: Number of random halves of the reference recording, in addition to each single trial.
 _HALVES = 16
-#: A change is made this much smaller: then it is linear.
+#: Factor by which a change is reduced, so that its influence is linear.
 _SMALL = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Chance:
-    """For each of some changes.
+    """Gains of change hypotheses within the reference recording, where nothing has changed.
 
     Attributes:
-        gains: (S, F) of the squared residuals that each of F changes takes away, in each of S ways to part OLD.
+        gains: (S, F) decrease of the squared residuals by each of F changes, for each of S splits of the reference recording.
     """
 
     gains: Array
 
     @property
     def largest(self) -> float:
-        """Gain that no change reaches in OLD."""
+        """Largest gain of any change within the reference recording."""
         return float(self.gains.max(initial=0.0))
 
     @property
     def inflation(self) -> float:
-        """How much more a change seems to explain in OLD than chance alone would have it, in the mean; at least 1."""
+        """Mean gain within the reference recording relative to that expected by chance, at least 1: a variance inflation."""
         return max(1.0, float(self.gains.mean())) if self.gains.size else 1.0
 
 
 def chance(frame: Frame, before: Before, changes: Sequence[Fitted], seed: int) -> Chance:
-    """Of some fitted changes."""
+    """Return the gains of some fitted changes within the reference recording."""
     count, runs = len(frame.pair.old.runs), frame.pair.old_runs
     units = []
     for each in changes:
-        start, sized = each.suspect.start, np.array(each.suspect.sizes)
+        start, sized = each.change.start, np.array(each.change.sizes)
         small = np.where(sized, start + _SMALL * (each.after - start), each.after)
-        units.append(moved(frame, each.suspect, small[None], runs))
+        units.append(moved(frame, each.change, small[None], runs))
     generator, gains = np.random.default_rng(seed), []
     halves = [generator.permutation(count)[: count // 2].tolist() for _ in range(_HALVES if count > 3 else 0)]
     ways: list[list[int]] = [*([k] for k in range(count)), *halves]

@@ -1,7 +1,7 @@
-"""What has changed, as one JSON document for programs.
+"""The diagnosis of a change as one JSON document.
 
-Lengths are in mm and shares from 0 to 1, other numbers in SI units; what is not known is null. The fields of schema 1 stay;
-others may be added.
+Lengths are in mm, shares range from 0 to 1, and other numbers are in SI units; unknown values are null. The fields of schema 1
+are stable; others may be added.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SCHEMA = 1
 
 
 def to_json(diagnosis: ChangeDiagnosis) -> dict[str, Any]:
-    """The document of one comparison, as ``json.dumps(..., allow_nan=False)`` takes it."""
+    """Return the document of one comparison for ``json.dumps(..., allow_nan=False)``."""
     verdict, found, reference = diagnosis.verdict, diagnosis.found, diagnosis.reference
     return {
         "schema": SCHEMA,
@@ -51,10 +51,8 @@ def to_json(diagnosis: ChangeDiagnosis) -> dict[str, Any]:
         if found is None
         else [
             {
-                "changes": list(fitted.suspect.names),
-                "parameters": {
-                    name: _number(float(value)) for name, value in zip(fitted.suspect.open, fitted.after, strict=True)
-                },
+                "changes": list(fitted.change.names),
+                "parameters": {name: _number(float(value)) for name, value in zip(fitted.change.open, fitted.after, strict=True)},
                 "gain": _number(found.gain(fitted)),
                 "needed": _number(found.needed),
                 "moves_mm": _mm(fitted.rms),
@@ -67,7 +65,7 @@ def to_json(diagnosis: ChangeDiagnosis) -> dict[str, Any]:
 
 
 def history_to_json(found: History) -> dict[str, Any]:
-    """The document of the last session relative to the first, and all sessions beside it."""
+    """Return the document of the last session compared with the first, with an overview of all sessions."""
     return to_json(found.diagnoses[-1]) | {
         "sessions": list(found.names),
         "verdicts": [to_json(each)["verdict"] for each in found.diagnoses],

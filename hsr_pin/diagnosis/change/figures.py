@@ -1,4 +1,4 @@
-"""The figures of a report on a change: what each would explain, where it shows, every quantity over the sessions."""
+"""Figures of a report on a change: gains of the hypotheses, changed motion, and all quantities over the sessions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.history import History
-from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.diagnosis.change.verdict import ChangeEvidence
 from hsr_pin.diagnosis.words import readable
 from hsr_pin.report.inline_svg import ROLES, drawing
 from hsr_pin.trajectory import Array
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 #: Width of a page [inch].
 _WIDTH = 7.4
-#: Trials that are shown, at most.
+#: Largest number of trials that are shown.
 _SHOWN = 2
 
 
-def gains_figure(found: Found) -> Figure:
-    """What each change explains, beside what it would have to."""
+def gains_figure(found: ChangeEvidence) -> Figure:
+    """Return a figure of how much each change explains, compared with the required gain."""
     from matplotlib.figure import Figure
 
     fits = [fitted for fitted, _ in found.fits]
@@ -38,15 +38,15 @@ def gains_figure(found: Found) -> Figure:
         axes.plot(needed, at, "|", color=ROLES["declared"], ms=12, mew=2)
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter("{x:g}")
-        axes.set_yticks(at, [readable(fitted.suspect.names) for fitted in fits])
+        axes.set_yticks(at, [readable(fitted.change.names) for fitted in fits])
         axes.invert_yaxis()
         axes.tick_params(axis="y", length=0)
         axes.set_xlabel("drop of -2 log likelihood")
     return figure
 
 
-def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
-    """Which of NEW's trials to look at, with a caption: where the change moves the markers most."""
+def shown_trials(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
+    """Return the trials of the current recording that are shown, with captions: those that the change affects most."""
     if diagnosis.found is None or not diagnosis.verdict.changes:
         return []
     moves = [float(np.mean(each**2)) for each in _named(diagnosis.found, diagnosis).moved]
@@ -54,13 +54,13 @@ def telling(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
     names = [diagnosis.pair.new.runs[k].trial.name for k in chosen]
     marker = diagnosis.pair.new.markers[_far(diagnosis)].name
     return [
-        (int(k), f"{name}, marker {marker}: what the change would move, and what was seen")
+        (int(k), f"{name}, marker {marker}: predicted influence of the change, and measured deviation")
         for k, name in zip(chosen, names, strict=True)
     ]
 
 
 def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
-    """One of NEW's trials: how far it is from what OLD predicts, and what the change makes of that."""
+    """Return a figure of one current trial: its deviation from the prediction, and the part that the change explains."""
     from matplotlib.figure import Figure
 
     found, pair = diagnosis.found, diagnosis.pair
@@ -74,30 +74,33 @@ def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
         for axis, along in enumerate(pair.experiment.axes):
             axes = figure.add_subplot(rows, columns, axis + 1)
             shown = bins.counts[:, marker] > 0
-            axes.plot(bins.time, 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="seen")
+            axes.plot(bins.time, 1e3 * seen[axis], ".", ms=3, color=ROLES["measured"], label="measured")
             axes.plot(
-                bins.time[shown], 1e3 * fitted.moved[index][shown, marker, axis], color=ROLES["model"], label="by the change"
+                bins.time[shown],
+                1e3 * fitted.moved[index][shown, marker, axis],
+                color=ROLES["model"],
+                label="predicted by the change",
             )
             axes.axhline(0.0, color=ROLES["noise"], lw=1, ls=(0, (4, 3)))
             axes.set_xlabel("time [s]")
-            axes.set_title(f"{'xyz'[along]}: from what the first recording predicts [mm]")
+            axes.set_title(f"{'xyz'[along]}: deviation from the prediction of the first recording [mm]")
             if not axis:
                 axes.legend(frameon=False, loc="best")
     return figure
 
 
-def _named(found: Found, diagnosis: ChangeDiagnosis) -> Fitted:
-    """The change that the verdict names first: the smallest that holds it, and of those the one that explains most."""
+def _named(found: ChangeEvidence, diagnosis: ChangeDiagnosis) -> Fitted:
+    """Return the fit of the change that the verdict names first, with as few other changes as possible."""
     named = set(next(iter(diagnosis.verdict.alternatives), diagnosis.verdict.effects))
-    return min((f for f, _ in found.fits if named <= set(f.suspect.names)), key=lambda f: len(f.suspect.names))
+    return min((f for f, _ in found.fits if named <= set(f.change.names)), key=lambda f: len(f.change.names))
 
 
-def _seen(found: Found, marker: int, index: int) -> Array:
-    """(A, B) [m] along the axes how far a marker is from what OLD predicts of it, in one run of NEW."""
+def _seen(found: ChangeEvidence, marker: int, index: int) -> Array:
+    """Return the deviation (A, B) of a marker from the reference prediction in one run of the current recording [m]."""
     frame = found.frame
     answer = np.full((len(frame.pair.experiment.axes), len(frame.pair.bins[len(frame.pair.old.runs) + index].time)), np.nan)
     ends = np.cumsum([len(rows.run) for rows in frame.rows])[:-1]
-    for rows, part in zip(frame.rows, np.split(frame.foretold, ends), strict=True):
+    for rows, part in zip(frame.rows, np.split(frame.prediction_error, ends), strict=True):
         own = rows.run == index
         so_far = np.nan_to_num(answer[:, rows.place[own]])
         answer[:, rows.place[own]] = so_far - rows.mix[marker][:, None] * part[own]
@@ -109,7 +112,7 @@ def _far(diagnosis: ChangeDiagnosis) -> int:
 
 
 def sessions_figure(history: History) -> Figure:
-    """Every quantity over the sessions."""
+    """Return a figure of all quantities over the sessions."""
     from matplotlib.figure import Figure
 
     at = np.arange(len(history.names))

@@ -1,8 +1,9 @@
-"""Residuals of both recordings, free of what is expected of them: whitened, and without what a change is not needed for.
+"""Whitened residuals of both recordings, with shared parameters and trial parameters eliminated.
 
 Generalised least squares for a linear mixed model (C. R. Henderson, Biometrics 31, 1975): r = J b + N c + g + e with b the
-parameters that both recordings share, c the numbers of the trials' own, g the leftover and e noise. Rows of NEW come last, so
-that whitened by a Cholesky factor they are what OLD does not foretell.
+parameters that both recordings share, c the trial parameters, g the model discrepancy and e the noise. The rows of the current
+recording come last, so that after whitening with a Cholesky factor they are the part that the reference recording does not
+predict.
 """
 
 from __future__ import annotations
@@ -14,34 +15,34 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from hsr_pin.diagnosis.change.leftover import Covariance, Rows, features, learnt, rows_of, thinned
+from hsr_pin.diagnosis.change.discrepancy import Covariance, Rows, features, fitted_hyperparameters, rows_of, thinned
 from hsr_pin.diagnosis.change.pair import Pair
 from hsr_pin.identification.evaluation import predict_with_slopes
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.inference.own_numbers import Eliminated
 from hsr_pin.inference.problem import Prediction
 from hsr_pin.inference.residuals import residuals
+from hsr_pin.inference.trial_parameters import Eliminated
 from hsr_pin.trajectory import Array
 
-#: How far the shared parameters may be from where the fit to OLD ended, over their scales.
+#: Prior standard deviation of the shared parameters about the fit to the reference recording [scales].
 _WIDE = 0.3
-#: Numbers that are declared and seldom exact, and how exact: what is wrong with them is wrong in both recordings.
+#: Uncertain declared parameters and their relative standard deviation; their error is equal in both recordings.
 DECLARED = {"mass_scale": 0.1, "torque_gain": 0.05}
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What residuals are seen through.
+    """Whitened residuals of both recordings, and the transformations that lead to them.
 
     Attributes:
         pair: the recordings.
-        hypothesis, values: the model of OLD, (P,); what is declared and seldom exact is open in it too.
-        rows: of NEW, one for each sum over the markers' coordinates that is looked at.
-        roots: for each the factor (n, n) [m] of the covariance of NEW where OLD is known.
-        rooted: (n, 1 + K) whitened residuals of both, OLD's first; and what is shared and the trials' own.
-        run: (n,) to which each row belongs.
-        sizes: (channels, 7) of the covariances.
-        eliminated: the same numbers as they are taken out.
+        hypothesis, values: the reference model and its values (P,); uncertain declared parameters are free in it too.
+        rows: rows of the current recording, for each linear combination of marker coordinates.
+        roots: for each of these the Cholesky factor (n, n) of its covariance given the reference recording [m].
+        rooted: (n, 1 + K) whitened residuals of both recordings, the reference first, then the shared and trial parameters.
+        run: (n,) index of the run of each row.
+        sizes: (channels, 7) hyperparameters of the covariances.
+        eliminated: elimination of the shared and trial parameters.
     """
 
     pair: Pair
@@ -56,51 +57,53 @@ class Frame:
 
     @property
     def seen(self) -> Array:
-        """(n,) residuals of both recordings."""
+        """Whitened residuals (n,) of both recordings with the parameters eliminated."""
         return self.eliminated(self.rooted[:, :1])[:, 0]
 
     @property
     def old(self) -> int:
-        """Rows of OLD."""
+        """Number of rows of the reference recording."""
         return len(self.run) - sum(len(rows.run) for rows in self.rows)
 
     def change(self, binned: Sequence[Array]) -> Array:
-        """(n, C) what a change of NEW, (B, M, A, C) [m] for each of its runs, makes of the residuals."""
+        """Return the influence (n, C) on the residuals of a change (B, M, A, C) [m] in each run of the current recording."""
         return self.eliminated.after(self.old, _rooted(self.rows, self.roots, binned))
 
     def _metres(self, rooted: Array) -> Array:
-        """(n,) [m] of NEW, from whitened ones."""
+        """Return residuals (n,) of the current recording in metres, from whitened ones."""
         parts = np.split(rooted, np.cumsum([len(rows.run) for rows in self.rows])[:-1])
         return np.concatenate([root @ part for root, part in zip(self.roots, parts, strict=True)])
 
     @property
     def _axes(self) -> int:
-        """Coordinates of a marker."""
+        """Number of coordinates of a marker."""
         return len(self.pair.experiment.axes)
 
     @property
     def scatter(self) -> float:
-        """[m] RMS distance that NEW would be off by if nothing had changed: the leftover, the trials' own, noise."""
+        """Expected RMS distance of the current recording without any change: discrepancy, trial parameters and noise [m]."""
         variance = np.concatenate([(root**2).sum(axis=1) for root in self.roots])
         columns = self.rooted[:, 1:]
-        mine = columns[self.old :, ~columns[: self.old].any(axis=0)]  # the trials' own; what is shared OLD tells
+        mine = columns[
+            self.old :, ~columns[: self.old].any(axis=0)
+        ]  # trial parameters of the current recording; the reference determines the shared ones
         own = np.column_stack([np.zeros(len(mine)), *(self._metres(column) for column in mine.T)])
         return float(np.sqrt(self._axes * (variance + (own**2).sum(axis=1)).mean()))
 
     @property
-    def foretold(self) -> Array:
-        """(n,) [m] of NEW, coordinate by coordinate: what OLD predicts, less what was measured."""
+    def prediction_error(self) -> Array:
+        """Prediction from the reference recording minus the measurement (n,), coordinate by coordinate [m]."""
         return self._metres(self.rooted[self.old :, 0])
 
     def off(self, moved: Sequence[Array] = ()) -> float:
-        """[m] RMS distance between NEW and what OLD predicts, with a change (B, M, A) [m] for each of its runs."""
-        seen = self.foretold
+        """Return the RMS distance between the current recording and its prediction, with a change (B, M, A) [m] in each run."""
+        seen = self.prediction_error
         if moved:
             seen = seen + np.concatenate([rows.of(moved) for rows in self.rows])
         return float(np.sqrt(self._axes * np.mean(seen**2)))
 
     def at(self, model: Hypothesis, values: Array) -> Frame:
-        """The same where the model of NEW is another: with ``values`` (P,) of one that has the shared parameters too."""
+        """Return the frame with derivatives at another current model, whose values (P,) include the shared parameters."""
         runs = tuple(self.pair.experiment.runs[k] for k in self.pair.new_runs)
         part = replace(self.pair.experiment, runs=runs)
         chosen = [model.free.index(name) for name in self.hypothesis.free]
@@ -120,12 +123,12 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Before:
-    """OLD alone, seen likewise: some of its trials may be taken as if they were another recording.
+    """Whitened residuals of the reference recording alone, of which some trials can be treated as another recording.
 
     Attributes:
-        rows, roots: of OLD, as in :class:`Frame`.
-        eliminated: what is shared, and what is the trials' own.
-        seen: (n,) the residuals.
+        rows, roots: as in :class:`Frame`, of the reference recording.
+        eliminated: elimination of the shared and trial parameters.
+        seen: (n,) residuals.
     """
 
     rows: tuple[Rows, ...]
@@ -134,12 +137,12 @@ class Before:
     seen: Array
 
     def change(self, binned: Sequence[Array]) -> Array:
-        """(n, C) what a change (B, M, A, C) [m] for each of its runs makes of the residuals."""
+        """Return the influence (n, C) on the residuals of a change (B, M, A, C) [m] in each run of the reference recording."""
         return self.eliminated(_rooted(self.rows, self.roots, binned))
 
 
 def framed(pair: Pair, hypothesis: Hypothesis, values: Array) -> tuple[Frame, Before]:
-    """For a model fitted to OLD, with its open parameters at ``values`` (P,)."""
+    """Return the frames for a model fitted to the reference recording, with its free parameters at ``values`` (P,)."""
     more = tuple(name for name in DECLARED if name not in hypothesis.free)
     hypothesis = replace(hypothesis, free=(*hypothesis.free, *more))
     values = np.append(values, np.ones(len(more)))
@@ -155,7 +158,7 @@ def framed(pair: Pair, hypothesis: Hypothesis, values: Array) -> tuple[Frame, Be
     for each in rows_of(pair, missed):
         some, first = thinned(each, ~pair.is_new), int(np.sum(~pair.is_new[each.run]))
         residual, known = each.of(missed), each.of(columns)
-        size = learnt(Covariance.of(pair, each, found, residual, off, some), residual[some], known[some])
+        size = fitted_hyperparameters(Covariance.of(pair, each, found, residual, off, some), residual[some], known[some])
         whole = Covariance.of(pair, each, found, residual, off, np.arange(len(residual))).matrix(size)
         root = np.asarray(np.linalg.cholesky(whole), dtype=float)
         both = solve_triangular(root, np.column_stack([residual, known]), lower=True)
@@ -184,14 +187,14 @@ def framed(pair: Pair, hypothesis: Hypothesis, values: Array) -> tuple[Frame, Be
 
 
 def _wide(hypothesis: Hypothesis) -> Array:
-    """(P,) one standard deviation of what is known of each parameter before."""
+    """Return the prior standard deviation of each parameter (P,)."""
     return np.array([DECLARED.get(name, _WIDE * scale) for name, scale in zip(hypothesis.free, hypothesis.scale, strict=True)])
 
 
 def _binned(
     pair: Pair, predictions: Sequence[Prediction], runs: Sequence[int], chosen: list[int], wide: Array
 ) -> tuple[list[Array], list[Array]]:
-    """For each run (B, M, A, P) and (B, M, A, K) [m]: what the shared parameters and the trial's own make."""
+    """Return for each run the influence of the shared (B, M, A, P) and of the trial parameters (B, M, A, K) [m]."""
     slopes = [pair.bins[k](p.slopes[..., chosen] * wide) for k, p in zip(runs, predictions, strict=True) if p.slopes is not None]
     own = [pair.bins[k](p.nuisance) for k, p in zip(runs, predictions, strict=True) if p.nuisance is not None]
     return slopes, own
@@ -202,7 +205,7 @@ def _rooted(rows: Sequence[Rows], roots: Sequence[Array], binned: Sequence[Array
 
 
 def _columns(slopes: Sequence[Array], own: Sequence[Array], width: int | None = None) -> tuple[list[Array], int]:
-    """For each run (B, M, A, K): shared parameters, then the numbers of each trial; those of the last runs come last."""
+    """Return for each run (B, M, A, K) the shared parameters, then the trial parameters; those of the last runs come last."""
     shared, numbers = slopes[0].shape[-1], sum(each.shape[-1] for each in own)
     total = shared + numbers if width is None else width
     placed, out = total - numbers, []

@@ -1,4 +1,4 @@
-"""An arm over several recordings, in order: each judged relative to the first."""
+"""Several recordings of one arm in order, each compared with the first one."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from hsr_pin.diagnosis.change.size import Size
 from hsr_pin.errors import IdentificationError
 from hsr_pin.trajectory import Dataset
 
-#: Told in every session, changed or not.
+#: Quantities that are reported for every session.
 _ALWAYS = ("keq_scale", "damping_scale")
 
 
 @dataclass(frozen=True)
 class Point:
-    """One quantity in one session.
+    """Value of one quantity in one session.
 
     Attributes:
-        value: of it.
-        interval: 95 %, or where no change was seen what could not have been seen; None where that is not known.
+        value: the value.
+        interval: 95 % interval, or the range of undetectable changes if no change was detected; None if it is unknown.
         changed: "certain", "perhaps" (among the alternatives) or "".
     """
 
@@ -32,13 +32,13 @@ class Point:
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number over the sessions.
+    """One quantity over the sessions.
 
     Attributes:
         name: "keq_scale", "effect.parameter".
-        unit: "1" for a ratio.
-        points: one for each session, the first with what the arm was like to begin with.
-        first: index of the first session in which it has certainly changed; None: in none.
+        unit: unit of the values; "1" for a ratio.
+        points: one for each session; the first one is the reference.
+        first: index of the first session with a certain change; None without any.
     """
 
     name: str
@@ -49,12 +49,12 @@ class Quantity:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """All sessions.
+    """Comparison of all sessions with the first one.
 
     Attributes:
-        names: of the datasets, in order.
-        diagnoses: of each but the first, relative to the first.
-        quantities: stiffness, damping, and all that changed in any of them.
+        names: names of the datasets in order.
+        diagnoses: diagnosis of each dataset but the first, compared with the first.
+        quantities: stiffness, damping, and all quantities that changed in any session.
     """
 
     names: tuple[str, ...]
@@ -63,14 +63,14 @@ class History:
 
 
 def history(sessions: Sequence[Dataset], **options: Any) -> History:
-    """Judge each of several recordings of an arm relative to the first.
+    """Compare each of several recordings of an arm with the first one.
 
     Args:
-        sessions: two or more, in order.
-        options: as :func:`hsr_pin.diagnosis.change.diagnose.diagnose_change` takes them.
+        sessions: two or more recordings in order.
+        options: further arguments of :func:`hsr_pin.diagnosis.change.diagnose.diagnose_change`.
 
     Raises:
-        IdentificationError: fewer than two, or as that function says.
+        IdentificationError: there are fewer than two recordings, or a comparison is not possible.
     """
     if len(sessions) < 2:
         raise IdentificationError("sessions", expected="two or more", received=len(sessions))
@@ -108,7 +108,7 @@ def _quantities(diagnoses: Sequence[ChangeDiagnosis]) -> tuple[Quantity, ...]:
 
 
 def _base(diagnoses: Sequence[ChangeDiagnosis], name: str, start: Size | None) -> Point | None:
-    """What it was in the first session."""
+    """Return the value of a quantity in the first session."""
     if start is not None and start.before is not None:
         return Point(start.before, start.was, "")
     known = next((each.found for each in diagnoses if each.found is not None), None)

@@ -1,4 +1,4 @@
-"""Two recordings of one arm as one experiment, and their residuals in bins of time."""
+"""Two recordings of one arm as one experiment, and their residuals in time bins."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.prepared import Run
 from hsr_pin.trajectory import Array, Marker
 
-#: Rows of one marker's coordinate over both recordings, about; and the narrowest bin [s].
+#: Approximate number of bins over both recordings, and least width of a bin [s].
 _ROWS, _NARROWEST = 1200, 0.02
-#: A change shows if it moves the markers by this share of the noise floor, and of the length of the arm.
+#: Least reportable motion of the markers, as a share of the noise floor and of the length of the arm.
 _NOISE, _LENGTH = 0.5, 2e-3
-#: A run moves at least this much, over what those of OLD do, and at most.
+#: Range of the relative motion of a run.
 _MOTION = (0.3, 10.0)
-#: Over how long motion is made smooth before it is shifted in time [s], in five samples at least.
+#: Smoothing window of a motion before it is shifted in time [s], at least five samples.
 _SMOOTH = 0.06
-#: Declared numbers that may differ by this share and still be of the same arm.
+#: Relative tolerance of declared parameters of the same arm.
 _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """OLD and NEW.
+    """A reference recording and a current recording of one arm.
 
     Attributes:
-        old, new: each as it was prepared.
+        old, new: the prepared reference and current recordings.
     """
 
     old: Experiment
@@ -41,7 +41,7 @@ class Pair:
 
     @cached_property
     def experiment(self) -> Experiment:
-        """Both: the runs of OLD first."""
+        """Both recordings as one experiment, with the runs of the reference first."""
         old, new = self.old, self.new
         return replace(
             old,
@@ -53,27 +53,27 @@ class Pair:
 
     @cached_property
     def is_new(self) -> NDArray[np.bool_]:
-        """(R,) for each run."""
+        """For each run (R,), whether it belongs to the current recording."""
         return np.arange(len(self.experiment.runs)) >= len(self.old.runs)
 
     @property
     def old_runs(self) -> range:
-        """Indices of OLD's runs among all."""
+        """Indices of the runs of the reference recording."""
         return range(len(self.old.runs))
 
     @property
     def new_runs(self) -> range:
-        """Indices of NEW's."""
+        """Indices of the runs of the current recording."""
         return range(len(self.old.runs), len(self.experiment.runs))
 
     @property
-    def worth(self) -> float:
-        """[m] RMS distance by which a change must move the markers to be worth a word."""
+    def reportable(self) -> float:
+        """Least RMS distance by which a change must move the markers to be reported [m]."""
         return max(_NOISE * self.experiment.noise_rms, _LENGTH * self.experiment.dataset.length)
 
     @cached_property
     def motion(self) -> tuple[float, ...]:
-        """For each run how much the arm moves in it, over what it does in OLD's: RMS distance from its mean place."""
+        """For each run, its RMS distance from the mean pose relative to that in the reference recording."""
         seen = (run.compared[:, np.isfinite(run.compared).any(axis=(0, 2))] for run in self.experiment.runs)
         sizes = [float(np.sqrt(np.mean(np.nanvar(places, axis=0)))) for places in seen]
         usual = float(np.sqrt(np.mean(np.square([sizes[k] for k in self.old_runs]))))
@@ -81,13 +81,13 @@ class Pair:
 
     @cached_property
     def smooth(self) -> tuple[Array, ...]:
-        """Of each run (T, M, A) [m] where the markers were, without gaps and with less noise."""
+        """For each run (T, M, A) smoothed marker positions without gaps [m]."""
         return tuple(_smooth(run) for run in self.experiment.runs)
 
     def later(self, index: int, delays: Array) -> Array:
-        """(B, M, A, C) [m] how much farther a run was than it would have been without delays (C,) [s] of its command.
+        """Return the shift (B, M, A, C) of a run's markers by delays (C,) [s] of its command, compared with no delay [m].
 
-        A command that comes later shifts whatever the arm did in answer, also what no model of it explains.
+        A delayed command shifts the whole response of the arm, including the part that no model explains.
         """
         run, seen = self.experiment.runs[index], self.smooth[index]
         if run.start_pose is not None:
@@ -100,26 +100,26 @@ class Pair:
 
     @cached_property
     def width(self) -> float:
-        """Of a bin [s]."""
+        """Width of a bin [s]."""
         runs = self.experiment.runs
         total = sum(float(run.time[-1] - run.time[0]) for run in runs)
         return max(_NARROWEST, total / _ROWS)
 
     @cached_property
     def bins(self) -> tuple[Bins, ...]:
-        """Of each run."""
+        """Bins of each run."""
         return tuple(Bins.of(run, self.width) for run in self.experiment.runs)
 
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """How the samples of a run are averaged.
+    """Averaging of the samples of a run in time bins.
 
     Attributes:
         starts: (B,) first sample of each bin.
-        seen: (T, M) whether a marker was seen.
-        counts: (B, M) samples in which it was.
-        time: (B,) [s] since the run began.
+        seen: (T, M) whether a marker was visible.
+        counts: (B, M) number of samples in which it was visible.
+        time: (B,) time since the start of the run [s].
     """
 
     starts: NDArray[np.intp]
@@ -129,7 +129,7 @@ class Bins:
 
     @classmethod
     def of(cls, run: Run, width: float) -> Bins:
-        """Bins of this width [s], or of one sample."""
+        """Return bins of this width [s], or of one sample."""
         since = run.instants - run.time[0]
         place = np.floor(since / max(width, run.step) + 1e-6).astype(int)
         starts = np.flatnonzero(np.diff(place, prepend=-1))
@@ -138,20 +138,20 @@ class Bins:
         return cls(starts, seen, np.add.reduceat(seen.astype(float), starts), np.add.reduceat(since, starts) / sizes)
 
     def __call__(self, values: Array) -> Array:
-        """(B, M, ...) means of values (T, M, ...) over the samples at which a marker was seen; 0 where it never was."""
+        """Return means (B, M, ...) of values (T, M, ...) over the samples with a visible marker; 0 without any."""
         mask = self.seen.reshape(*self.seen.shape, *[1] * (values.ndim - 2))
         sums = np.add.reduceat(np.where(mask, values, 0.0), self.starts, axis=0)
         counts = self.counts.reshape(*self.counts.shape, *[1] * (values.ndim - 2))
         return np.asarray(sums / np.maximum(counts, 1.0))
 
     def of_all(self, values: Array) -> Array:
-        """(B, ...) means of values (T, ...) over all samples."""
+        """Return means (B, ...) of values (T, ...) over all samples."""
         sizes = np.diff(self.starts, append=len(values)).reshape(-1, *[1] * (values.ndim - 1))
         return np.asarray(np.add.reduceat(values, self.starts, axis=0) / sizes)
 
 
 def _smooth(run: Run) -> Array:
-    """(T, M, A) [m] moving parabolas, gaps bridged; zeros for a marker that was hardly seen.
+    """Return smoothed marker positions (T, M, A) with gaps interpolated [m]; zeros for hardly visible markers.
 
     A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964).
     """
@@ -167,30 +167,30 @@ def _smooth(run: Run) -> Array:
 
 
 def pair(old: Experiment, new: Experiment) -> Pair:
-    """Two recordings of one arm.
+    """Return two recordings as a pair.
 
     Raises:
-        IdentificationError: they are of different arms, or show different markers.
+        IdentificationError: they are of different arms, or have different markers.
     """
-    hint = "both recordings must be of one arm, declared alike but for what differs from trial to trial"
+    hint = "both recordings must be of one arm with equal declared values, except for those of single trials"
     for name in ("bending", "length", "mass", "diameter", "mount", "torsion"):
         was, is_ = getattr(old.dataset, name), getattr(new.dataset, name)
         if was != is_ if isinstance(was, str) else not isclose(was, is_, rel_tol=_SAME):
             expected = f"{was}, as in {old.dataset.name}"
             raise IdentificationError(f"{name} of {new.dataset.name}", expected=expected, received=is_, hint=hint)
-    for what, told in (
+    for what, listings in (
         ("sections", [[str(section) for section in each.dataset.sections] for each in (old, new)]),
         ("markers", [[_placed(marker) for marker in each.markers] for each in (old, new)]),
     ):
-        if told[0] != told[1]:
-            expected, received = (_listed(each) or "none" for each in told)
+        if listings[0] != listings[1]:
+            expected, received = (_listed(each) or "none" for each in listings)
             raise IdentificationError(f"{what} of {new.dataset.name}", expected=expected, received=received, hint=hint)
     return Pair(old, new)
 
 
 def _placed(marker: Marker) -> str:
-    beside = f", {marker.radius:g} m beside at {marker.angle:g} rad" if marker.radius else ""
-    return f"{marker.name} at {marker.arc_length:g} m{beside}"
+    offset = f", {marker.radius:g} m off the backbone at {marker.angle:g} rad" if marker.radius else ""
+    return f"{marker.name} at {marker.arc_length:g} m{offset}"
 
 
 def _listed(names: Sequence[str]) -> str:

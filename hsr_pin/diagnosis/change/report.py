@@ -1,4 +1,4 @@
-"""What has changed, as one HTML file that needs nothing else."""
+"""A diagnosis of changes as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hsr_pin.report.page import environment
 
 
 def write_report(history: History, path: str | Path) -> None:
-    """Write the report: the last session relative to the first, and all of them where they are more than two.
+    """Write the HTML report to a file: the last session compared with the first, and an overview of more than two sessions.
 
     Raises:
         OutputError: the file cannot be written.
@@ -29,7 +29,7 @@ def write_report(history: History, path: str | Path) -> None:
 
 
 def report(history: History) -> str:
-    """The text of that file."""
+    """Return the HTML report as text."""
     diagnosis = history.diagnoses[-1]
     verdict, pair, reference = diagnosis.verdict, diagnosis.pair, diagnosis.reference
     return (
@@ -69,7 +69,7 @@ def _size(size: Size) -> dict[str, str]:
 def _figures(history: History, diagnosis: ChangeDiagnosis) -> dict[str, Any]:
     found = diagnosis.found
     motions = []
-    for k, caption in figures.telling(diagnosis):
+    for k, caption in figures.shown_trials(diagnosis):
         motions.append((caption, Markup(inline(figures.motion_figure(diagnosis, k), f"motion{k}", caption))))
     gains = found and Markup(inline(figures.gains_figure(found), "gains", "What each change explains"))
     several = len(history.names) > 2

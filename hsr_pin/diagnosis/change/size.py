@@ -1,4 +1,4 @@
-"""How large a change is, how sure that is, and how much of the difference it explains on trials that it was not fitted to."""
+"""Sizes of changes with their intervals, and residuals with single trials left out."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from hsr_pin.identification.part import ARM
 from hsr_pin.inference.step import damped_inverse, damped_step
 from hsr_pin.trajectory import Array
 
-#: Share of the diagonal of the normal matrix that is added to it: where a trial is left out, and where none is.
+#: Damping of the normal matrix, as a share of its diagonal: with a trial left out, and without.
 _DAMPING, _NEARLY_NONE = 1e-3, 1e-9
 
 
 @dataclass(frozen=True)
 class Size:
-    """Of one number that has changed.
+    """Size of the change of one parameter.
 
     Attributes:
-        name: of the effect, or of the arm's number.
+        name: name of the effect, or of the arm's parameter.
         parameter: "keq_scale", "effect.parameter".
-        unit: "1" for a ratio.
-        before, after: the value in OLD (None: the effect was not there, and this is its shape), and in NEW.
+        unit: unit of the values; "1" for a ratio.
+        before, after: values in the reference and in the current recording; ``before`` is None for the shape of a new effect.
         was, becomes: 95 % intervals of both.
-        step: 95 % interval of the step between them: of a number of the arm the ratio, else the difference.
+        step: 95 % interval of the change: a ratio for a parameter of the arm, otherwise a difference.
     """
 
     name: str
@@ -43,14 +43,14 @@ class Size:
 
     @property
     def moved(self) -> bool:
-        """Whether it is certainly another than it was."""
+        """Whether the change is significant."""
         still = 1.0 if self.name in ARM else 0.0
         return self.step is not None and not self.step[0] <= still <= self.step[1]
 
 
 def left_out(frame: Frame, fitted: Fitted) -> tuple[Array, Array]:
-    """(T, K) the values with each of NEW's trials left out, and (n,) the residuals, each trial's with the values without it."""
-    residual, scale = fitted.residual.copy(), np.array([fact.scale for fact in fitted.suspect.facts])
+    """Return values (T, K) with each current trial left out, and residuals (n,) of each trial with the values without it."""
+    residual, scale = fitted.residual.copy(), np.array([fact.scale for fact in fitted.change.facts])
     values = []
     runs = list(frame.pair.new_runs)
     for run in runs:
@@ -63,12 +63,14 @@ def left_out(frame: Frame, fitted: Fitted) -> tuple[Array, Array]:
 
 
 def standard_errors(frame: Frame, fitted: Fitted, inflation: float) -> tuple[Array, float]:
-    """(K,) of the values in NEW, beside what OLD was: the larger of what noise and of what the trials say; and their freedom."""
-    scale = np.array([fact.scale for fact in fitted.suspect.facts])
+    """Return standard errors (K,) of the current values, the larger of those from noise and trials, and their freedom."""
+    scale = np.array([fact.scale for fact in fitted.change.facts])
     slopes = fitted.slopes * scale
     new = frame.run >= len(frame.pair.old.runs)
     spread = max(1.0, float(np.mean(fitted.residual[new] ** 2)))
-    noise = np.diag(damped_inverse(slopes, _NEARLY_NONE)) * max(spread, inflation) * scale**2  # of what moves nothing: large
+    noise = (
+        np.diag(damped_inverse(slopes, _NEARLY_NONE)) * max(spread, inflation) * scale**2
+    )  # large for parameters without influence
     values, _ = left_out(frame, fitted)
     count = len(values)
     between = (count - 1) / count * ((values - values.mean(axis=0)) ** 2).sum(axis=0) if count > 1 else np.zeros(len(scale))
@@ -76,20 +78,20 @@ def standard_errors(frame: Frame, fitted: Fitted, inflation: float) -> tuple[Arr
 
 
 def sizes(frame: Frame, fitted: Fitted, was: Mapping[str, tuple[float, float]], inflation: float) -> tuple[Size, ...]:
-    """Of everything that changed.
+    """Return the sizes of all changes of a hypothesis.
 
     Args:
-        frame: what residuals are seen through.
+        frame: the whitened residuals.
         fitted: the change.
-        was: 95 % intervals of the values of OLD's model, by name.
-        inflation: of the variance, by what OLD's own trials show.
+        was: 95 % intervals of the values of the reference model, by name.
+        inflation: variance inflation from the trials of the reference recording.
     """
     errors, freedom = standard_errors(frame, fitted, inflation)
     reach = min(float(stats.t.ppf(0.975, freedom)), 3.2) * errors
     found = []
-    for k, (fact, start) in enumerate(zip(fitted.suspect.facts, fitted.suspect.start, strict=True)):
+    for k, (fact, start) in enumerate(zip(fitted.change.facts, fitted.change.start, strict=True)):
         after, name = float(fitted.after[k]), fact.name.partition(".")[0]
-        there = fitted.suspect.sizes[k] or fact.name in was
+        there = fitted.change.sizes[k] or fact.name in was
         before = float(start) if there else None
         span = was.get(fact.name, (float(start), float(start))) if there else None
         becomes = _within(fact.lower, fact.upper, after, float(reach[k]), span)

@@ -1,8 +1,8 @@
-"""From fitted changes to what is reported: the posterior over hypotheses of which numbers differ between two recordings.
+"""The verdict on a change, from the posterior over change hypotheses.
 
-Residuals of the second recording are whitened by what the first predicts of it, so that noise and scatter have unit variance
-there. A hypothesis of a change is a model of these residuals like any other; that nothing has changed is the model without
-causes. What the same change would explain between the first recording's own trials is scatter, which is asked of no hypothesis.
+The residuals of the current recording are whitened by the prediction from the reference recording, so that noise and scatter have
+unit variance. A change hypothesis is a model of these residuals; the model without causes states that nothing has changed. A gain
+that the same change would have between trials of the reference recording is attributed to scatter.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from numpy.typing import NDArray
 from hsr_pin.diagnosis.change.chance import Chance
 from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.frame import Frame
+from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.diagnosis.change.size import Size, left_out, sizes
-from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.swing import slack
-from hsr_pin.diagnosis.change.words import listed, millimetres, told
+from hsr_pin.diagnosis.change.swing import apparent_damping_range
+from hsr_pin.diagnosis.change.words import changes_in_words, listed, millimetres
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.inference import Cause, Data, Decision, Loss, Model, Posterior, decide, posterior
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.evidence import variance
 from hsr_pin.inference.model import information
 
-#: Where nothing has changed, NEW is no farther from what OLD predicts than this many times the scatter of trials.
+#: Largest distance of the current recording from its prediction without a change, as a multiple of the expected scatter.
 _FARTHER = 2.0
-#: Share of what OLD does not predict of NEW that may be left where a change is said to explain it.
+#: Largest remaining share of the difference if a change is said to explain it.
 _REST = 0.1
-#: Odds at which a change counts as seen, where it is said how small a change would have been.
+#: Odds at which a change counts as detected, for the smallest detectable change.
 _ODDS = 20.0
 #: Probabilities below this are not listed.
 _LISTED = 0.01
@@ -40,13 +40,13 @@ _LISTED = 0.01
 
 @dataclass(frozen=True)
 class Difference:
-    """How far NEW is from what OLD predicts, RMS distances [m].
+    """RMS distances between the current recording and the prediction from the reference recording [m].
 
     Attributes:
-        before: where nothing is taken to have changed.
-        after: with the change.
-        scatter: that would be no surprise if nothing had changed.
-        share: of the difference, in units of its scatter, that the change explains on trials that it was not fitted to.
+        before: distance without any change.
+        after: distance with the change.
+        scatter: expected distance if nothing has changed.
+        share: share of the difference, in units of its scatter, that the change explains on held-out trials.
     """
 
     before: float
@@ -57,19 +57,19 @@ class Difference:
 
 @dataclass(frozen=True)
 class ChangeVerdict:
-    """What the recordings say of a change.
+    """Conclusion on a change.
 
     Attributes:
         status: "identified", "partly_identified", "ambiguous", "unexplained", "unchanged" or "insufficient".
-        effects: names of what is reported as changed, sorted; plain numbers of the arm under their own names.
-        alternatives: sets of names that these recordings cannot tell apart, the most probable first.
-        sentence: the verdict as a person would say it.
-        kinds: of physics that are reported, sorted.
-        changes: from what to what, of the best model of the change, then of the alternatives.
-        difference: how far NEW is from OLD; None where that could not be told.
-        limits: name -> the smallest change that would have been seen; plain numbers: relative.
+        effects: sorted names of what is reported as changed; parameters of the arm under their own names.
+        alternatives: sets of names that these recordings cannot distinguish, the most probable first.
+        sentence: the verdict as one sentence.
+        kinds: sorted kinds of physics that are reported.
+        changes: sizes of the changes of the best hypothesis, then of the alternatives.
+        difference: difference of the recordings; None if it could not be determined.
+        limits: name -> smallest detectable change; relative for parameters of the arm.
         confidence: name or kind -> its probability.
-        decision: the report that the loss chose; None where nothing was fitted.
+        decision: the report chosen by the loss table; None if nothing was fitted.
     """
 
     status: str
@@ -85,14 +85,14 @@ class ChangeVerdict:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """What a verdict rests on.
+class ChangeEvidence:
+    """Evidence for a verdict on a change.
 
     Attributes:
-        frame: what residuals are seen through.
-        fits: (change, the frame it was fitted in), the best first; one for each set of names.
-        chance: what OLD shows by chance of the most promising changes.
-        was: 95 % intervals of the values of OLD's model, by name.
+        frame: the whitened residuals.
+        fits: (change, the frame of its fit), the best first; one for each set of names.
+        chance: gains of the most promising changes within the reference recording.
+        was: 95 % intervals of the values of the reference model, by name.
     """
 
     frame: Frame
@@ -102,44 +102,44 @@ class Found:
 
     @property
     def new(self) -> NDArray[np.bool_]:
-        """(n,) which rows are of NEW."""
+        """For each row (n,), whether it belongs to the current recording."""
         return np.asarray(self.frame.run >= len(self.frame.pair.old.runs))
 
     @property
     def nothing(self) -> float:
-        """Sum of the squared residuals where nothing has changed."""
+        """Sum of the squared residuals without any change."""
         return float(self.frame.seen @ self.frame.seen)
 
     def gain(self, fitted: Fitted) -> float:
-        """Of the squared residuals, what a change takes away."""
+        """Return the decrease of the squared residuals by a change."""
         return self.nothing - fitted.square
 
     @cached_property
     def data(self) -> Data:
-        """The scale of the whitened residuals: unit noise."""
+        """Unit noise variance and number of whitened residuals."""
         return Data(1.0, int(self.new.sum()))
 
     @cached_property
     def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
-        """Of each of the fits, by its names."""
-        return {f.suspect.names: sizes(frame, f, self.was, max(1.0, self.chance.inflation)) for f, frame in self.fits}
+        """Sizes of each fitted change, by its names."""
+        return {f.change.names: sizes(frame, f, self.was, max(1.0, self.chance.inflation)) for f, frame in self.fits}
 
     @cached_property
     def posterior(self) -> Posterior:
-        """Over all changes that move the markers by what can be reported, and that nothing has changed."""
+        """Posterior over the reportable changes and over the hypothesis that nothing has changed."""
         least = min([self.nothing, *(fitted.square for fitted, _ in self.fits)])
         expected = len(self.frame.seen) * self._noisier
-        floor = max(0.0, least - expected)  # left by all, beyond what noise leaves
+        floor = max(0.0, least - expected)  # remaining misfit of all hypotheses beyond noise
 
         def misfit(square: float) -> float:
             return max(square - least + floor, self.chance.largest) / self.data.count
 
         models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
-        seen: dict[int, Suspect | None] = {id(models[0]): None}
+        seen: dict[int, ChangeHypothesis | None] = {id(models[0]): None}
         for fitted, _ in self.fits:
-            if fitted.rms >= self.frame.pair.worth:
+            if fitted.rms >= self.frame.pair.reportable:
                 models.append(_model(fitted, misfit(fitted.square), {size.name for size in self.reported(fitted)}))
-                seen[id(models[-1])] = fitted.suspect
+                seen[id(models[-1])] = fitted.change
 
         def special_case(one: Model, other: Model) -> bool:
             return _special_case(seen[id(one)], seen[id(other)])
@@ -148,26 +148,26 @@ class Found:
 
     @property
     def _noisier(self) -> float:
-        """Mean square of OLD's residuals, at least 1: what its own trials leave is expected of NEW."""
+        """Mean square of the residuals of the reference recording, at least 1, which is expected in the current recording too."""
         old = self.frame.seen[~self.new]
         return max(1.0, float(np.mean(old**2)))
 
     def reported(self, fitted: Fitted) -> tuple[Size, ...]:
-        """What is reported of a change: no damping that a swing at another rate may make."""
-        found = self.sizes[fitted.suspect.names]
+        """Return the reported sizes of a change, without a damping change that a change of frequency can cause."""
+        found = self.sizes[fitted.change.names]
         own = [size for size in found if size.parameter == "damping_scale" and size.step is not None]
-        if not own or len(fitted.suspect.names) < 2 or own[0].step is None:
+        if not own or len(fitted.change.names) < 2 or own[0].step is None:
             return found
-        (low, high), (least, most) = own[0].step, slack(self.frame.pair, fitted)
+        (low, high), (least, most) = own[0].step, apparent_damping_range(self.frame.pair, fitted)
         return tuple(size for size in found if size is not own[0]) if least < most and low <= most and high >= least else found
 
     def fit_of(self, names: tuple[str, ...]) -> Fitted:
-        """The best fit in which just these have changed."""
+        """Return the best fit in which exactly these have changed."""
         own = [fitted for fitted, _ in self.fits if tuple(sorted({s.name for s in self.reported(fitted)})) == names]
         return min(own, key=lambda fitted: fitted.square)
 
     def difference(self, fitted: Fitted) -> Difference:
-        """How far a change brings NEW to what OLD predicts."""
+        """Return the difference between the recordings with and without a change."""
         frame = next(frame for each, frame in self.fits if each is fitted)
         _, residual = left_out(frame, fitted)
         was, is_, least = (float((each[self.new] ** 2).sum()) for each in (self.frame.seen, residual, fitted.residual))
@@ -177,45 +177,45 @@ class Found:
 
     @property
     def needed(self) -> float:
-        """Gain from which on a change of one number would be more probable than none by odds of twenty to one."""
+        """Gain at which a change of one parameter is 20 times as probable as no change."""
         return needed(self.data, self.chance.largest / self.data.count)
 
 
 def needed(data: Data, scatter: float = 0.0) -> float:
-    """Of the squared residuals, what one cause must take away to be more probable than none by odds of twenty to one.
+    """Return the decrease of the squared residuals at which one cause is 20 times as probable as none.
 
     Args:
-        data: their scale.
-        scatter: mean square that is asked of no change.
+        data: noise variance and number of the residuals.
+        scatter: mean square that no change is required to explain.
     """
     numbers = calibrated()
     return data.count * variance(scatter, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
 
 
 def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
-    """A change as the judgement sees it; the prior of a number is about what it was."""
-    facts, suspect = fitted.suspect.facts, fitted.suspect
+    """Return the summary of a change for the evidence; the prior of a parameter is centred at its reference value."""
+    facts, change = fitted.change.facts, fitted.change
     widths = np.array([fact.prior_width(value) for fact, value in zip(facts, fitted.after, strict=True)])
     steps = [
         log(max(after, 1e-9) / before) / fact.ratio_width if fact.ratio_width is not None else (after - before) / width * sized
-        for fact, after, before, width, sized in zip(facts, fitted.after, suspect.start, widths, suspect.sizes, strict=True)
+        for fact, after, before, width, sized in zip(facts, fitted.after, change.start, widths, change.sizes, strict=True)
     ]
-    causes = tuple(Cause(name, kind) for name, kind in suspect.kinds.items() if name in names)
+    causes = tuple(Cause(name, kind) for name, kind in change.kinds.items() if name in names)
     return Model(causes, misfit, information([fitted.slopes], widths), np.array(steps))
 
 
-def _special_case(one: Suspect | None, other: Suspect | None) -> bool:
+def _special_case(one: ChangeHypothesis | None, other: ChangeHypothesis | None) -> bool:
     if one is None or other is None:
         return False
     return set(one.names) < set(other.names) or other.contains(one)
 
 
-def judge(found: Found, loss: Loss | None = None) -> ChangeVerdict:
-    """The verdict.
+def judge(found: ChangeEvidence, loss: Loss | None = None) -> ChangeVerdict:
+    """Return the verdict on a change.
 
     Args:
-        found: what it rests on.
-        loss: what each report gains or loses; default: the table of :class:`~hsr_pin.inference.Loss`.
+        found: the evidence.
+        loss: gains and losses of a report; default: the table of :class:`~hsr_pin.inference.Loss`.
     """
     decision = decide(found.posterior, loss)
     confidence = _confidence(found.posterior)
@@ -226,7 +226,8 @@ def judge(found: Found, loss: Loss | None = None) -> ChangeVerdict:
     shown = [found.fit_of(names) for names in decision.sets] or [best]
     changes = tuple(dict.fromkeys(size for each in shown for size in found.reported(each)))
     difference = found.difference(best)
-    share = f"{100 * difference.share:.0f} % of the difference on held-out trials, probability {decision.probability:.2f}"
+    explained = f"explains {100 * difference.share:.0f} % of the difference on held-out trials"
+    share = f"{explained}, probability {decision.probability:.2f}"
 
     def said(status: str, sentence: str, sets: Sequence[tuple[str, ...]] = ()) -> ChangeVerdict:
         return ChangeVerdict(
@@ -236,17 +237,21 @@ def judge(found: Found, loss: Loss | None = None) -> ChangeVerdict:
     if len(decision.sets) > 1:
         common = f"{listed(decision.names)} in any case; " if decision.names else ""
         each = ", or ".join(" with ".join(one) for one in decision.sets)
-        return said("ambiguous", f"These recordings cannot tell what has changed: {common}{each} ({share}).", decision.sets)
+        return said("ambiguous", f"These recordings do not determine what has changed: {common}{each} ({share}).", decision.sets)
     if not decision.sets:
-        beside = [kind for kind in decision.kinds if kind not in _kinds_of(found, decision.names)]
-        of_kind = [f"something of the kind {kind} ({KINDS[kind]})" for kind in beside]
-        return said("partly_identified", f"{listed([*decision.names, *of_kind])} has changed, among others ({share}).")
+        further_kinds = [kind for kind in decision.kinds if kind not in _kinds_of(found, decision.names)]
+        of_kind = [f"something of the kind {kind} ({KINDS[kind]})" for kind in further_kinds]
+        return said(
+            "partly_identified", f"{listed([*decision.names, *of_kind])} has changed, together with other causes ({share})."
+        )
     left = 1 - difference.share
-    rest = "nothing else" if left <= _REST else "something else as well, that no candidate explains"
-    return said("identified" if left <= _REST else "partly_identified", f"{told(found.reported(best))}; {rest} ({share}).")
+    rest = "no other change is visible" if left <= _REST else "another change is not explained by any candidate"
+    return said(
+        "identified" if left <= _REST else "partly_identified", f"{changes_in_words(found.reported(best))}; {rest} ({share})."
+    )
 
 
-def _kinds_of(found: Found, names: Sequence[str]) -> set[str]:
+def _kinds_of(found: ChangeEvidence, names: Sequence[str]) -> set[str]:
     return {cause.kind for model in found.posterior.models for cause in model.causes if cause.name in names}
 
 
@@ -256,29 +261,31 @@ def _confidence(judged: Posterior) -> dict[str, float]:
     return {name: round(value, 3) for name, value in sorted(stated.items()) if value >= _LISTED}
 
 
-def _nothing(found: Found, decision: Decision, confidence: Mapping[str, float]) -> ChangeVerdict:
-    """Where no change is reported: nothing has changed that shows, or something that no candidate explains."""
+def _nothing(found: ChangeEvidence, decision: Decision, confidence: Mapping[str, float]) -> ChangeVerdict:
+    """Return the verdict if no change is reported: no change is visible, or no candidate explains it."""
     before, scatter = found.frame.off(), found.frame.scatter
     beyond = sqrt(max(0.0, before**2 - scatter**2))
     difference = Difference(before, before, scatter, 0.0)
-    if before > _FARTHER * scatter and beyond >= found.frame.pair.worth:
-        sentence = f"Something has changed, by {millimetres(beyond)} beyond the scatter of trials, and no candidate is certain."
+    if before > _FARTHER * scatter and beyond >= found.frame.pair.reportable:
+        sentence = (
+            f"Something has changed by {millimetres(beyond)} beyond the scatter of trials, and no candidate is certain enough."
+        )
         return ChangeVerdict("unexplained", (), (), sentence, (), (), difference, {}, confidence, decision)
-    limits = {fitted.suspect.names[0]: _limit(found, fitted) for fitted, _ in found.fits if len(fitted.after) == 1}
+    limits = {fitted.change.names[0]: _limit(found, fitted) for fitted, _ in found.fits if len(fitted.after) == 1}
     words = {"keq_scale": "stiffness", "damping_scale": "damping"}
     seen_from = [f"of {words[name]} by {100 * limits[name]:.2g} %" for name in words if name in limits]
-    would = f" A change {' or '.join(seen_from)} would have shown." if seen_from else ""
+    would = f" A change {' or '.join(seen_from)} would have been detected." if seen_from else ""
     sentence = (
-        f"Nothing has changed that shows: the second recording is {millimetres(before)} from what the first predicts of it, and "
-        f"{millimetres(scatter)} is expected of trials that repeat.{would}"
+        f"No change is visible: the second recording deviates by {millimetres(before)} from the prediction of the first one, and "
+        f"{millimetres(scatter)} is expected from the scatter of trials.{would}"
     )
     return ChangeVerdict("unchanged", (), (), sentence, (), (), difference, limits, confidence, decision)
 
 
-def _limit(found: Found, fitted: Fitted) -> float:
-    """Size that a change would need to be reported, relative where it has one in OLD."""
-    slope, start = fitted.slopes[:, 0], float(fitted.suspect.start[0])
+def _limit(found: ChangeEvidence, fitted: Fitted) -> float:
+    """Return the smallest detectable size of a change, relative if it has a size in the reference recording."""
+    slope, start = fitted.slopes[:, 0], float(fitted.change.start[0])
     by_gain = sqrt(found.needed / max(float(slope @ slope), 1e-300))
     step = abs(float(fitted.after[0]) - start)
-    by_size = found.frame.pair.worth * step / fitted.rms if fitted.rms > 0 else 0.0
+    by_size = found.frame.pair.reportable * step / fitted.rms if fitted.rms > 0 else 0.0
     return max(by_gain, by_size) / (start if start else 1.0)

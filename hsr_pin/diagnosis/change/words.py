@@ -1,4 +1,4 @@
-"""A change as a person would say it."""
+"""Sentences and numbers on a change."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from hsr_pin.inference.estimates import number
 if TYPE_CHECKING:
     from hsr_pin.diagnosis.change.diagnose import ChangeDiagnosis
 
-#: Verdict -> what it comes down to.
+#: Status of a verdict -> its headline.
 HEADLINES = {
     "identified": "What has changed is known",
     "partly_identified": "Part of what has changed is known",
-    "ambiguous": "More than one change would explain it",
+    "ambiguous": "More than one change would explain the difference",
     "unexplained": "Something unknown has changed",
     "unchanged": "Nothing has changed",
-    "insufficient": "Too little to go on",
+    "insufficient": "Not enough data",
 }
 
-#: Numbers of the arm, as a person would call them.
-PLAINLY = {"keq_scale": "stiffness", "damping_scale": "damping", "mass_scale": "mass", "torque_gain": "torque gain"}
-#: A size this much smaller than it was, or nearer to none than its interval, is gone.
-_GONE = 0.1
+#: Readable names of the arm's parameters.
+READABLE = {"keq_scale": "stiffness", "damping_scale": "damping", "mass_scale": "mass", "torque_gain": "torque gain"}
+#: A size below this share of its former value counts as disappeared.
+_DISAPPEARED = 0.1
 
 
-def told(changes: Sequence[Size]) -> str:
-    """Every change in one phrase: ``actuator_lag.time_constant 0.090 to 0.140 s (by 0.045 to 0.055); stiffness down 6 %``."""
-    return "; ".join(_told(each) for each in changes if each.before is not None)
+def changes_in_words(changes: Sequence[Size]) -> str:
+    """Return all changes as text: ``actuator_lag.time_constant 0.090 to 0.140 s (by 0.045 to 0.055); stiffness down 6 %``."""
+    return "; ".join(_in_words(each) for each in changes if each.before is not None)
 
 
-def _told(size: Size) -> str:
+def _in_words(size: Size) -> str:
     assert size.before is not None and size.step is not None
     if size.parameter in ARM:
         low, high = sorted(100 * (end - 1) for end in size.step)
@@ -43,20 +43,20 @@ def _told(size: Size) -> str:
         way, sign = ("up", 1) if ratio >= 0 else ("down", -1)
         ends = sorted((sign * low, sign * high))
         between = f"{rounded(ends[0], ends)} to {rounded(ends[1], ends)} %"
-        return f"{PLAINLY[size.parameter]} {way} {rounded(abs(ratio), ends)} % ({between})"
+        return f"{READABLE[size.parameter]} {way} {rounded(abs(ratio), ends)} % ({between})"
     unit = "" if size.unit == "1" else f" {size.unit}"
     span = size.becomes
     before, after = rounded(size.before, span), rounded(size.after, span)
     if abs(size.before) < 1e-12:
-        return f"{size.parameter} {after}{unit} has come ({rounded(span[0], span)} to {rounded(span[1], span)})"
-    if abs(size.after) < _GONE * abs(size.before):
-        return f"{size.parameter} {before}{unit} has gone"
+        return f"{size.parameter} {after}{unit} has appeared ({rounded(span[0], span)} to {rounded(span[1], span)})"
+    if abs(size.after) < _DISAPPEARED * abs(size.before):
+        return f"{size.parameter} {before}{unit} has disappeared"
     low, high = size.step
     return f"{size.parameter} {before} to {after}{unit} (by {rounded(low, size.step)} to {rounded(high, size.step)})"
 
 
 def rounded(value: float, interval: Sequence[float]) -> str:
-    """To two digits of half the width of an interval."""
+    """Return a number rounded to two digits of half the width of an interval."""
     half = (max(interval) - min(interval)) / 2
     if not 1e-9 < half < 1e9:
         return f"{value:.3g}"
@@ -65,26 +65,26 @@ def rounded(value: float, interval: Sequence[float]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """``a, b and c``."""
+    """Return names as ``a, b and c``."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def millimetres(metres: float) -> str:
-    """With two decimals."""
+    """Return a length in millimetres with two decimals."""
     return f"{1e3 * metres:.2f} mm"
 
 
 def advice(diagnosis: ChangeDiagnosis) -> list[str]:
-    """What to do next, a sentence each."""
+    """Return what to do next, one sentence for each item."""
     status, proposals = diagnosis.verdict.status, diagnosis.next_experiment
     if status == "ambiguous" and proposals:
         best = proposals[0]
-        by = f"it tells them apart best (by {number(best.separation)} times the noise)"
-        return [f"Record the arm as it is now once more: {EXPERIMENTS[best.name]}; {by}."]
+        by = f"this experiment separates the alternatives best (by {number(best.separation)} times the noise)"
+        return [f"Record the arm in its current state once more: {EXPERIMENTS[best.name]}; {by}."]
     if status == "ambiguous":
-        return ["Record the arm as it is now once more, with other commands."]
+        return ["Record the arm in its current state once more, with other commands."]
     if status == "unexplained":
-        return ["Look at the arm, the marker plates and the cameras: it is nothing that the catalogue knows."]
+        return ["Check the arm, the marker plates and the cameras: no effect of the catalogue explains the change."]
     if status == "unchanged":
-        return ["Repeat the commands of the first recording, in more trials, to see smaller changes."]
+        return ["Repeat the commands of the first recording in more trials to detect smaller changes."]
     return []

@@ -1,7 +1,7 @@
-"""Laws that can bend to what their recordings ask, one or two for a kind of physics: they stand for the kind, never for a cause.
+"""Flexible laws that adapt to recordings, one or two for each kind of physics; they represent the kind, never a cause.
 
-Each has a few numbers in place of a law's one or two. Where it does clearly better than every law of the catalogue, the kind may
-be named and its curve drawn, but no effect.
+Each has more parameters than the laws of the catalogue. If a flexible law is clearly better than every law of the catalogue, a
+diagnosis may name the kind of physics and draw its curve, but names no effect.
 """
 
 from hsr_pin.effects.effect import Effect

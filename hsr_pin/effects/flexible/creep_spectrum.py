@@ -1,4 +1,4 @@
-"""Relaxation at several speeds."""
+"""Relaxation with several time constants."""
 
 from __future__ import annotations
 
@@ -17,10 +17,13 @@ TIMES = np.array([0.1, 0.6, 4.0])
 
 @dataclass(frozen=True)
 class CreepSpectrum(Effect):
-    """m = Keq sum of ratio_k e_k, de_k/dt = dangle/dt - e_k / T_k: a generalised Maxwell solid with T = 0.1, 0.6 and 4 s."""
+    """Generalised Maxwell solid with three time constants: m = Keq sum of ratio_k e_k, de_k/dt = dangle/dt - e_k / T_k.
+
+    The time constants are 0.1, 0.6 and 4 s.
+    """
 
     name = "creep_spectrum"
-    lacks = "creep and relaxation at several speeds"
+    lacks = "creep and relaxation with several time constants"
     cause = "any linear viscoelasticity"
     citation = "J. D. Ferry, Viscoelastic Properties of Polymers, 3rd ed., Wiley (1980)"
     kind = "creep"
@@ -29,12 +32,32 @@ class CreepSpectrum(Effect):
     passive = True
 
     fast: float = parameter(
-        0.0, lower=0.0, upper=3.0, unit="1", scale=0.1, amplitude=True, description="branch of 0.1 s over Keq"
+        0.0,
+        lower=0.0,
+        upper=3.0,
+        unit="1",
+        scale=0.1,
+        amplitude=True,
+        description="stiffness of the branch of 0.1 s relative to Keq",
     )
     middle: float = parameter(
-        0.0, lower=0.0, upper=3.0, unit="1", scale=0.1, amplitude=True, description="branch of 0.6 s over Keq"
+        0.0,
+        lower=0.0,
+        upper=3.0,
+        unit="1",
+        scale=0.1,
+        amplitude=True,
+        description="stiffness of the branch of 0.6 s relative to Keq",
     )
-    slow: float = parameter(0.0, lower=0.0, upper=3.0, unit="1", scale=0.1, amplitude=True, description="branch of 4 s over Keq")
+    slow: float = parameter(
+        0.0,
+        lower=0.0,
+        upper=3.0,
+        unit="1",
+        scale=0.1,
+        amplitude=True,
+        description="stiffness of the branch of 4 s relative to Keq",
+    )
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

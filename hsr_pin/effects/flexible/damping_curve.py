@@ -1,4 +1,4 @@
-"""Damping over rate, as a power, both ways or one."""
+"""Damping as a power of the rate, in both directions or in one."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Rate of bending of the whole arm [rad/s] at which the moment is the coefficient; below SLOWEST and beyond FASTEST it is a line.
+#: Rates of bending of the whole arm [rad/s]: that at which the moment equals the coefficient, and those below and above which the
+#: law is linear.
 UNIT, SLOWEST, FASTEST = 3.0, 0.3, 15.0
-#: Ways in the order of the option.
+#: Indices of the option ``way``.
 BOTH, POSITIVE = 0, 1
 
 
 @dataclass(frozen=True)
 class DampingCurve(Effect):
-    """m = coefficient (|rate| / 3 rad/s)^power in the direction of the rate: 0.3 is nearly dry, 2 is quadratic.
+    """Damping that is a power of the rate: m = coefficient (|rate| / 3 rad/s)^power in the direction of the rate.
 
-    Both ways, or one way only: what has flowed in through a wide valve leaves through a narrow one.
+    A power of 0.3 is nearly dry friction, 2 is quadratic damping. Damping in one direction only describes a fluid that enters
+    through a wide valve and leaves through a narrow one.
     """
 
     name = "damping_curve"
-    lacks = "damping is another function of the rate"
-    cause = "any damping that is local"
+    lacks = "damping is a different function of the rate"
+    cause = "any local damping"
     citation = (
         "S. J. Elliott, M. Ghandchi Tehrani, R. S. Langley, Nonlinear damping and quasi-linear modelling, "
         "Phil. Trans. A 373 (2015)"
@@ -39,8 +41,8 @@ class DampingCurve(Effect):
     coefficient: float = parameter(
         0.0, lower=0.0, upper=3.0, unit="Nm", scale=0.05, amplitude=True, description="moment at 3 rad/s"
     )
-    power: float = parameter(1.5, lower=0.3, upper=3.0, unit="1", scale=0.3, description="of the rate")
-    way: str = option("both", "positive", "negative", description="in which the arm moves when it is resisted")
+    power: float = parameter(1.5, lower=0.3, upper=3.0, unit="1", scale=0.3, description="exponent of the rate")
+    way: str = option("both", "positive", "negative", description="direction of motion that is damped")
 
     @property
     def in_space(self) -> bool:

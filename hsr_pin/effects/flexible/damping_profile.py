@@ -1,4 +1,4 @@
-"""Any damping along the arm that has few waves."""
+"""A smooth profile of the damping along the arm."""
 
 from __future__ import annotations
 
@@ -13,17 +13,24 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class DampingProfile(Effect):
-    """c(s) / C = exp(first P1(x) + second P2(x)), P the Legendre polynomials of x = 2 s - 1."""
+    """Smooth variation of the damping along the arm: c(s) / C = exp(first P1(x) + second P2(x)).
+
+    P1 to P3 are the Legendre polynomials of x = 2 s - 1.
+    """
 
     name = "damping_profile"
-    lacks = "damping is another at every place of the arm"
+    lacks = "damping varies along the arm"
     cause = "tubes, cuffs, muscle ends"
     citation = "H. T. Banks, D. J. Inman, On damping mechanisms in beams, J. Appl. Mech. 58 (1991)"
     kind = "damping"
     flexible = True
 
-    first: float = parameter(0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="from base to tip")
-    second: float = parameter(0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="ends against middle")
+    first: float = parameter(
+        0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="difference between base and tip"
+    )
+    second: float = parameter(
+        0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="difference between ends and middle"
+    )
 
     def damping(self, s: Array) -> Array:
         x = 2 * s - 1

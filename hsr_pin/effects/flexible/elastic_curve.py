@@ -1,4 +1,4 @@
-"""Moment over bending, as a curve."""
+"""The moment as a curve over bending."""
 
 from __future__ import annotations
 
@@ -12,26 +12,42 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Bending of the whole arm [rad] beyond which the added stiffness stays.
+#: Bending of the whole arm [rad] beyond which the additional stiffness is constant.
 FARTHEST = 2.0
 
 
 @dataclass(frozen=True)
 class ElasticCurve(Effect):
-    """m = k angle (first x + second x^2 + fourth x^4), x = |angle|, at most 2 rad."""
+    """Moment that is a polynomial of bending: m = k angle (first x + second x^2 + fourth x^4), x = |angle|, at most 2 rad."""
 
     name = "elastic_curve"
-    lacks = "the moment is another function of bending"
-    cause = "any elasticity that is local and has no memory"
+    lacks = "the moment is a different function of bending"
+    cause = "any local elasticity without memory"
     citation = "I. Kovacic, M. J. Brennan (eds.), The Duffing Equation, Wiley (2011)"
     kind = "elastic"
     flexible = True
 
     first: float = parameter(
-        0.0, lower=-1.0, upper=5.0, unit="1/rad", scale=0.1, amplitude=True, description="odd part of stiffness"
+        0.0, lower=-1.0, upper=5.0, unit="1/rad", scale=0.1, amplitude=True, description="stiffness proportional to |bending|"
     )
-    second: float = parameter(0.0, lower=-2.0, upper=5.0, unit="1/rad^2", scale=0.1, amplitude=True, description="quadratic part")
-    fourth: float = parameter(0.0, lower=-1.0, upper=5.0, unit="1/rad^4", scale=0.1, amplitude=True, description="quartic part")
+    second: float = parameter(
+        0.0,
+        lower=-2.0,
+        upper=5.0,
+        unit="1/rad^2",
+        scale=0.1,
+        amplitude=True,
+        description="stiffness proportional to the square of bending",
+    )
+    fourth: float = parameter(
+        0.0,
+        lower=-1.0,
+        upper=5.0,
+        unit="1/rad^4",
+        scale=0.1,
+        amplitude=True,
+        description="stiffness proportional to the fourth power of bending",
+    )
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

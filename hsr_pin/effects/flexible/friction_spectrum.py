@@ -1,4 +1,4 @@
-"""Loops of any shape: sliders that slip one after the other."""
+"""Hysteresis loops of any shape: sliders that slip one after another."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from hsr_pin.effects.vector import limited
 from hsr_pin.parameters import parameter
 from hsr_pin.trajectory import Array
 
-#: Bending of the whole arm [rad] at which each slider slips.
+#: Bending of the whole arm at which each slider slips [rad].
 SLIPS = np.array([0.03, 0.12, 0.4, 1.2])
 
 
 @dataclass(frozen=True)
 class FrictionSpectrum(Effect):
-    """m = Keq sum of level_k z_k / slip_k, dz_k = dangle while |z_k| < slip_k (Iwan's law with free strengths)."""
+    """Friction of four sliders: m = Keq sum of level_k z_k / slip_k, dz_k = dangle while |z_k| < slip_k.
+
+    This is Iwan's law with free slider strengths.
+    """
 
     name = "friction_spectrum"
     lacks = "a moment that depends on the path of bending, not on its rate"
@@ -30,16 +33,28 @@ class FrictionSpectrum(Effect):
     passive = True
 
     first: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level, slip at 0.03 rad"
+        0.0,
+        lower=0.0,
+        upper=1.0,
+        unit="rad",
+        scale=0.03,
+        amplitude=True,
+        description="level of the slider that slips at 0.03 rad",
     )
     second: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level, slip at 0.12 rad"
+        0.0,
+        lower=0.0,
+        upper=1.0,
+        unit="rad",
+        scale=0.03,
+        amplitude=True,
+        description="level of the slider that slips at 0.12 rad",
     )
     third: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level, slip at 0.4 rad"
+        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level of the slider that slips at 0.4 rad"
     )
     fourth: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level, slip at 1.2 rad"
+        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level of the slider that slips at 1.2 rad"
     )
 
     @staticmethod

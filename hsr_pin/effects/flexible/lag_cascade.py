@@ -1,4 +1,4 @@
-"""A torque that comes through two lags, late."""
+"""A torque with two lags and a delay."""
 
 from __future__ import annotations
 
@@ -13,28 +13,34 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class LagCascade(Effect):
-    """T1 dy/dt = u - y, T2 dz/dt = y - z, ``delay`` late: a lag of second order.
+    """Lag of second order with a delay: T1 dy/dt = u - y, T2 dz/dt = y - z, where u is the delayed command.
 
-    The second takes the mean of the first's step.
+    The second lag gets the mean of the first over the step.
     """
 
     name = "lag_cascade"
-    lacks = "the torque comes slowly and late"
+    lacks = "the torque arrives slowly and with a delay"
     cause = "any linear delay of the supply"
     citation = "E. Richer, Y. Hurmuzlu, A high performance pneumatic force actuator system: Part I, J. Dyn. Syst. 122 (2000)"
     kind = "actuation_time"
     flexible = True
     memories = 2
 
-    first: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant")
-    second: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant")
-    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="of both")
+    first: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the first lag"
+    )
+    second: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the second lag"
+    )
+    delay: float = parameter(
+        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="delay before both lags"
+    )
 
-    def late(self) -> Any:
+    def command_delay(self) -> Any:
         return self.delay
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         y = torque + (memory[0] - torque) * np.exp(-step / np.maximum(p.first, 1e-3 * step))
         mean = torque - p.first / step * (y - memory[0])
         z = mean + (memory[1] - mean) * np.exp(-step / np.maximum(p.second, 1e-3 * step))

@@ -1,4 +1,4 @@
-"""Markers that sit beside the backbone, each in its own way, and move on it as the arm bends."""
+"""Markers off the backbone, each with its own offset, that move along it as the arm bends."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class MarkerProfile(Effect):
-    """p_seen = p + (across + taper x + lift theta) n + slide theta t.
+    """Marker offsets that vary along the arm and with bending: p_measured = p + o n + slide theta t.
 
-    n and t across and along the backbone at a marker, theta the angle there from the base, x from -1 at the base to 1 at the
-    outermost marker.
+    The offset is o = across + taper x + lift theta. n and t are normal and tangent of the backbone at a marker, theta is the
+    angle there from the base, and x increases from -1 at the base to 1 at the outermost marker.
     """
 
     name = "marker_profile"
-    lacks = "every marker sits beside the backbone in its own way, and moves on it as the arm bends"
+    lacks = "every marker has its own offset from the backbone and moves along it as the arm bends"
     cause = "plates and sleeves that differ, lift off and slide"
     citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
     kind = "measurement"
@@ -28,16 +28,22 @@ class MarkerProfile(Effect):
     flexible = True
 
     across: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="from the neutral line"
+        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="mean offset from the neutral line"
     )
     taper: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="more of it at the tip"
+        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="increase of the offset towards the tip"
     )
     lift: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m/rad", scale=0.002, amplitude=True, description="across, with the angle there"
+        0.0, lower=-0.05, upper=0.05, unit="m/rad", scale=0.002, amplitude=True, description="offset per bending up to the marker"
     )
     slide: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m/rad", scale=0.002, amplitude=True, description="along, with the angle there"
+        0.0,
+        lower=-0.05,
+        upper=0.05,
+        unit="m/rad",
+        scale=0.002,
+        amplitude=True,
+        description="displacement along the arm per bending up to the marker",
     )
 
     @property

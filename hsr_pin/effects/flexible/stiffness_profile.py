@@ -1,4 +1,4 @@
-"""Any stiffness along the arm that has few waves."""
+"""A smooth profile of the stiffness along the arm."""
 
 from __future__ import annotations
 
@@ -13,18 +13,25 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class StiffnessProfile(Effect):
-    """k(s) / Keq = exp(first P1(x) + second P2(x) + third P3(x)), P the Legendre polynomials of x = 2 s - 1."""
+    """Smooth variation of the stiffness along the arm: k(s) / Keq = exp(first P1(x) + second P2(x) + third P3(x)).
+
+    P1 to P3 are the Legendre polynomials of x = 2 s - 1.
+    """
 
     name = "stiffness_profile"
-    lacks = "bending stiffness is another at every place of the arm"
-    cause = "whatever the arm is made of and clad with"
+    lacks = "bending stiffness varies along the arm"
+    cause = "any variation of the body and its cladding"
     citation = "I. Elishakoff, Eigenvalues of Inhomogeneous Structures, CRC Press (2005)"
     kind = "elastic"
     flexible = True
 
-    first: float = parameter(0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="from base to tip")
-    second: float = parameter(0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="ends against middle")
-    third: float = parameter(0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="of third order")
+    first: float = parameter(
+        0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="difference between base and tip"
+    )
+    second: float = parameter(
+        0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="difference between ends and middle"
+    )
+    third: float = parameter(0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="term of third order")
 
     def stiffness(self, s: Array) -> Array:
         x = 2 * s - 1

@@ -1,4 +1,4 @@
-"""Any share of the torque along the arm that has few waves."""
+"""A smooth profile of the torque along the arm."""
 
 from __future__ import annotations
 
@@ -13,18 +13,25 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class TorqueProfile(Effect):
-    """tau(s) / tau = 1 + first P1(x) + second P2(x) + third P3(x), P the Legendre polynomials of x = 2 s - 1: the mean stays."""
+    """Smooth variation of the torque along the arm: tau(s) / tau = 1 + first P1(x) + second P2(x) + third P3(x).
+
+    P1 to P3 are the Legendre polynomials of x = 2 s - 1; the mean torque is unchanged.
+    """
 
     name = "torque_profile"
-    lacks = "the torque arrives with another share at every place of the arm"
+    lacks = "the share of the torque that arrives varies along the arm"
     cause = "muscles that end, taper or rub along the backbone"
     citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
     kind = "actuation_map"
     flexible = True
 
-    first: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="from base to tip")
-    second: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="ends against middle")
-    third: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="of third order")
+    first: float = parameter(
+        0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="difference between base and tip"
+    )
+    second: float = parameter(
+        0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="difference between ends and middle"
+    )
+    third: float = parameter(0.0, lower=-2.0, upper=2.0, unit="1", scale=0.2, amplitude=True, description="term of third order")
 
     def actuation(self, s: Array) -> Array:
         x = 2 * s - 1

@@ -1,4 +1,4 @@
-"""Effects that only an arm in space has, and the forms in space of those that in the plane have one direction."""
+"""Effects of arms in space only, and the spatial versions of effects that have a fixed direction in the plane."""
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.effects.spatial.base_tilt import BaseTilt

@@ -17,7 +17,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class BaseTilt(Effect):
-    """The base is turned about an axis across the arm: :class:`~hsr_pin.effects.gravity_tilt.GravityTilt` to any side."""
+    """Rotation of the base about any axis across the arm, relative to gravity.
+
+    This is the spatial version of :class:`~hsr_pin.effects.gravity_tilt.GravityTilt`.
+    """
 
     name = "base_tilt"
     lacks = "the base is not mounted as declared"
@@ -28,12 +31,12 @@ class BaseTilt(Effect):
     passive = True
 
     towards_x: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base towards x"
     )
     towards_y: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
+        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base towards y"
     )
-    frame: str = option("world", "base", "cameras", description="what the markers' frame is fixed to")
+    frame: str = option("world", "base", "cameras", description="body that the markers' frame is fixed to")
 
     @property
     def in_plane(self) -> bool:
@@ -54,7 +57,7 @@ class BaseTilt(Effect):
 
 
 def seen_turned(view: View, towards_x: ArrayLike, towards_y: ArrayLike, twist: ArrayLike = 0.0) -> Array:
-    """(T, B, M, 3) [m] positions turned by a rotation vector in the axes of the base, (B,) or one for all [rad]."""
+    """Return marker positions (T, B, M, 3) [m] rotated by rotation vectors in the axes of the base, (B,) or one for all [rad]."""
     places: Any = view.places
     turn = rotations(vectors(np.stack(np.broadcast_arrays(towards_x, towards_y, twist), axis=-1)))
     back = places.base @ turn @ np.swapaxes(places.base, -1, -2)

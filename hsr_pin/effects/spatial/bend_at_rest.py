@@ -1,4 +1,4 @@
-"""An arm in space that is bent where no torque acts."""
+"""An arm in space that is bent without torque."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class BendAtRest(Effect):
-    """m = -k angle0: the springs are at ease when the whole arm is bent by the vector angle0, fixed in its base."""
+    """Bending of the relaxed arm by a vector angle0 that is fixed in its base: m = -k angle0."""
 
     name = "bend_at_rest"
-    lacks = "the arm at ease is bent towards one side"
+    lacks = "the relaxed arm is bent towards one side"
     cause = "moulding, creep under its own weight, tendons and tubes that pull"
     citation = "D. Trivedi, A. Lotfi, C. D. Rahn, Geometrically exact models for soft robotic manipulators, IEEE TRO 24 (2008)"
     kind = "elastic"
@@ -22,10 +22,22 @@ class BendAtRest(Effect):
     passive = True
 
     towards_x: float = parameter(
-        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="of the whole arm at ease"
+        0.0,
+        lower=-1.5,
+        upper=1.5,
+        unit="rad",
+        scale=0.05,
+        amplitude=True,
+        description="bending of the whole relaxed arm towards x",
     )
     towards_y: float = parameter(
-        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="of the whole arm at ease"
+        0.0,
+        lower=-1.5,
+        upper=1.5,
+        unit="rad",
+        scale=0.05,
+        amplitude=True,
+        description="bending of the whole relaxed arm towards y",
     )
 
     @property

@@ -1,4 +1,4 @@
-"""Markers in space that sit beside the line on which they are declared."""
+"""Markers in space off the line on which they are declared."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class MarkersBeside(Effect):
-    """p_seen = p + x n + y s of their links' axes: :class:`~hsr_pin.effects.marker_offset.MarkerOffset` to any side."""
+    """Offset of the markers in the axes of their links: p_measured = p + x n + y s.
+
+    This is the spatial version of :class:`~hsr_pin.effects.marker_offset.MarkerOffset`.
+    """
 
     name = "markers_beside"
     lacks = "markers sit off the backbone's neutral line"
@@ -25,12 +28,24 @@ class MarkersBeside(Effect):
     passive = True
 
     towards_x: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="from where they are declared"
+        0.0,
+        lower=-0.05,
+        upper=0.05,
+        unit="m",
+        scale=0.002,
+        amplitude=True,
+        description="offset from the declared position towards x",
     )
     towards_y: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="from where they are declared"
+        0.0,
+        lower=-0.05,
+        upper=0.05,
+        unit="m",
+        scale=0.002,
+        amplitude=True,
+        description="offset from the declared position towards y",
     )
-    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base is off the line too")
+    base: str = option("moved", "kept", "zeroed", description="whether the marker at the base has the offset too")
 
     @property
     def in_plane(self) -> bool:

@@ -1,4 +1,4 @@
-"""A torque in space that is always there."""
+"""A constant additional torque in space."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class TorqueOffset(Effect):
-    """y = u + offset, also before the first step: :class:`~hsr_pin.effects.torque_bias.TorqueBias` towards any side."""
+    """Constant torque in addition to the command, also before the first step: y = u + offset.
+
+    This is the spatial version of :class:`~hsr_pin.effects.torque_bias.TorqueBias`.
+    """
 
     name = "torque_offset"
     lacks = "a constant torque towards one side is added"
@@ -21,10 +24,24 @@ class TorqueOffset(Effect):
     contains = ("torque_bias",)
 
     towards_x: float = parameter(
-        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+        0.0,
+        lower=-1.0,
+        upper=1.0,
+        unit="Nm",
+        scale=0.05,
+        amplitude=True,
+        level_exponent=1,
+        description="additional torque towards x",
     )
     towards_y: float = parameter(
-        0.0, lower=-1.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, resizes=1, description="torque added"
+        0.0,
+        lower=-1.0,
+        upper=1.0,
+        unit="Nm",
+        scale=0.05,
+        amplitude=True,
+        level_exponent=1,
+        description="additional torque towards y",
     )
 
     @property
@@ -32,5 +49,5 @@ class TorqueOffset(Effect):
         return False
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         return torque + (p.towards_x + 1j * p.towards_y), memory

@@ -10,13 +10,16 @@ from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
 from hsr_pin.robot.specification import ArmSpecification
 
-#: A twist that is stiffer than bending by this factor is none.
+#: Ratio of torsional to bending stiffness above which the arm is treated as rigid in torsion.
 _RIGID = 1e6
 
 
 @dataclass(frozen=True)
 class TorsionCompliance(Effect):
-    """1 / torsion = 1 / declared + ratio / Keq: a round, uniform rod of Poisson's ratio nu has ratio = 1 + nu."""
+    """Additional torsional compliance: 1 / torsion = 1 / declared + ratio / Keq.
+
+    A round, uniform rod of Poisson's ratio nu has ratio = 1 + nu.
+    """
 
     name = "torsion_compliance"
     lacks = "the arm twists"
@@ -26,7 +29,13 @@ class TorsionCompliance(Effect):
     passive = True
 
     ratio: float = parameter(
-        0.0, lower=0.0, upper=20.0, unit="1", scale=0.5, amplitude=True, description="twist over bending under one moment"
+        0.0,
+        lower=0.0,
+        upper=20.0,
+        unit="1",
+        scale=0.5,
+        amplitude=True,
+        description="ratio of twist to bending under the same moment",
     )
 
     @property

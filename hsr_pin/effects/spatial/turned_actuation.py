@@ -1,4 +1,4 @@
-"""Muscles in space that do not stand where they are thought to."""
+"""Actuators in space with rotated axes."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from hsr_pin.parameters import parameter
 
 @dataclass(frozen=True)
 class TurnedActuation(Effect):
-    """y = u exp(i angle): every torque acts turned about the straight arm, from x towards y."""
+    """Rotation of the actuation axes about the straight arm, from x towards y: y = u exp(i angle)."""
 
     name = "turned_actuation"
-    lacks = "the axes of actuation are turned"
-    cause = "chambers or tendons that stand or run twisted about the arm, axes of the base told wrongly"
+    lacks = "the axes of actuation are rotated"
+    cause = "chambers or tendons that are rotated or twisted about the arm, wrongly declared axes of the base"
     citation = (
         "R. J. Webster III, B. A. Jones, Design and kinematic modeling of constant curvature continuum robots, IJRR 29 (2010)"
     )
     kind = "actuation_map"
 
     angle: float = parameter(
-        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="from x towards y of the base"
+        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="rotation from x towards y of the base"
     )
 
     @property
@@ -32,5 +32,5 @@ class TurnedActuation(Effect):
         return False
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         return torque * (np.cos(p.angle) + 1j * np.sin(p.angle)), memory

@@ -14,7 +14,10 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class UnequalStiffness(Effect):
-    """m = k (e_x + i e_d) conj(x + i y): stiffness k (1 + e_x) towards x, k (1 - e_x) towards y; e_d at the diagonals."""
+    """Bending stiffness that depends on the direction: m = k (e_x + i e_d) conj(x + i y).
+
+    The stiffness is k (1 + e_x) towards x and k (1 - e_x) towards y; e_d acts along the diagonals.
+    """
 
     name = "unequal_stiffness"
     lacks = "the arm bends more easily to some sides than to others"
@@ -24,10 +27,16 @@ class UnequalStiffness(Effect):
     passive = True
 
     along_x: float = parameter(
-        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="stiffer towards x than on average"
+        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="relative additional stiffness towards x"
     )
     diagonal: float = parameter(
-        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="stiffer half way to y than on average"
+        0.0,
+        lower=-0.6,
+        upper=0.6,
+        unit="1",
+        scale=0.05,
+        amplitude=True,
+        description="relative additional stiffness halfway between x and y",
     )
 
     @property

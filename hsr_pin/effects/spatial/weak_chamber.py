@@ -1,4 +1,4 @@
-"""One of three chambers that pulls less than the others."""
+"""One of three chambers that delivers less torque than the others."""
 
 from __future__ import annotations
 
@@ -11,28 +11,35 @@ import numpy as np
 from hsr_pin.effects.effect import Effect
 from hsr_pin.parameters import parameter
 
-#: From one chamber to the next.
+#: Rotation from one chamber to the next.
 _NEXT = complex(-0.5, sqrt(0.75))
 
 
 @dataclass(frozen=True)
 class WeakChamber(Effect):
-    """y = u - loss p e, p = 2/3 max(0, u.e - min over the chambers of u.e'): e the weak one's direction, three at 120 degrees.
+    """Loss of torque of one of three chambers: y = u - loss p e, where e is the direction of the weak chamber.
 
-    What each chamber gives is not recorded; they are taken to make the torque with the least pressures, one of them empty.
+    Its share of the torque is p = 2/3 max(0, u.e - min over the chambers of u.e'); the chambers are at 120 degrees. The torques
+    of the chambers are not recorded; they are assumed to produce the total torque with the smallest pressures, so that one
+    chamber is empty.
     """
 
     name = "weak_chamber"
-    lacks = "the torque towards one side arrives in part"
+    lacks = "the torque towards one side arrives only in part"
     cause = "a chamber that leaks or whose wall is thicker, a tube that is squeezed"
     citation = "M. Cianchetti et al., Soft robotics technologies to address shortcomings in today's MIS, Soft Robot. 1 (2014)"
     kind = "actuation_map"
 
     loss: float = parameter(
-        0.0, lower=-1.0, upper=1.0, unit="1", scale=0.1, amplitude=True, description="share of its torque that is missing"
+        0.0, lower=-1.0, upper=1.0, unit="1", scale=0.1, amplitude=True, description="missing share of its torque"
     )
     direction: float = parameter(
-        0.0, lower=-3.1416, upper=3.1416, unit="rad", scale=0.3, description="that it bends to, from x towards y of the base"
+        0.0,
+        lower=-3.1416,
+        upper=3.1416,
+        unit="rad",
+        scale=0.3,
+        description="direction of its bending, from x towards y of the base",
     )
 
     @property
@@ -40,7 +47,7 @@ class WeakChamber(Effect):
         return False
 
     @staticmethod
-    def respond(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
+    def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:
         weak = np.cos(p.direction) + 1j * np.sin(p.direction)
         own, next_, last = torque * np.conj(weak), torque * np.conj(weak * _NEXT), torque * np.conj(weak / _NEXT)
         given = 2 / 3 * np.maximum(own.real - np.minimum(next_.real, last.real), 0.0)

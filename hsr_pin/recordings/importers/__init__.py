@@ -1,4 +1,4 @@
-"""Import of recordings from tracking systems: one file per format, and what turns each into a dataset."""
+"""Import of recordings from tracking systems: one reader for each format, and their conversion to a dataset."""
 
 from hsr_pin.recordings.importers.assemble import Imported, import_recordings
 from hsr_pin.recordings.importers.bodies import Body

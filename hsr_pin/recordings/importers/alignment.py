@@ -1,4 +1,4 @@
-"""From the laboratory's frame to the arm's: z up, origin at the base, bending in the x-z plane."""
+"""Alignment of the laboratory's frame with the arm's: z up, origin at the base, bending in the x-z plane."""
 
 from __future__ import annotations
 
@@ -13,39 +13,39 @@ from hsr_pin.recordings.clean import moving_average
 from hsr_pin.recordings.importers.capture import seen
 from hsr_pin.trajectory import Array
 
-#: Share of the frames, the straightest ones, that the straight pose is the median of; and at least so many frames.
+#: Share and smallest number of the straightest frames, whose median is the straight pose.
 STRAIGHTEST, FEWEST = 0.02, 5
-#: The reach is smoothed over so many frames first, lest noise choose the frames.
+#: Number of frames over which the reach is smoothed, so that noise does not determine the selection.
 SMOOTH = 11
-#: Less motion across the arm than this [m, root mean square] shows no plane.
+#: Smallest RMS motion perpendicular to the arm that determines a plane [m].
 STILL = 2e-4
-#: The arm is held to be vertical within this angle's cosine of it, horizontal within the sine.
+#: Smallest cosine of the angle between a vertical arm and the vertical, and largest one of a horizontal arm.
 VERTICAL, HORIZONTAL = 0.8, 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """Where the arm's frame stands in the laboratory's.
+    """Position and orientation of the arm's frame in the laboratory.
 
     Attributes:
-        origin: (3,) [m] the base.
-        rotation: (3, 3) its rows are the arm's axes x, y, z in laboratory coordinates.
+        origin: (3,) position of the base [m].
+        rotation: (3, 3) matrix whose rows are the arm's axes x, y, z in laboratory coordinates.
     """
 
     origin: Array
     rotation: Array
 
     def to_world(self, positions: Array) -> Array:
-        """(..., 3) laboratory coordinates in the arm's frame."""
+        """Return laboratory coordinates (..., 3) in the arm's frame."""
         return np.asarray((positions - self.origin) @ self.rotation.T)
 
 
 def straightest(captures: Sequence[Array], stretch: Sequence[Array]) -> NDArray[np.intp]:
-    """(F,) the frames, counted through all captures, in which the arm is straightest: those of the longest reach.
+    """Return the frames (F,), counted through all captures, with the longest reach, in which the arm is straightest.
 
     Args:
-        captures: (T, B, 3) each, without spikes.
-        stretch: (T,) each, what is largest when the arm is straight [m]; NaN where unknown.
+        captures: (T, B, 3) positions of each capture, without spikes.
+        stretch: (T,) for each capture, a length that is largest when the arm is straight [m]; NaN where unknown.
 
     Raises:
         RecordingError: no frame shows all bodies.
@@ -54,17 +54,17 @@ def straightest(captures: Sequence[Array], stretch: Sequence[Array]) -> NDArray[
     reach = np.concatenate([moving_average(values[:, None, None], SMOOTH)[:, 0, 0] for values in stretch])
     usable = np.isfinite(poses).all(axis=(1, 2)) & np.isfinite(reach)
     if not usable.any():
-        raise RecordingError("no frame shows all markers", hint="choose fewer with --marker")
+        raise RecordingError("no frame shows all markers", hint="choose fewer markers with --marker")
     reach = reach[usable]
     count = min(len(reach), max(FEWEST, int(STRAIGHTEST * len(reach))))
     return np.flatnonzero(usable)[np.argsort(reach)[-count:]]
 
 
 def mount_of(direction: Array, up: Array) -> str:
-    """The mount of an arm that points in a direction (both (3,), of unit length).
+    """Return the mount of an arm from its direction and the direction up, both unit vectors (3,).
 
     Raises:
-        InputError: neither vertical nor horizontal.
+        InputError: the arm is neither vertical nor horizontal.
     """
     slope = float(direction @ up)
     if abs(slope) >= VERTICAL:
@@ -75,12 +75,12 @@ def mount_of(direction: Array, up: Array) -> str:
         "mount",
         expected="an arm that is vertical or horizontal when straight",
         received=f"{np.degrees(np.arcsin(slope)):.0f} deg above the horizontal",
-        hint="say which axis is up with --up, or the mount with --mount",
+        hint="give the axis that is up with --up, or the mount with --mount",
     )
 
 
 def across(up: Array) -> Array:
-    """(2, 3) two directions at right angles to ``up`` and to each other, the second a quarter turn ahead of the first."""
+    """Return two orthogonal directions (2, 3) perpendicular to ``up``, the second a quarter turn ahead of the first."""
     first = np.eye(3)[int(np.argmin(np.abs(up)))]
     first = first - (first @ up) * up
     first /= np.linalg.norm(first)
@@ -88,13 +88,13 @@ def across(up: Array) -> Array:
 
 
 def bending_direction(captures: Sequence[Array], up: Array) -> Array | None:
-    """(3,) the direction at right angles to ``up`` in which bodies move most, of either sign; None if they do not move.
+    """Return the direction (3,) of largest motion perpendicular to ``up``, of either sign; None without motion.
 
     Each body's motion is taken about its own median, so that markers may stand off the plane.
 
     Args:
-        captures: (T, B, 3) each [m], moving bodies without spikes.
-        up: (3,).
+        captures: (T, B, 3) positions [m] of the moving bodies in each capture, without spikes.
+        up: (3,) unit vector that points up.
     """
     plane = across(up)
     bodies = [values[seen(values)] for positions in captures for values in positions.swapaxes(0, 1)]
@@ -109,7 +109,7 @@ def bending_direction(captures: Sequence[Array], up: Array) -> Array | None:
 
 
 def frame(origin: Array, x: Array, up: Array) -> Alignment:
-    """The right-handed frame with z up and x as near to ``x`` as that allows."""
+    """Return the right-handed frame with z up and the x axis nearest to ``x``."""
     x = x - (x @ up) * up
     x /= np.linalg.norm(x)
     return Alignment(origin, np.stack([x, np.cross(up, x), up]))

@@ -1,4 +1,4 @@
-"""Captured motion into a dataset: markers chosen, in metres, in the arm's frame, with its input."""
+"""Assembly of a dataset from captured motion: markers in metres in the arm's frame, with their input."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from hsr_pin.recordings.importers.input_clock import on_clock_of
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
 from hsr_pin.recordings.importers.space import (
-    pushed_aside,
-    sided,
+    deflection_angle,
+    pose_points,
     space_frame,
     spread_in_space,
     torque_rows,
-    turned_points,
+    with_angles,
 )
 from hsr_pin.recordings.importers.straight import StraightArm, pointing, straight_arm
 from hsr_pin.recordings.importers.trials import (
@@ -36,32 +36,32 @@ from hsr_pin.recordings.importers.trials import (
     trial_of,
 )
 from hsr_pin.recordings.importers.up import Up, axis_vector, choose_up
-from hsr_pin.recordings.importers.warnings import beside_its_input, warnings
+from hsr_pin.recordings.importers.warnings import misaligned_input, warnings
 from hsr_pin.recordings.outliers import spikes
-from hsr_pin.recordings.plausible import size_doubt
+from hsr_pin.recordings.plausible import implausible_size
 from hsr_pin.recordings.poses import points_of
 from hsr_pin.trajectory import Array, Channel, Dataset, Marker, Trial
 
-#: Names that a point at the base goes by.
+#: Names of points that are taken as the base.
 BASE_NAMES = ("base", "root", "origin")
-#: An estimated arc length may exceed the arm's given length by this share; it is then taken to be at the tip.
+#: Largest relative excess of an estimated arc length over the given length of the arm; it is then set to the tip.
 BEYOND = 0.03
-#: An arm is called upright or hanging if the sine of its slope is at least this.
+#: Smallest sine of the slope of an upright or hanging arm.
 HALFWAY = 0.5
-#: And not horizontal from here on.
+#: Largest sine of the slope of a horizontal arm.
 NEARLY_VERTICAL = 0.87
 
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """What came of an import.
+    """Result of an import.
 
     Attributes:
-        dataset: its notes, and those of each trajectory, say what was done.
-        in_plane: (trials,) [m] root mean square motion in the bending plane, of the markers beyond the base; in space in the
-            plane in which it is largest.
-        out_of_plane: (trials,) [m] the same out of it.
-        warnings: what may be wrong with it, one sentence each.
+        dataset: the dataset; its notes and those of each trajectory report what was done.
+        in_plane: (trials,) RMS motion [m] of the markers beyond the base in the bending plane; in space, in the plane of the
+            largest motion.
+        out_of_plane: (trials,) RMS motion [m] perpendicular to that plane.
+        warnings: possible faults of the import, one sentence each.
     """
 
     dataset: Dataset
@@ -74,20 +74,20 @@ class Imported:
 class _Tracked:
     capture: Capture
     positions: Array  # (T, B, 3) [m] in the laboratory's frame
-    without_spikes: Array  # the same, for fitting
+    without_spikes: Array  # (T, B, 3) [m], for fitting
     command: CommandRows | None
     notes: list[str]
-    turns: dict[str, Array]  # (T, 4) quaternions, by name of the body, in the laboratory's frame
+    quaternions: dict[str, Array]  # (T, 4) quaternions in the laboratory's frame, by name of the body
 
 
 def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> Imported:
-    """Make a dataset of captured files, one trial each.
+    """Make a dataset from captured files, one trial for each file.
 
-    All files come from one laboratory: one base, one straight pose, and (unless ``own_plane``) one bending plane.
+    All files share one laboratory frame, one base, one straight pose and (unless ``own_plane``) one bending plane.
 
     Raises:
-        RecordingError: with file, line and column of a fault in a file; or the motion does not fit an arm.
-        InputError: a setting that cannot be used.
+        RecordingError: a file is invalid (with line and column), or the motion is not that of an arm.
+        InputError: a setting cannot be used.
     """
     if not files:
         raise InputError("files", expected="at least one file to import", received="none")
@@ -107,7 +107,7 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
 
 def _bodies(settings: ImportSettings, capture: Capture) -> tuple[Body, ...]:
     bodies = tuple(settings.markers)
-    if all(body.is_base for body in bodies):  # none given, or the base only
+    if all(body.is_base for body in bodies):  # no markers are given, or only the base
         taken = {capture.names[index] for body in bodies for source in body.sources for index in matches(capture, source)}
         bodies += tuple(body for body in every_point(capture) if not taken.intersection(body.sources))
     if not bodies:
@@ -128,8 +128,8 @@ def _track(
     command = read_commands_of(capture, path, settings.mapping, settings.input_columns)
     if command is not None:
         check_torques(command, settings)
-        command, said = on_clock_of(command, capture, without, offset)
-        notes += said
+        command, clock_notes = on_clock_of(command, capture, without, offset)
+        notes += clock_notes
     return _Tracked(capture, positions, without, command, [*capture.notes, *notes], orientations(capture, bodies))
 
 
@@ -139,7 +139,7 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
     axes = {one.capture.up.axis for one in tracked}
     if settings.up is None and len(axes) > 1:
         received = ", ".join(sorted(axis or "unknown" for axis in axes))
-        raise InputError("up", expected="files of one laboratory", received=received, hint="say which axis is up with --up")
+        raise InputError("up", expected="files of one laboratory", received=received, hint="give the axis that is up with --up")
     chosen = choose_up(settings.up, tracked[0].capture.up, lambda: pointing(bodies, seen_points, origin), settings.mount)
     up = axis_vector(chosen.axis or "", "up")
     arm = straight_arm(bodies, seen_points, origin=origin, mount=settings.mount, up=up)
@@ -149,17 +149,17 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
     channels = channels_of_input([motion.command for motion in motions], settings)
     planes, warned = _frames(motions, channels, arm, mount, up, settings)
     worlds = [alignment.to_world(one.positions[:, arm.order]) for one, (alignment, _) in zip(tracked, planes, strict=True)]
-    declared, sides = sided(arm, bodies, planes[0][0], mount)
+    declared, sides = with_angles(arm, bodies, planes[0][0], mount)
     length, markers = _lengths(declared, settings.length)
-    if doubt := size_doubt(length, settings.mass, settings.diameter):
-        raise InputError(doubt.key, **doubt.facts)
+    if reason := implausible_size(length, settings.mass, settings.diameter):
+        raise InputError(reason.key, **reason.facts)
     posed = [(place, bodies[index]) for place, index in enumerate(arm.order) if bodies[index].pose]
     if posed:
         radius = settings.diameter / 2
-        points = turned_points([one.turns for one in tracked], worlds, posed, arm, planes[0][0], mount, radius)
+        points = pose_points([one.quaternions for one in tracked], worlds, posed, arm, planes[0][0], mount, radius)
         worlds = [np.concatenate(pair, axis=1) for pair in zip(worlds, points, strict=True)]
         markers += points_of([markers[place] for place, _ in posed], radius)
-        sides += [f"{body.name}: its pose is two more points, {radius:g} m from it" for _, body in posed]
+        sides += [f"{body.name}: its orientation is recorded as two more points, {radius:g} m from it" for _, body in posed]
     trials: list[Trial] = []
     spreads: list[tuple[float, float]] = []
     facts = facts_of_trials(settings, len(tracked))
@@ -167,7 +167,7 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         moving = alignment.to_world(motion.positions[:, arm.moving])
         within, out = spread_in_space(moving, mount) if settings.in_space else spread(moving)
         plane = "the plane of its largest motion" if settings.in_space else "the bending plane"
-        notes = [*one.notes, note, f"motion in {plane} {1e3 * within:.3g} mm, out of it {1e3 * out:.3g} mm (RMS)"]
+        notes = [*one.notes, note, f"RMS motion {1e3 * within:.3g} mm in {plane}, {1e3 * out:.3g} mm out of it"]
         trajectory = trajectory_of(one.capture, world, markers, driven(one.command, channels, settings), notes)
         trials.append(trial_of(f"trial_{len(trials) + 1:02d}", trajectory, own, one.capture.path, settings.interpolated))
         spreads.append((within, out))
@@ -179,7 +179,7 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         mount=mount,
         trials=tuple(trials),
         description=settings.description,
-        notes=(f"imported: {mount} arm, {chosen.axis} of the laboratory is up, {chosen.why}", *arm.notes, *sides),
+        notes=(f"imported: {mount} arm, {chosen.axis} of the laboratory is up, {chosen.reason}", *arm.notes, *sides),
         bending=settings.bending,
         torsion=settings.torsion,
         sections=tuple(settings.sections),
@@ -201,11 +201,11 @@ def _frames(
     up: Array,
     settings: ImportSettings,
 ) -> tuple[list[tuple[Alignment, str]], list[str]]:
-    """The arm's frame in each trial with a sentence on its x, and what looks wrong with it."""
+    """Return the arm's frame in each trial with a sentence on its x axis, and warnings."""
     if settings.in_space:
         torques = [torque_rows(motion.command, channels, settings.inputs_of_arm) for motion in motions]
         plane = space_frame(motions, torques, arm, mount, up, settings.x)
-        return [plane] * len(motions), beside_its_input(*pushed_aside(motions, torques, arm, plane[0], mount))
+        return [plane] * len(motions), misaligned_input(*deflection_angle(motions, torques, arm, plane[0], mount))
     if settings.own_plane:
         return [fit_plane([motion], arm, mount, up, settings.x) for motion in motions], []
     return [fit_plane(motions, arm, mount, up, settings.x)] * len(motions), []
@@ -219,12 +219,12 @@ def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
             "mount",
             expected=f"an arm that is {mount}",
             received=f"one that points {np.degrees(np.arcsin(np.clip(slope, -1, 1))):.0f} deg above the horizontal",
-            hint=f"is {chosen.axis} of the laboratory up, {chosen.why}? if not, say which with --up",
+            hint=f"{chosen.axis} of the laboratory was taken as up, {chosen.reason}; if this is wrong, give --up",
         )
 
 
 def _lengths(markers: tuple[Marker, ...], length: float | None) -> tuple[float, tuple[Marker, ...]]:
-    """The arm's length, and its markers with no arc length beyond it."""
+    """Return the length of the arm [m], and its markers with arc lengths limited to that length."""
     farthest = max(marker.arc_length for marker in markers)
     if length is None:
         return farthest, markers
@@ -233,6 +233,6 @@ def _lengths(markers: tuple[Marker, ...], length: float | None) -> tuple[float, 
             "arc length",
             expected=f"markers within the arm's length, {length:g} m",
             received=f"{farthest:.4g} m",
-            hint="is it another unit (--unit), another base, or another length?",
+            hint="check the unit (--unit), the base and the length",
         )
     return length, tuple(replace(marker, arc_length=min(marker.arc_length, length)) for marker in markers)

@@ -1,4 +1,4 @@
-"""From the points of a tracking system to the markers of an arm: chosen by name, several averaged to one."""
+"""Selection of the markers of an arm from the points of a tracking system, by name and by averaging."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from hsr_pin.trajectory import Array
 
 @dataclass(frozen=True)
 class Body:
-    """A marker to be, and the points that it is the mean of.
+    """Marker to be imported, and the points whose mean it is.
 
     Attributes:
-        name: of the marker.
-        sources: names of points, or patterns of names (``"Tip*"``); with or without what stands before a colon.
-        arc_length: [m] from the base; None: to be estimated.
-        radius: [m] beside the backbone, of an arm in space.
-        angle: [rad] of the side on which it stands there, from x towards y of its link; None: to be estimated.
-        pose: whether its orientation is taken too, from a rigid body: "straight": its axes are brought to those of its link where
-            the arm is straightest; "link": they are those already; empty: not.
+        name: name of the marker.
+        sources: names of points or patterns of names (``"Tip*"``), with or without the part before a colon.
+        arc_length: arc length from the base [m]; None: estimated.
+        radius: distance from the backbone of an arm in space [m].
+        angle: angle about the backbone [rad], from x towards y of the link; None: estimated.
+        pose: use of the orientation of a rigid body: "straight": its axes are aligned with those of the link where the arm is
+            straightest; "link": its axes are those of the link; empty: not used.
     """
 
     name: str
@@ -39,15 +39,15 @@ class Body:
 
     @property
     def is_base(self) -> bool:
-        """Whether the arm begins at it."""
+        """Whether the body is at the base of the arm."""
         return self.arc_length == 0 and not self.radius
 
     @classmethod
     def parse(cls, text: str) -> Body:
-        """A body as the command line has it: ``NAME[@ARC_LENGTH[,RADIUS[,ANGLE]]]=POINT[+POINT...]``, or only ``POINT``.
+        """Return a body from its text on the command line: ``NAME[@ARC_LENGTH[,RADIUS[,ANGLE]]]=POINT[+POINT...]`` or ``POINT``.
 
         Raises:
-            InputError: not of this form.
+            InputError: the text is not of this form.
         """
         left, _, right = text.partition("=")
         name, _, place = left.partition("@")
@@ -65,12 +65,12 @@ class Body:
 
 
 def short(name: str) -> str:
-    """The name of a point without its subject: ``Arm:tip`` is ``tip``."""
+    """Return the name of a point without its subject: ``tip`` for ``Arm:tip``."""
     return name.rsplit(":", 1)[-1]
 
 
 def every_point(capture: Capture) -> tuple[Body, ...]:
-    """A body for each point that was given a name and was seen."""
+    """Return a body for each named point that was seen."""
     names = [
         name
         for index, name in enumerate(capture.names)
@@ -83,13 +83,13 @@ def every_point(capture: Capture) -> tuple[Body, ...]:
 
 
 def choose(capture: Capture, bodies: Sequence[Body]) -> tuple[Array, list[str]]:
-    """(T, B, 3) [m] positions of bodies in the laboratory's frame, and notes.
+    """Return the positions (T, B, 3) [m] of bodies in the laboratory's frame, and notes.
 
-    A body of several points is their mean where all of them were seen, and a gap elsewhere: the mean of fewer would leap. Points
-    that no frame shows together are labels of one marker, which was given a new one when it came back: they count as one point.
+    A body of several points is their mean where all of them were seen, and a gap elsewhere, as the mean of fewer points would
+    jump. Points that are never seen together are taken as labels of one marker that reappeared under a new label.
 
     Raises:
-        RecordingError: a source matches no point of the file; the nearest is named.
+        RecordingError: a source matches no point of the file; the error names the most similar point.
     """
     notes: list[str] = []
     columns = []
@@ -106,10 +106,10 @@ def choose(capture: Capture, bodies: Sequence[Body]) -> tuple[Array, list[str]]:
 
 
 def orientations(capture: Capture, bodies: Sequence[Body]) -> dict[str, Array]:
-    """(T, 4) unit quaternions, real part first, of bodies whose pose is wanted, in the laboratory's frame; NaN where not seen.
+    """Return the unit quaternions (T, 4), real part first, of bodies with a pose, in the laboratory's frame; NaN where not seen.
 
     Raises:
-        RecordingError: a body is not one whose orientation the file has, or has numbers that are no rotation.
+        RecordingError: the file has no orientation of a body, or a quaternion is not of unit length.
     """
     found = {}
     for body in (body for body in bodies if body.pose):
@@ -117,8 +117,8 @@ def orientations(capture: Capture, bodies: Sequence[Body]) -> dict[str, Array]:
         name = capture.names[indices[0]]
         if len(indices) > 1 or name not in capture.orientations:
             known = ", ".join(capture.orientations)
-            expected = f"one rigid body: {known}" if known else "a file that has orientations"
-            hint = "its x, y and z alone come without the pose"
+            expected = f"one rigid body: {known}" if known else "a file with orientations"
+            hint = "without the pose, only the position of the marker is imported"
             received = "+".join(capture.names[index] for index in indices)
             raise RecordingError(f"pose of {body.name!r}", expected=expected, received=received, hint=hint, file=capture.path)
         quaternion = capture.orientations[name]
@@ -131,7 +131,7 @@ def orientations(capture: Capture, bodies: Sequence[Body]) -> dict[str, Array]:
 
 
 def _labels(capture: Capture, indices: Sequence[int]) -> list[list[int]]:
-    """Points grouped by marker: those that no frame shows together may be one; of several, the one nearest by."""
+    """Return points grouped by marker: points that are never seen together may be one marker, joined to the nearest candidate."""
     shown = {index: seen(capture.positions[:, index]) for index in indices}
     groups: list[list[int]] = []
     for index in sorted(indices, key=lambda one: int(np.argmax(shown[one]))):
@@ -140,18 +140,18 @@ def _labels(capture: Capture, indices: Sequence[int]) -> list[list[int]]:
         if not free:
             groups.append([index])
             continue
-        min(free, key=lambda group: _apart(capture, group[-1], index)).append(index)
+        min(free, key=lambda group: _jump_distance(capture, group[-1], index)).append(index)
     return groups
 
 
-def _apart(capture: Capture, before: int, after: int) -> float:
-    """How far one point appears [m] from where another was seen last; endless if that was never seen."""
+def _jump_distance(capture: Capture, before: int, after: int) -> float:
+    """Return the distance [m] from the last position of one point to the next one of another; infinite if never seen."""
     places = [capture.positions[seen(capture.positions[:, index]), index] for index in (before, after)]
     return float(np.linalg.norm(places[1][0] - places[0][-1])) if all(len(each) for each in places) else np.inf
 
 
 def _merged(capture: Capture, group: Sequence[int], body: Body, notes: list[str]) -> Array:
-    """(T, 3) [m] a marker under whichever of its labels it was seen."""
+    """Return the positions (T, 3) [m] of a marker under all of its labels."""
     points = capture.positions[:, group]
     if len(group) == 1:
         return np.asarray(points[:, 0])
@@ -159,20 +159,20 @@ def _merged(capture: Capture, group: Sequence[int], body: Body, notes: list[str]
     frames = np.flatnonzero(which >= 0)
     changes = np.flatnonzero(np.diff(which[frames]))
     before, after = frames[changes], frames[changes + 1]
-    leap = np.linalg.norm(points[after, which[after]] - points[before, which[before]], axis=1).max(initial=0.0)
+    jump = np.linalg.norm(points[after, which[after]] - points[before, which[before]], axis=1).max(initial=0.0)
     names = ", ".join(capture.names[index] for index in group)
     notes.append(
-        f"{body.name}: {names} are never seen together and were taken for labels of one marker, which leaps by up to "
-        f"{1e3 * leap:.3g} mm where its label changes"
+        f"{body.name}: {names} are never seen together and were taken as labels of one marker, which jumps by up to "
+        f"{1e3 * jump:.3g} mm where its label changes"
     )
     return np.asarray(np.where((which >= 0)[:, None], points[np.arange(len(points)), which], np.nan))
 
 
 def matches(capture: Capture, source: str) -> list[int]:
-    """The points that a name or pattern means: of that name, or of that name after a colon, or of that pattern.
+    """Return the indices of the points with a given name, with that name after a colon, or matching a pattern.
 
     Raises:
-        RecordingError: none; the nearest is named.
+        RecordingError: no point matches; the error names the most similar point.
     """
     names = capture.names
     for same in (
@@ -183,4 +183,4 @@ def matches(capture: Capture, source: str) -> list[int]:
         found = [index for index, name in enumerate(names) if same(name)]
         if found:
             return found
-    raise RecordingError(f"no point {source!r} in the file", hint=nearest(source, names, "points"), file=capture.path)
+    raise RecordingError(f"the file has no point {source!r}", hint=nearest(source, names, "points"), file=capture.path)

@@ -1,8 +1,8 @@
-"""C3D (https://www.c3d.org), the exchange format of motion capture.
+"""Reader of C3D files (https://www.c3d.org), the exchange format of motion capture.
 
-The points are read here and not by a library: the libraries that there are trust what a file says of its own layout, and many say
-it wrong (a rate of analog channels that is missing or rounded), so that positions come out of the wrong bytes; a damaged one
-takes gigabytes or ends the process. Here the size of the file has the last word.
+The points are read here and not by a library. Existing libraries trust the layout stated in the file, which is often wrong
+(for example a missing or rounded rate of the analog channels), so that positions are read from the wrong bytes. With a damaged
+file they allocate gigabytes or end the process. This reader checks the layout against the size of the file.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from hsr_pin.recordings.importers.c3d_parameters import BLOCK, Parameters, float
 from hsr_pin.recordings.importers.capture import Capture, capture, metres
 from hsr_pin.recordings.importers.up import Up
 
-#: Second byte of every file.
+#: Second byte of every C3D file.
 MAGIC = 0x50
-#: Units as they stand in texts of four letters.
+#: Units abbreviated to four letters.
 CUT_UNITS = {"mete": "meters", "mill": "millimeters"}
 #: Largest file [bytes].
 LARGEST = 1_000_000_000
-#: Scales that differ by less than this share are the same.
+#: Relative tolerance between two scales.
 SAME_SCALE = 1e-3
-#: The last frame of a recording too long for its header.
+#: Last frame in the header of a recording that is too long for the header.
 TOO_LONG = 0xFFFF
-#: Points that are no places, as Vicon names them.
+#: Outputs of a Vicon model that are not positions.
 NO_PLACES = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
-#: Which axis systems have upwards, by a word in their name. POINT:Y_SCREEN does not tell: Qualisys and ART write what is not up.
+#: Upward axis of known systems, by a word in their name. POINT:Y_SCREEN is not reliable: Qualisys and ART write another axis.
 CONVENTIONS = {
     "vicon": ("+z", "Vicon"),
     "qualisys": ("+z", "Qualisys"),
@@ -47,15 +47,15 @@ CONVENTIONS = {
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the points are.
+    """Layout of the point data in a C3D file.
 
     Attributes:
-        start: of the first frame [bytes].
-        points: in a frame.
-        analog: samples of analog channels after them.
-        frames: of them.
-        real: numbers are of 32 bits; else of 16, to be scaled.
-        scale: units of length for 1.
+        start: position of the first frame [bytes].
+        points: number of points in a frame.
+        analog: number of analog samples after the points of a frame.
+        frames: number of frames.
+        real: whether numbers are 32-bit floats; otherwise they are 16-bit integers to be scaled.
+        scale: units of length for an integer of 1.
     """
 
     start: int
@@ -67,48 +67,48 @@ class Layout:
 
     @property
     def stride(self) -> int:
-        """From frame to frame [bytes]."""
+        """Size of a frame [bytes]."""
         return (4 * self.points + self.analog) * (4 if self.real else 2)
 
 
 def is_c3d(head: bytes) -> bool:
-    """Whether the first bytes of a file look like this format."""
+    """Return whether the first bytes of a file look like a C3D file."""
     return len(head) >= 2 and head[1] == MAGIC and 1 < head[0] < 128 and b"\0" in head
 
 
 def read_c3d(path: Path, unit: str | None = None) -> Capture:
-    """Read a file.
+    """Read a capture from a C3D file.
 
     Args:
         path: the file.
-        unit: of length, in place of what the file says.
+        unit: unit of length, in place of that in the file.
 
     Raises:
-        RecordingError: the file is cut short or damaged, holds no points, or gives no rate or unit.
+        RecordingError: the file is truncated or damaged, contains no points, or states no rate or unit.
     """
     data = read_bytes(path, LARGEST)
     try:
         parameters = read_parameters(data)
     except (ValueError, IndexError, struct.error) as error:
-        hint = "export it anew"
-        raise RecordingError("not a C3D file that can be read: damaged", received=error, hint=hint, file=path) from error
+        hint = "export it again"
+        raise RecordingError("the C3D file is damaged", received=error, hint=hint, file=path) from error
     layout = _layout(data, parameters, path)
     rate = parameters.number("POINT", "RATE") or float(floats(data[20:24], parameters.processor)[0])
     if not (rate > 0 and np.isfinite(rate)):
-        raise RecordingError("POINT:RATE", expected="a number of Hz", received=rate, hint="export it anew", file=path)
-    said = unit or next(iter(parameters.texts("POINT", "UNITS")), "")
-    said = CUT_UNITS.get(said.lower(), said)
+        raise RecordingError("POINT:RATE", expected="a rate in Hz", received=rate, hint="export it again", file=path)
+    unit_name = unit or next(iter(parameters.texts("POINT", "UNITS")), "")
+    unit_name = CUT_UNITS.get(unit_name.lower(), unit_name)
     labels = parameters.texts("POINT", "LABELS")[: layout.points]
     labels = [label or f"point {index + 1}" for index, label in enumerate(labels)]
     labels += [f"point {index + 1}" for index in range(len(labels), layout.points)]
     places = _places(parameters, labels)
     positions, all_marked = _positions(data, layout, parameters.processor)
-    positions = positions[:, places] * metres(said, None if unit else path)
-    notes = [f"imported from {path.name} (C3D, {said}, {rate:g} Hz)"]
+    positions = positions[:, places] * metres(unit_name, None if unit else path)
+    notes = [f"imported from {path.name} (C3D, {unit_name}, {rate:g} Hz)"]
     if all_marked:
-        notes.append("every point of the file is marked as not seen (as Simi does): all were taken as seen")
+        notes.append("every point of the file is marked as not seen (as Simi does); all points were used")
     if len(places) < layout.points:
-        notes.append(f"{layout.points - len(places)} angles, forces and other outputs of a model were left out")
+        notes.append(f"{layout.points - len(places)} angles, forces and other model outputs were left out")
     return capture(
         path,
         "C3D" if not _maker(parameters) else f"C3D of {_maker(parameters)}",
@@ -116,16 +116,16 @@ def read_c3d(path: Path, unit: str | None = None) -> Capture:
         [labels[place] for place in places],
         positions,
         up=_up(parameters),
-        unit=said,
+        unit=unit_name,
         notes=notes,
     )
 
 
 def _layout(data: bytes, parameters: Parameters, path: Path) -> Layout:
-    """What the header, the parameters and the size of the file agree on."""
+    """Return the layout on which header, parameters and size of the file agree."""
     order, processor = parameters.order, parameters.processor
     if len(data) < BLOCK:
-        raise RecordingError("the file is cut short", expected="a header of 512 bytes", received=len(data), file=path)
+        raise RecordingError("the file is truncated", expected="a header of 512 bytes", received=len(data), file=path)
     points, analog, first, last = struct.unpack_from(f"{order}4H", data, 2)
     block, samples = struct.unpack_from(f"{order}2H", data, 16)
     scale = _scale(float(floats(data[12:16], processor)[0]), parameters.number("POINT", "SCALE"), path)
@@ -143,7 +143,7 @@ def _layout(data: bytes, parameters: Parameters, path: Path) -> Layout:
     ]
     if not shapes:
         raise RecordingError(
-            "no marker in the file", expected="points", received=f"{points} points", hint="export them too", file=path
+            "no marker in the file", expected="points", received=f"{points} points", hint="export the points too", file=path
         )
     left = [len(data) - shape.start - shape.frames * shape.stride for shape in shapes]
     fitting = next((shape for shape, rest in zip(shapes, left, strict=True) if 0 <= rest < BLOCK), None)
@@ -155,11 +155,11 @@ def _layout(data: bytes, parameters: Parameters, path: Path) -> Layout:
 
 
 def _scale(header: float, parameter: float | None, path: Path) -> float:
-    """Units of length for 1, negative where numbers are of 32 bits: the header and the parameter must agree on what matters."""
-    hint = "export it anew, with numbers of 32 bits if there is a choice"
+    """Return the scale of the numbers, negative for 32-bit floats; header and parameter must agree where the scale is used."""
+    hint = "export it again, with 32-bit numbers if possible"
     scale = header if parameter is None else parameter
     if not np.isfinite(scale) or scale == 0:
-        raise RecordingError("POINT:SCALE", expected="a number, not zero", received=scale, hint=hint, file=path)
+        raise RecordingError("POINT:SCALE", expected="a non-zero number", received=scale, hint=hint, file=path)
     other_kind = (header < 0) != (scale < 0)
     if np.isfinite(header) and header != 0 and (other_kind or (scale > 0 and abs(header - scale) > SAME_SCALE * scale)):
         expected, received = f"{header:.6g}, as in the header", f"{scale:.6g}"
@@ -171,19 +171,19 @@ def _does_not_fit(shapes: list[Layout], left: list[int], size: int, path: Path) 
     shape = shapes[0]
     if max(left) < 0:
         there = max(0, size - shape.start) // shape.stride
-        received, hint = f"{there} of {shape.frames} frames", "copy or export it anew"
-        return RecordingError("the file is cut short", expected="all frames", received=received, hint=hint, file=path)
+        received, hint = f"{there} of {shape.frames} frames", "copy or export it again"
+        return RecordingError("the file is truncated", expected="all frames", received=received, hint=hint, file=path)
     return RecordingError(
-        "the layout of the file is in doubt",
+        "the layout of the file is inconsistent",
         expected=f"{size} bytes",
         received=" or ".join(str(one.start + one.frames * one.stride) for one in shapes[:4]),
-        hint="its header and its parameters contradict each other on points or analog channels; export it anew",
+        hint="header and parameters contradict each other about points or analog channels; export it again",
         file=path,
     )
 
 
 def _frames(parameters: Parameters, header: int) -> list[int]:
-    """How many there may be, what is most to be trusted first."""
+    """Return the candidate numbers of frames, the most reliable first."""
     found = []
     start, end = (parameters.words("TRIAL", f"ACTUAL_{word}_FIELD") for word in ("START", "END"))
     if len(start) == len(end) == 2:
@@ -196,7 +196,7 @@ def _frames(parameters: Parameters, header: int) -> list[int]:
 
 
 def _analogs(parameters: Parameters, header: int, samples: int) -> list[int]:
-    """How many analog samples a frame may have: as the header says, or as the parameters do."""
+    """Return the candidate numbers of analog samples in a frame, from the header and from the parameters."""
     used = parameters.number("ANALOG", "USED") or 0.0
     rates = parameters.number("ANALOG", "RATE"), parameters.number("POINT", "RATE")
     found = [header, int(used) * samples]
@@ -206,7 +206,7 @@ def _analogs(parameters: Parameters, header: int, samples: int) -> list[int]:
 
 
 def _positions(data: bytes, layout: Layout, processor: int) -> tuple[NDArray[np.float64], bool]:
-    """(T, K, 3) [as the file has it]; NaN where a point was not seen. And whether all are marked so, and taken anyway."""
+    """Return positions (T, K, 3) in the file's unit, NaN where not seen; and whether all are marked as not seen, but used."""
     width = 4 * layout.points
     raw = data[layout.start : layout.start + layout.frames * layout.stride]
     if layout.real:
@@ -216,7 +216,7 @@ def _positions(data: bytes, layout: Layout, processor: int) -> tuple[NDArray[np.
         values = np.frombuffer(raw, ">i2" if processor == 86 else "<i2").reshape(layout.frames, -1)[:, :width]
         scale = layout.scale
     values = values.reshape(layout.frames, layout.points, 4)
-    with np.errstate(invalid="ignore"):  # damaged numbers
+    with np.errstate(invalid="ignore"):  # damaged files may contain invalid numbers
         positions = values[:, :, :3].astype(np.float64) * scale
     marked = values[:, :, 3] < 0
     all_marked = bool(marked.all()) and bool(values[:, :, :3].any())
@@ -226,7 +226,7 @@ def _positions(data: bytes, layout: Layout, processor: int) -> tuple[NDArray[np.
 
 
 def _places(parameters: Parameters, labels: list[str]) -> list[int]:
-    """The points that are places, and no outputs of a model."""
+    """Return the indices of the points that are positions and not model outputs."""
     others = {label for name in NO_PLACES for label in parameters.texts("POINT", name) if label}
     return [index for index, label in enumerate(labels) if label not in others]
 
@@ -239,8 +239,8 @@ def _up(parameters: Parameters) -> Up:
     maker = _maker(parameters).lower()
     for word, (axis, system) in CONVENTIONS.items():
         if word in maker:
-            return Up(axis, f"as {system} has it")
+            return Up(axis, f"by the convention of {system}")
     screen = next(iter(parameters.texts("POINT", "Y_SCREEN")), "")
     if screen.lower() == "+z":
-        return Up("+z", "as POINT:Y_SCREEN has it")
-    return Up(None, f"no maker that is known, and POINT:Y_SCREEN is {screen or 'not there'}, which systems fill in as they like")
+        return Up("+z", "by POINT:Y_SCREEN")
+    return Up(None, f"the system is unknown, and POINT:Y_SCREEN ({screen or 'missing'}) is not reliable")

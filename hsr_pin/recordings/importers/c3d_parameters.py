@@ -1,4 +1,4 @@
-"""The parameters of a C3D file (https://www.c3d.org/HTML, The parameter section), whatever processor wrote them."""
+"""Reader of the parameter section of C3D files (https://www.c3d.org/HTML) in the byte order of any processor."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: A file is made of blocks of so many bytes.
+#: Size of the blocks of a file [bytes].
 BLOCK = 512
-#: Processors: of Intel, DEC and MIPS (SGI), as the fourth byte of the parameters has them.
+#: Processor types Intel, DEC and MIPS (SGI), the fourth byte of the parameter section.
 INTEL, DEC, MIPS = 84, 85, 86
 
 _TYPES = {-1: "S1", 1: "u1", 2: "i2", 4: "f4"}
@@ -20,11 +20,11 @@ _TYPES = {-1: "S1", 1: "u1", 2: "i2", 4: "f4"}
 
 @dataclass(frozen=True, eq=False)
 class Parameters:
-    """All parameters.
+    """Parameters of a C3D file.
 
     Attributes:
-        processor: that wrote the file.
-        groups: the values of each parameter of each group, by their names in capitals: texts as a list, numbers as an array.
+        processor: type of the processor that wrote the file.
+        groups: values by group and parameter, with names in capitals: texts as a list, numbers as an array.
     """
 
     processor: int
@@ -32,31 +32,31 @@ class Parameters:
 
     @property
     def order(self) -> str:
-        """Of bytes: ``"<"`` or ``">"``."""
+        """Byte order of the file: ``"<"`` or ``">"``."""
         return ">" if self.processor == MIPS else "<"
 
     def texts(self, group: str, name: str) -> list[str]:
-        """A parameter of texts, and its continuations (``LABELS``, ``LABELS2``, ...), stripped."""
+        """Return a text parameter with its continuations (``LABELS``, ``LABELS2``, ...), stripped."""
         there = self.groups.get(group, {})
         keys = sorted((key for key in there if key.rstrip("0123456789") == name), key=lambda key: int(key[len(name) :] or 1))
         return [text for key in keys if isinstance(there[key], list) for text in there[key]]
 
     def number(self, group: str, name: str) -> float | None:
-        """The first number of a parameter; None where there is none."""
+        """Return the first number of a parameter; None if there is none."""
         values = self.groups.get(group, {}).get(name)
         if isinstance(values, np.ndarray) and values.size:
             return float(values.flat[0])
         return None
 
     def words(self, group: str, name: str) -> list[int]:
-        """A parameter of 16-bit words, without their signs; empty where there is none."""
+        """Return a parameter of unsigned 16-bit words; empty if there is none."""
         values = self.groups.get(group, {}).get(name)
         return [int(value) & 0xFFFF for value in values.flat] if isinstance(values, np.ndarray) else []
 
 
 def floats(data: bytes, processor: int) -> NDArray[np.float32]:
-    """Numbers of 32 bits as a processor stores them. DEC's has its halves exchanged, and four times Intel's value."""
-    with np.errstate(invalid="ignore"):  # damaged numbers
+    """Return 32-bit floats as stored by a processor; DEC floats have swapped halves and four times the value of Intel floats."""
+    with np.errstate(invalid="ignore"):  # damaged files may contain invalid numbers
         if processor == DEC:
             halves = np.frombuffer(data, "<u2").reshape(-1, 2)[:, ::-1]
             return np.asarray(np.ascontiguousarray(halves).view("<f4").ravel() / np.float32(4))
@@ -64,17 +64,17 @@ def floats(data: bytes, processor: int) -> NDArray[np.float32]:
 
 
 def read_parameters(data: bytes) -> Parameters:
-    """The parameters in the bytes of a file.
+    """Return the parameters in the bytes of a file.
 
     Raises:
-        ValueError: they are damaged or cut off; the text says where.
+        ValueError: the parameters are damaged or truncated; the message names the position.
     """
     start = (data[0] - 1) * BLOCK
     if len(data) < start + 4:
         raise ValueError("the file ends before its parameters")
     processor = data[start + 3]
     if processor not in (INTEL, DEC, MIPS):
-        raise ValueError(f"processor {processor} in byte {start + 4}")
+        raise ValueError(f"unknown processor {processor} in byte {start + 4}")
     order = ">" if processor == MIPS else "<"
     named: dict[int, str] = {}
     values: dict[int, dict[str, Any]] = {}
@@ -101,13 +101,13 @@ def read_parameters(data: bytes) -> Parameters:
 
 
 def _value(data: bytes, at: int, processor: int) -> Any:
-    """What stands at a place: a type, the number of dimensions, the dimensions, the values."""
+    """Return the value at a position, stored as type, number of dimensions, dimensions and data."""
     if at + 2 > len(data):
         raise ValueError("the file ends within its parameters")
     kind, dimensions = struct.unpack_from("b", data, at)[0], data[at + 1]
     sizes = list(data[at + 2 : at + 2 + dimensions])
     if kind not in _TYPES or len(sizes) != dimensions:
-        raise ValueError(f"byte {at + 1} begins no parameter")
+        raise ValueError(f"no parameter begins at byte {at + 1}")
     first, count = at + 2 + dimensions, int(np.prod(sizes, dtype=np.int64))
     raw = data[first : first + count * abs(kind)]
     if len(raw) != count * abs(kind):

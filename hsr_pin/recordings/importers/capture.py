@@ -1,4 +1,4 @@
-"""What every tracking system's file comes down to: named points over time, in metres, in the laboratory's frame."""
+"""Common form of the files of all tracking systems: named points over time, in metres in the laboratory's frame."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hsr_pin.recordings.importers.up import Up
 from hsr_pin.recordings.sampling import implausible
 from hsr_pin.trajectory import Array
 
-#: Names of length units, in lower case, in metres.
+#: Length of each unit [m], by its name in lower case.
 UNITS = {
     "m": 1.0,
     "meter": 1.0,
@@ -34,20 +34,20 @@ UNITS = {
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """One file of a tracking system.
+    """Content of one file of a tracking system.
 
     Attributes:
         path: the file.
-        system: what wrote it.
-        time: (T,) [s], increasing, from 0 at the first frame in the file.
-        names: (K,) of the points, each once, as the system has them.
-        positions: (T, K, 3) [m] in the laboratory's frame; NaN where not seen.
-        up: what the file tells about the laboratory's axis that points upwards.
-        unit: of length in the file.
-        start: [s] the first frame on the clock of the file.
+        system: name of the format.
+        time: (T,) times [s], increasing, 0 at the first frame in the file.
+        names: (K,) unique names of the points.
+        positions: (T, K, 3) positions [m] in the laboratory's frame; NaN where not seen.
+        up: upward axis of the laboratory according to the file.
+        unit: unit of length in the file.
+        start: time of the first frame on the clock of the file [s].
         notes: one sentence each.
-        orientations: (T, 4) of each point that is a rigid body: the quaternion, real part first, that takes its axes to the
-            laboratory's; NaN where not seen.
+        orientations: (T, 4) quaternion of each point that is a rigid body, real part first, from its axes to those of the
+            laboratory; NaN where not seen.
     """
 
     path: Path
@@ -63,7 +63,7 @@ class Capture:
 
     @property
     def rate(self) -> float:
-        """Frames in a second [Hz], where none is missing."""
+        """Frame rate [Hz] where no frame is missing."""
         steps = np.diff(self.time)
         return float(1 / steps[steps <= GAP * np.median(steps)].mean())
 
@@ -81,28 +81,28 @@ def capture(
     start: float = 0.0,
     notes: Sequence[str] = (),
     encoding: str = "",
-    turns: Mapping[int, Array] | None = None,
+    quaternions: Mapping[int, Array] | None = None,
     still_at_zero: bool = False,
 ) -> Capture:
-    """A capture that has been looked through: points that are not seen are NaN, names are unique, time begins at 0.
+    """Return a validated capture in which points not seen are NaN, names are unique, and time begins at 0.
 
     Args:
-        path: as in :class:`Capture`.
-        system: likewise.
-        up: likewise.
-        unit: likewise.
-        start: [s] to be added to the times for those on the clock of the file.
-        time: (T,) [s].
-        names: (K,) a name that comes again is given a number.
-        positions: (T, K, 3); a point at exactly (0, 0, 0), or with a coordinate missing, was not seen.
-        factor: metres in one of their unit.
-        notes: so far.
-        encoding: of the text, if not UTF-8.
-        turns: (T, 4) quaternions of some points, by their place in ``names``; one of length zero was not seen.
-        still_at_zero: a point that is at (0, 0, 0) in every frame stands there: the base of a table in the base's frame.
+        path: the file.
+        system: name of the format.
+        up: upward axis of the laboratory according to the file.
+        unit: unit of length in the file.
+        start: time to add to ``time`` for the clock of the file [s].
+        time: (T,) times [s].
+        names: (K,) names of the points; a repeated name gets a number.
+        positions: (T, K, 3) in ``unit``; a point at exactly (0, 0, 0) or with a missing coordinate was not seen.
+        factor: metres per unit of length.
+        notes: notes from reading.
+        encoding: encoding of the text if not UTF-8.
+        quaternions: (T, 4) unit quaternions of some points, by index in ``names``; one of length zero was not seen.
+        still_at_zero: accept a point at (0, 0, 0) in every frame, such as the base of a table in the base's frame.
 
     Raises:
-        RecordingError: no point, fewer than two frames, or time that does not increase or is not that of a motion.
+        RecordingError: there are no points or fewer than two frames, or the times do not increase or are implausible.
     """
     if not names:
         hint = "export the positions of markers or bodies too"
@@ -122,52 +122,53 @@ def capture(
     missing = np.isnan(positions)
     partial = missing.any(axis=2) & ~missing.all(axis=2)
     if partial.any():
-        notes.append(f"{int(partial.sum())} samples with a coordinate missing were taken as not seen")
+        notes.append(f"{int(partial.sum())} samples with a missing coordinate were taken as not seen")
     if zero.any() or partial.any():
         positions[zero | partial] = np.nan
     named = _unique(names)
-    turned = {named[k]: np.where(np.any(each, axis=1, keepdims=True), each, np.nan) for k, each in (turns or {}).items()}
+    turned = {named[k]: np.where(np.any(each, axis=1, keepdims=True), each, np.nan) for k, each in (quaternions or {}).items()}
     begin = start + float(time[0])
     return Capture(path, system, time - time[0], named, positions, up, unit, begin, tuple(notes), turned)
 
 
 def _check_time(path: Path, time: Array) -> None:
-    """Refuse fewer than two frames, and times that do not increase or are not those of a motion.
+    """Check that there are at least two frames and that their times increase and are plausible.
 
     Raises:
-        RecordingError: they are.
+        RecordingError: the times are not valid.
     """
     if len(time) < 2:
-        hint = "export the motion, not one pose"
+        hint = "export the motion, not a single pose"
         raise RecordingError("recording", expected="at least two frames", received=len(time), hint=hint, file=path)
     steps = np.diff(time)
     if not np.all(steps > 0):
         frame = int(np.argmin(steps > 0)) + 1
-        raise RecordingError("time", expected="frames in order", received=f"{time[frame]:.9g} s at frame {frame + 1}", file=path)
+        raise RecordingError("time", expected="increasing times", received=f"{time[frame]:.9g} s at frame {frame + 1}", file=path)
     facts = implausible(time)
     if facts is not None:
         raise RecordingError("time", **asdict(facts), file=path)
 
 
 def _with_flat_axes(positions: Array, names: Sequence[str], notes: list[str]) -> Array:
-    """Positions in which the one coordinate of a point that no frame has, while it has the others, is zero."""
+    """Return positions with zeros for a coordinate that is missing in all frames while the others are present."""
     some = np.asarray(np.isfinite(positions).any(axis=0), dtype=bool)
     flat: NDArray[np.bool_] = ~some & (some.sum(axis=1, keepdims=True) == 2)
     for point, axis in np.argwhere(flat):
-        notes.append(f"{names[point]}: no {'xyz'[axis]} in any frame, taken as 0 (of a camera that sees a plane)")
+        notes.append(f"{names[point]}: {'xyz'[axis]} is missing in all frames and was set to 0 (camera that sees a plane)")
     return np.where(flat & np.isfinite(positions).any(axis=2, keepdims=True), 0.0, positions)
 
 
 def seen(positions: Array) -> NDArray[np.bool_]:
-    """(...) whether (..., 3) positions are whole."""
+    """Return whether (...) positions (..., 3) are complete."""
     return np.asarray(np.isfinite(positions).all(axis=-1), dtype=bool)
 
 
 def metres(unit: str, path: Path | None = None, line: int | None = None, column: int | None = None) -> float:
-    """How many metres one of a unit is.
+    """Return the length of a unit [m].
 
     Raises:
-        InputError: not a unit of length (a :class:`~hsr_pin.errors.RecordingError` with its place if it stands in a file).
+        InputError: the text is not a unit of length (a :class:`~hsr_pin.errors.RecordingError` with line and column if it is in
+            a file).
     """
     factor = UNITS.get(unit.strip().lower())
     if factor is None:
@@ -175,7 +176,7 @@ def metres(unit: str, path: Path | None = None, line: int | None = None, column:
         if path is None:
             raise InputError("unit", expected=expected, received=repr(unit))
         raise RecordingError(
-            "unit", expected=expected, received=repr(unit[:40]), hint="say it with --unit", file=path, line=line, column=column
+            "unit", expected=expected, received=repr(unit[:40]), hint="give it with --unit", file=path, line=line, column=column
         )
     return factor
 

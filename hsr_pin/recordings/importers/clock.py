@@ -1,4 +1,4 @@
-"""When each frame was taken: from its number and the rate, for times are often printed with too few digits."""
+"""Computation of frame times from frame numbers and the rate, as printed times are often rounded."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ import numpy as np
 from hsr_pin.recordings.grid import ROUNDED, fit, last_digit
 from hsr_pin.trajectory import Array
 
-#: Times with more digits than this [s] are as good as frame numbers.
+#: Printed times with a finer resolution than this [s] are as precise as frame numbers.
 FINE = 1e-6
-#: Recordings of fewer last digits than this cannot tell a rounded time from one at another rate.
-TELLING = 10.0
+#: Shortest recording, in units of the last digit, in which rounded times can be told from times at another rate.
+SHORTEST = 10.0
 
 
 def frame_times(frames: Array, rate: float | None, stamps: Array) -> tuple[Array, str]:
-    """(T,) [s] the time of each frame, and a sentence where that is not simply its stamp.
+    """Return the time (T,) [s] of each frame, and a sentence if it differs from the printed time.
 
     Args:
-        frames: (T,) numbers, increasing.
-        rate: of the frames [Hz], as the file has it; None: not said.
-        stamps: (T,) [s] as printed.
+        frames: (T,) frame numbers, increasing.
+        rate: frame rate of the file [Hz]; None: not given.
+        stamps: (T,) printed times [s].
     """
     if len(frames) < 2 or np.any(np.diff(frames) <= 0) or np.any(np.diff(stamps) < 0):
         return stamps, ""
     spacing = float(np.spacing(np.abs(stamps).max()))
     digit = max(last_digit(stamps, spacing), FINE)
-    if stamps[-1] - stamps[0] < TELLING * digit and np.all(np.diff(stamps) > 0):
+    if stamps[-1] - stamps[0] < SHORTEST * digit and np.all(np.diff(stamps) > 0):
         return stamps, ""
     slack = ROUNDED * digit + 4 * spacing
     for step in (1 / rate if rate else None, fit(frames, stamps)[0]):
@@ -35,8 +35,7 @@ def frame_times(frames: Array, rate: float | None, stamps: Array) -> tuple[Array
         off = stamps - time
         if np.ptp(off) <= 2 * slack:
             rounded = float(np.abs(off - off.mean()).max()) > FINE
-            return time + stamps[
-                0
-            ], f"time from frame numbers at {1 / step:.6g} Hz: the times in the file are rounded" if rounded else ""
-    said = f", at {rate:g} Hz," if rate else ""
-    return stamps, f"time as printed: the frame numbers{said} do not keep step with it"
+            note = f"times from frame numbers at {1 / step:.6g} Hz, as the times in the file are rounded"
+            return time + stamps[0], note if rounded else ""
+    stated = f", at {rate:g} Hz," if rate else ""
+    return stamps, f"times as printed, as the frame numbers{stated} do not agree with them"

@@ -1,4 +1,4 @@
-"""The input of a captured trial: ``t,P1,P2``, ``t,tau``, or what an arm in space has, at times of its own."""
+"""Input of a captured trial at its own times: ``t,P1,P2``, ``t,tau``, or the channels of an arm in space."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from hsr_pin.recordings.grid import TOLERANCE, hold
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array
 
-#: The inputs there are in a plane.
+#: Accepted inputs of an arm in a plane.
 IN_PLANE = (("P1", "P2"), ("tau",))
 
 
 @dataclass(frozen=True, eq=False)
 class CommandRows:
-    """Rows as they stand in the file.
+    """Rows of commands as they are in the file.
 
     Attributes:
         path: the file.
-        time: (R,) [s] on the capture's clock, 0 at its first frame.
-        names: ("P1", "P2") [bar] or ("tau",) [N m]; in space torques [N m] or channels in units of their own.
-        values: (R, len(names)).
+        time: (R,) times [s] on the capture's clock, 0 at its first frame.
+        names: ("P1", "P2") [bar] or ("tau",) [N m]; in space torques [N m] or channels in their own units.
+        values: (R, len(names)) commands.
     """
 
     path: Path
@@ -34,29 +34,29 @@ class CommandRows:
     values: Array
 
     def held_at(self, time: Array) -> Array:
-        """(T, len(names)) at other times, each row held until the next; before the first row, the first row."""
+        """Return the commands (T, len(names)) at other times, each held until the next; before the first row, the first row."""
         step = (time[-1] - time[0]) / (len(time) - 1)
         return hold(self.time, self.values, time + TOLERANCE * step)
 
-    def drawn_at(self, time: Array) -> Array:
-        """(T, len(names)) at other times, straight from row to row."""
+    def interpolated_at(self, time: Array) -> Array:
+        """Return the commands (T, len(names)) at other times, interpolated linearly."""
         return np.stack([np.interp(time, self.time, column) for column in self.values.T], axis=1)
 
-    def drive_at(self, time: Array) -> Array:
-        """(T,) what rises with the commanded bending in a plane: the torque, or P2 above P1 (Eq. (4) of the paper)."""
+    def bending_command_at(self, time: Array) -> Array:
+        """Return a quantity (T,) that rises with the commanded bending in a plane: torque, or P2 - P1 (Eq. (4) of the paper)."""
         held = self.held_at(time)
         return np.asarray(held[:, -1] - (held[:, 0] if len(self.names) == 2 else 0.0))
 
 
 def read_command_rows(path: str | Path, inputs: Sequence[tuple[str, ...]] = IN_PLANE) -> CommandRows:
-    """Read an input.
+    """Read the rows of commands of an input file.
 
     Args:
         path: the file.
-        inputs: the sets of columns that it may have beside ``t``; none: whatever it has.
+        inputs: accepted sets of columns in addition to ``t``; empty: any columns.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
     """
     table = read_table(Path(path))
     names = next((names for names in inputs if set(table.header) == {"t", *names}), None)
@@ -64,7 +64,7 @@ def read_command_rows(path: str | Path, inputs: Sequence[tuple[str, ...]] = IN_P
         names = tuple(name for name in table.header if name != "t")
     if names is None:
         raise _other_columns(table, inputs)
-    clock = np.array(table.header) == "t"  # of any size: whether it is that of the motion is asked later
+    clock = np.array(table.header) == "t"  # times of any size; whether they overlap the motion is checked later
     gaps = np.argwhere(np.isnan(table.values) | ((np.abs(table.values) > 1e10) & ~clock))
     if gaps.size:
         row, field = (int(place) for place in gaps[0])
@@ -81,9 +81,9 @@ def _other_columns(table: Table, inputs: Sequence[tuple[str, ...]]) -> Recording
     unknown = next((name for name in table.header if name not in known), None)
     hint, in_plane = nearest(unknown, known, "columns") if unknown else "", tuple(inputs) == IN_PLANE
     if in_plane and {"tau_x", "P3"} & set(table.header):
-        hint = "for an arm in space say --bending space"
+        hint = "for an arm in space give --bending space"
     elif not in_plane and "tau" not in "".join(table.header):
-        hint = "say what each column gives, with --gain or with [[input]] in --map"
+        hint = "declare the torque of each column with --gain or with [[input]] in --map"
     expected = " or ".join(",".join(["t", *names]) for names in inputs) or "t and a column for each input"
     field, received = table.header.index(unknown) if unknown else 0, ",".join(table.header)[:60]
     return table.fault("columns", None, field, expected=expected, received=received, hint=hint)

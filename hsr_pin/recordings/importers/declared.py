@@ -1,4 +1,4 @@
-"""What a mapping says of the arm, in the words of ``dataset.toml``: what is said beside it, on a command line, wins."""
+"""Settings of the arm from a mapping, in the keys of ``dataset.toml``; values from the command line take precedence."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ _WORDS = ("mount", "bending")
 
 
 def declared_settings(mapping: TableMapping | None, *, poses: Sequence[str] = (), **given: Any) -> ImportSettings:
-    """Settings of what a mapping says of the arm, and of what is given beside it.
+    """Return import settings from the arm described in a mapping and from values given directly, which take precedence.
 
     Args:
-        mapping: which may have the tables ``[robot]``, ``[[section]]``, ``[[input]]``, ``[[measured]]`` and ``[[marker]]`` of the
-            recording format, markers with their ``points`` too; None: there is none.
-        poses: names of markers whose orientation is taken too.
-        given: fields of :class:`ImportSettings`; None and empty ones are not given.
+        mapping: mapping that may have the tables ``[robot]``, ``[[section]]``, ``[[input]]``, ``[[measured]]`` and
+            ``[[marker]]`` of the recording format, also with the ``points`` of markers; None: no mapping.
+        poses: names of markers whose orientation is used too.
+        given: fields of :class:`ImportSettings`; None and empty values count as not given.
 
     Raises:
-        InputError: mass, diameter or stiffness stand nowhere; or a setting that cannot be used.
-        RecordingError: with file, line and column of what the mapping says wrongly.
+        InputError: mass, diameter or stiffness is missing, or a setting cannot be used.
+        RecordingError: the mapping is invalid; the error names file, line and column.
     """
     said = {name: value for name, value in given.items() if value is not None and np.shape(value) != (0,)}
     facts = said if mapping is None or mapping.arm is None else _declared(mapping, mapping.arm, said)
@@ -67,14 +67,16 @@ def _declared(mapping: TableMapping, top: Section, said: dict[str, Any]) -> dict
         count = max(1, len(facts.get("sections", ())))
         facts["channels"] = channels_of(top, count, {"t", *torque_columns(count)}, ("from", *CLOCK))
     elif "measured" in top.values:
-        raise top.fault("measured", "measured", expected="tables [[input]] beside it, for what drives the arm", received="none")
+        raise top.fault(
+            "measured", "measured", expected="also tables [[input]] that declare what drives the arm", received="none"
+        )
     if "marker" in top.values and "markers" not in said:
         facts["markers"] = _markers(top)
     return facts
 
 
 def _sections(top: Section, robot: Section, facts: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
-    """The sections, and what they tell of the whole arm where nothing else does."""
+    """Return the sections, and numbers of the whole arm that follow from them if they are not given."""
     tables = top.sections("section")
     length = facts.get("length") or _together(tables, "length")
     if "mass" not in facts and not any("mass" in table.values for table in tables):
@@ -82,14 +84,14 @@ def _sections(top: Section, robot: Section, facts: Mapping[str, Any], said: Mapp
     mass = facts.get("mass") or _together(tables, "mass")
     kept = {key: value for key, value in robot.values.items() if key not in said}
     kept |= {key: facts[key][0] for key in _EACH if key in said and not any(key in table.values for table in tables)}
-    whole = Section(robot.path, robot.way, {**kept, "length": length, "mass": mass}, robot.places)
+    whole = Section(robot.path, robot.key_path, {**kept, "length": length, "mass": mass}, robot.places)
     sections = sections_of(top, whole, length, mass)
-    told = {key: [value] for key, value in declared_whole(top, sections).items() if key not in facts}
-    return {"length": length, "mass": mass, "sections": sections, **told}
+    from_sections = {key: [value] for key, value in declared_whole(top, sections).items() if key not in facts}
+    return {"length": length, "mass": mass, "sections": sections, **from_sections}
 
 
 def _together(tables: Sequence[Section], key: str) -> float:
-    """The sum of a number in several tables; what is none there is told when they are read."""
+    """Return the sum of a number over several tables; invalid values count as zero and are reported when they are read."""
     return sum(value for table in tables if isinstance(value := table.values.get(key), int | float)) or 1.0
 
 
@@ -99,10 +101,12 @@ def _markers(top: Section) -> list[Body]:
         table.only("name", "arc_length", "radius", "angle", "orientation", "points")
         name, points = table.text("name"), table.values.get("points", [table.values["name"]])
         if not isinstance(points, list) or not points or not all(isinstance(point, str) and point for point in points):
-            raise table.fault("points", "points", expected='names of points, as ["Arm:m1", "Arm:m2"]', received=repr(points)[:60])
+            raise table.fault(
+                "points", "points", expected='point names, such as ["Arm:m1", "Arm:m2"]', received=repr(points)[:60]
+            )
         pose = table.values.get("orientation", False)
         if pose not in (True, False, "link") or (isinstance(pose, int) and not isinstance(pose, bool)):
-            expected = 'true, false, or "link" where it is that of its link without being brought to it'
+            expected = 'true, false, or "link" if the axes of the body are those of its link'
             raise table.fault("orientation", "orientation", expected=expected, received=repr(pose)[:60])
         bodies.append(
             Body(
@@ -121,6 +125,6 @@ def _posed(bodies: Sequence[Body], poses: Sequence[str]) -> list[Body]:
     names = [body.name for body in bodies]
     for name in poses:
         if name not in names:
-            hint = "" if names else "name it with --marker too"
+            hint = "" if names else "name the marker with --marker too"
             raise InputError("pose", expected=" or ".join(names) or "the name of a marker", received=repr(name), hint=hint)
     return [replace(body, pose=body.pose or "straight") if body.name in poses else body for body in bodies]

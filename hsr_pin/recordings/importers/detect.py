@@ -1,4 +1,4 @@
-"""Which tracking system wrote a file, told from the file itself."""
+"""Detection of the tracking system from the content of a file."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from hsr_pin.recordings.importers.rosbag_fields import read_bag_commands, read_m
 from hsr_pin.recordings.importers.trc import is_trc, read_trc
 from hsr_pin.recordings.importers.vicon import is_vicon, read_vicon
 
-#: So much of the beginning tells the format [bytes].
+#: Size of the beginning from which the format is determined [bytes].
 HEAD = 8192
-#: In place of a file of commands: there were none.
+#: Given in place of a file of commands if there were none.
 NOTHING = "-"
 
 _TEXTS: tuple[tuple[Callable[[str], bool], Callable[[Path, str | None], Capture]], ...] = (
@@ -36,17 +36,17 @@ _TEXTS: tuple[tuple[Callable[[str], bool], Callable[[Path, str | None], Capture]
 
 
 def read_capture(path: str | Path, unit: str | None = None, mapping: TableMapping | None = None) -> Capture:
-    """Read the file of any tracking system that is known, or any table or bag with a mapping.
+    """Read a capture of any known tracking system, or a table or bag with a mapping.
 
     Args:
         path: the file; a bag of ROS 2 may be a folder.
-        unit: of length, in place of what the file says.
-        mapping: what stands where in a table; one without points leaves the file to the readers of known systems.
+        unit: unit of length, in place of that in the file.
+        mapping: meaning of the columns; a file is read as one of a known system if the mapping has no points.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
         InputError: ``unit`` is not a unit of length.
-        MissingDependencyError: a bag, without what reads bags.
+        MissingDependencyError: the file is a bag, and rosbags is not installed.
     """
     path = Path(path)
     head = _head(path)
@@ -67,7 +67,7 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
         "format not recognised",
         expected="CSV of Vicon or OptiTrack, TSV of Qualisys, TRC, C3D, or a ROS bag",
         received="an empty file" if not head.strip() else repr(text[:40]),
-        hint="any other table needs a mapping (--map): hsr-import --guess FILE writes one to edit",
+        hint="other tables need a mapping (--map); hsr-import --guess FILE writes a draft",
         file=path,
         line=1,
         column=1,
@@ -77,17 +77,17 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
 def read_commands_of(
     recording: Capture, path: str | Path | None, mapping: TableMapping | None, inputs: Sequence[tuple[str, ...]] = IN_PLANE
 ) -> CommandRows | None:
-    """The input of a recording: of a file of its own, or, where a mapping says so, of the recording's file; None: it has none.
+    """Return the input of a recording from its own file or, by a mapping, from the recording's file; None without an input.
 
     Args:
-        recording: whose clock it is put on.
-        path: of the input; None: no file of its own; ``-``: there was no input.
-        mapping: where it is in a table or a bag.
-        inputs: without one, the sets of columns that the file may have beside ``t``; none: whatever it has.
+        recording: recording whose clock the times refer to.
+        path: file of the input; None: no separate file; ``-``: no input.
+        mapping: columns of the input in a table or a bag.
+        inputs: without a mapping, the accepted sets of columns in addition to ``t``; empty: any columns.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
-        MissingDependencyError: a bag, without what reads bags.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
+        MissingDependencyError: the file is a bag, and rosbags is not installed.
     """
     wanted = None if mapping is None else mapping.input
     if mapping is None or wanted is None:
@@ -96,7 +96,7 @@ def read_commands_of(
         return None
     source = recording.path if path is None else Path(path)
     if path is None and not mapping.points and not is_bag(source, _head(source)):
-        columns, hint = ", ".join(str(column) for _, column in wanted.columns), f"--input {NOTHING} where there was none"
+        columns, hint = ", ".join(str(column) for _, column in wanted.columns), f"give --input {NOTHING} if there was none"
         raise RecordingError(
             "no commands", expected=f"--input FILE with {columns}", received="none", hint=hint, file=recording.path
         )

@@ -1,4 +1,4 @@
-"""The input of a trial on the clock of its motion: moved as told or estimated, and refused where the two never meet."""
+"""Alignment of the input of a trial with the clock of its motion, by a given or an estimated time offset."""
 
 from __future__ import annotations
 
@@ -14,45 +14,45 @@ from hsr_pin.recordings.importers.settings import AUTO
 from hsr_pin.recordings.lag import Lag, find_lag
 from hsr_pin.trajectory import Array
 
-#: Clocks of time zones differ by multiples of this [s].
+#: Time-zone offsets are multiples of this [s].
 ZONE = 900.0
 
 
 def on_clock_of(
     command: CommandRows, capture: Capture, positions: Array, offset: float | str | None
 ) -> tuple[CommandRows, list[str]]:
-    """The command on the clock of its recording, and notes.
+    """Return the command on the clock of its recording, and notes.
 
     Args:
-        command: as its file has it.
+        command: the command with the times of its file.
         capture: the recording.
-        positions: (T, B, 3) [m] of its bodies, without spikes.
-        offset: [s] that is added to the command's times; "auto": estimated; None: nothing is said.
+        positions: (T, B, 3) positions [m] of the bodies, without spikes.
+        offset: time added to the command's times [s]; "auto": estimated; None: not given.
 
     Raises:
-        RecordingError: the command changes before or after the recording only, or does not tell its offset.
+        RecordingError: the command does not change within the recording, or its offset cannot be estimated.
     """
     if offset == AUTO:
         lag = _lag(command, capture.time, positions)
-        if lag is None or not lag.follows or lag.apart:
-            many = f"several: {lag} explains {lag.share:.0%}, and so do others" if lag and lag.follows else "none"
-            expected, hint = "one offset at which the motion follows from its input", "give the offset in s: --input-offset S"
+        if lag is None or not lag.follows or lag.ambiguous:
+            many = f"several: {lag} explains {lag.share:.0%} of the motion, and so do others" if lag and lag.follows else "none"
+            expected, hint = "one offset at which the input explains the motion", "give the offset in s: --input-offset S"
             raise RecordingError("input offset", expected=expected, received=many, hint=hint, file=command.path)
-        note = f"input moved by {lag}, which explains {lag.share:.0%} of the motion; a delay of the arm itself is lost in it"
+        note = f"input moved by {lag}, which explains {lag.share:.0%} of the motion; this removes a delay of the arm itself"
         return replace(command, time=command.time + lag.value), [note]
     moved = replace(command, time=command.time + float(offset or 0.0))
     _check_overlap(moved, capture)
     if offset is not None:
-        return moved, [f"input moved by {float(offset):g} s, as told"]
+        return moved, [f"input moved by {float(offset):g} s, as given"]
     lag = _lag(command, capture.time, positions)
     if lag is None or not lag.is_early:
         return moved, []
-    said = f"the motion comes {abs(lag.value):.3g} s (+- {lag.sigma:.1g} s) before its command: is the clock of the input late?"
-    return moved, [f"{said} then --input-offset {lag.value:.3g}, or auto"]
+    lead = f"the motion leads its command by {abs(lag.value):.3g} s (+- {lag.sigma:.1g} s)"
+    return moved, [f"{lead}; if the clock of the input is late, give --input-offset {lag.value:.3g}, or auto"]
 
 
 def _lag(command: CommandRows, time: Array, positions: Array) -> Lag | None:
-    """Of the body that moves most, along its largest motion, and the column of the command that explains most of it."""
+    """Estimate the delay from the largest motion of any body and the input column that explains it best."""
     tracks = [track for track in positions.swapaxes(0, 1) if seen(track).sum() > 2]
     if not tracks:
         return None
@@ -66,27 +66,27 @@ def _lag(command: CommandRows, time: Array, positions: Array) -> Lag | None:
 
 
 def _check_overlap(command: CommandRows, capture: Capture) -> None:
-    """Refuse a command that changes, but never within the recording."""
+    """Check that a command that changes does so within the recording."""
     time, end = command.time, float(capture.time[-1])
     lasts = {unit: TIME_UNITS[unit] * float(time[-1] - time[0]) / end for unit in ("ms", "us", "ns")}
-    unit = next((name for name, share in lasts.items() if 0.5 < share < 2), None)  # of the recording, were it in this unit
+    unit = next((name for name, share in lasts.items() if 0.5 < share < 2), None)  # share of the recording, in this unit
     if not np.ptp(command.values, axis=0).any() or (time[0] <= end and time[-1] >= 0 and unit is None):
         return
     if unit:
-        hint = f"are these {unit}? say [input] time_unit in --map"
+        hint = f"if these are {unit}, give [input] time_unit in --map"
     elif hours := _near_zone(time, end):
-        hint = f"its clock is {hours} h off: --input-offset {-3600 * float(hours):.0f}, or auto"
+        hint = f"its clock is {hours} h off; give --input-offset {-3600 * float(hours):.0f}, or auto"
     elif time[0] > 1e8:
-        hint = 'is it Unix time? say [input] time_unit and clock = "shared" in --map, or --input-offset auto for a time in s'
+        hint = 'for Unix time give [input] time_unit and clock = "shared" in --map, or --input-offset auto'
     else:
-        hint = "move it with --input-offset S, or auto"
+        hint = "correct it with --input-offset S, or auto"
     expected = f"times of the recording, 0 to {end:.6g} s from its first frame"
     received = f"{time[0]:.9g} to {time[-1]:.9g} s"
     raise RecordingError("the clock of the input", expected=expected, received=received, hint=hint, file=command.path)
 
 
 def _near_zone(time: Array, end: float) -> str:
-    """The hours, a multiple of a quarter, by which a command's clock is off; empty where it is off by something else."""
+    """Return the time-zone offset [h] of a command's clock as text; empty if the offset is not a multiple of a quarter hour."""
     middle = (time[0] + time[-1]) / 2 - end / 2
     quarters = round(middle / ZONE)
     close = abs(middle - quarters * ZONE) <= min(max(end, float(time[-1] - time[0])), ZONE / 4)

@@ -1,4 +1,4 @@
-"""A mapping: which columns of somebody's table are what, given once in a TOML file (see docs/importing.md)."""
+"""Mappings: TOML files that state the meaning of the columns of a table (docs/importing.md)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hsr_pin.recordings.importers.up import Up, axis_vector
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.recordings.text import nearest
 
-#: A column by its name, or by its number counted from 1.
+#: A column, by its name or by its number counted from 1.
 Column = str | int
 
 #: Seconds in one of each unit of time.
@@ -22,19 +22,19 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 PRESSURE_UNITS = {"bar": 1.0, "mbar": 1e-3, "Pa": 1e-5, "kPa": 1e-2, "MPa": 10.0, "psi": 0.0689475729}
 #: N m in one of each unit of torque.
 TORQUE_UNITS = {"Nm": 1.0, "Nmm": 1e-3}
-#: No laboratory is larger, and no unit of length longer [m].
+#: Largest accepted coordinate and unit of length [m].
 FARTHEST = 1e6
-#: What a mapping may say of the arm, in the words of dataset.toml.
+#: Tables of dataset.toml with which a mapping may describe the arm.
 ARM = ("robot", "section", "measured", "marker")
-#: Where times of commands are.
+#: Keys that locate the times of commands.
 CLOCK = ("time", "time_unit", "time_format", "clock")
-#: How the clock of a file of commands stands to that of the recording.
+#: Accepted relations between the clock of the commands and that of the recording.
 CLOCKS = ("capture", "shared")
 
 
 @dataclass(frozen=True)
 class Place:
-    """A column as a coordinate: with its sign; None: zero everywhere (a camera that sees a plane)."""
+    """Column of a coordinate and its sign; a column of None is zero everywhere (for a camera that sees a plane)."""
 
     column: Column | None
     sign: float = 1.0
@@ -42,12 +42,12 @@ class Place:
 
 @dataclass(frozen=True)
 class Clock:
-    """Where times are.
+    """Columns of times, and how to read them.
 
     Attributes:
-        columns: whose sum is the time: one, or two as ROS prints them (``secs``, ``nsecs``).
-        factors: seconds in one of each.
-        form: of a date and time of day, in the signs of ``datetime.strptime``; None: they are numbers.
+        columns: columns whose sum is the time: one, or two as printed by ROS (``secs``, ``nsecs``).
+        factors: seconds per unit of each column.
+        form: format of a date and time of day for ``datetime.strptime``; None: the times are numbers.
     """
 
     columns: tuple[Column, ...]
@@ -57,13 +57,13 @@ class Clock:
 
 @dataclass(frozen=True)
 class InputMapping:
-    """Where commands are.
+    """Columns of commands, and how to read them.
 
     Attributes:
-        columns: of P1 and P2, of the torque or its components, or of channels; in a bag, ``topic:field``.
-        factor: to bar, or to N m; of channels 1.
-        time: where times are, in a file of its own; None: as in the recording.
-        clock: "capture": 0 at the recording's first frame; "shared": that of the recording.
+        columns: names and columns of P1 and P2, of the torque or its components, or of channels; in a bag, ``topic:field``.
+        factor: bar or N m per unit; 1 for channels.
+        time: times of a separate file of commands; None: as in the recording.
+        clock: "capture": 0 at the first frame of the recording; "shared": the clock of the recording.
     """
 
     columns: tuple[tuple[str, Column], ...]
@@ -74,25 +74,25 @@ class InputMapping:
 
 @dataclass(frozen=True)
 class TableMapping:
-    """What stands where in a table, or in a bag.
+    """Meaning of the columns of a table, or of the fields of a bag.
 
     Attributes:
-        path: of the mapping.
-        points: name and three places of each.
-        time: where times are; None: nowhere.
-        frame: column of frame numbers, with ``rate``.
-        rate: [Hz].
-        unit: of length.
-        factor: metres in one of it.
-        up: axis that is up, if said.
-        header: line of the names, counted from 1; 0: there is none; None: the first.
-        separator: between fields; None: told from the file.
-        decimal: mark in numbers; None: likewise.
-        input: where commands are, if anywhere.
-        poses: name of a point, and columns of its quaternion, real part first.
-        x: axis that x of an arm in space points along, if said.
-        origin: [m] of the base in the laboratory's frame, if said.
-        arm: the whole file, for what it says of the arm (:mod:`declared`).
+        path: the file of the mapping.
+        points: name and three coordinates of each point.
+        time: columns of times; None: none.
+        frame: column of frame numbers, used with ``rate``.
+        rate: frame rate [Hz].
+        unit: unit of length.
+        factor: metres per unit of length.
+        up: axis that is up, if given.
+        header: line of the column names, counted from 1; 0: none; None: the first line.
+        separator: character between fields; None: determined from the file.
+        decimal: decimal mark; None: determined from the file.
+        input: columns of commands, if any.
+        poses: name of each point with an orientation, and columns of its quaternion, real part first.
+        x: direction of the x axis of an arm in space, if given.
+        origin: position of the base [m] in the laboratory's frame, if given.
+        arm: the whole file, which may describe the arm (:mod:`declared`).
     """
 
     path: Path
@@ -114,20 +114,20 @@ class TableMapping:
 
     @property
     def known_up(self) -> Up:
-        """What is told about the axis that is up."""
-        return Up(self.up, f"as {self.path.name} has it" if self.up else f"{self.path.name} does not say")
+        """Upward axis of the laboratory as given by the mapping."""
+        return Up(self.up, f"by {self.path.name}" if self.up else f"{self.path.name} does not state it")
 
 
 def read_mapping(path: str | Path) -> TableMapping:
-    """Read a mapping.
+    """Read a mapping from a TOML file.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
     """
     top = read_document(Path(path))
     top.only("file", "time", "space", "points", "poses", "input", *ARM)
     if not {"points", "input", *ARM} & set(top.values):
-        raise top.fault("nothing is mapped", expected="[points], or [input], or what dataset.toml says of the arm")
+        raise top.fault("the mapping is empty", expected="[points], [input], or tables of dataset.toml for the arm")
     facts: dict[str, Any] = {"arm": top}
     if "points" in top.values:
         facts["points"] = _points(top.section("points"))
@@ -156,7 +156,7 @@ def _time(section: Section) -> dict[str, Any]:
 
 
 def _clock(section: Section, column: str, unit: str, form: str) -> Clock:
-    """One column and its unit, or a list of each; or one column and the format of a date."""
+    """Return the clock of one column and its unit, of a list of each, or of one column and the format of a date."""
     if form in section.values:
         return Clock((_column(section, column),), form=section.text(form))
     columns, units = section.values[column], section.values.get(unit, "s")
@@ -165,7 +165,7 @@ def _clock(section: Section, column: str, unit: str, form: str) -> Clock:
         expected, received = f"a unit for each of {len(lists[0])} columns", f"{len(lists[1])}"
         raise section.fault(unit, unit, expected=expected, received=received)
     each = [
-        Section(section.path, section.way, dict(zip((column, unit), pair, strict=True)), section.places)
+        Section(section.path, section.key_path, dict(zip((column, unit), pair, strict=True)), section.places)
         for pair in zip(*lists, strict=True)
     ]
     factors = tuple(TIME_UNITS[_one_of(one, unit, TIME_UNITS, "s")] for one in each)
@@ -177,12 +177,12 @@ def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], .
     for name, columns in section.values.items():
         good = isinstance(columns, list) and len(columns) == 3 and all(_is_column(column) or column == "" for column in columns)
         if not good or all(column == "" for column in columns):
-            expected = 'three columns, for x, y and z: ["x", "y", "z"], [2, 3, 4], or ["x", "", "-y"] in a plane'
+            expected = 'three columns for x, y and z: ["x", "y", "z"], [2, 3, 4], or ["x", "", "-y"] in a plane'
             raise section.fault(f"point {name!r}", name, expected=expected, received=repr(columns)[:60])
         x, y, z = (Place(None if column == "" else column) for column in columns)
         found.append((name, (x, y, z)))
     if not found:
-        raise section.fault("no point", expected='a line for each, as tip = ["x", "y", "z"]')
+        raise section.fault("no point", expected='a line for each point, such as tip = ["x", "y", "z"]')
     return tuple(found)
 
 
@@ -201,7 +201,7 @@ def _poses(section: Section, points: list[str]) -> tuple[tuple[str, tuple[Column
 def _space(section: Section) -> dict[str, Any]:
     section.only("unit", "up", "x", "origin")
     facts: dict[str, Any] = {}
-    if isinstance(section.values.get("unit"), int | float):  # the pixel of a camera
+    if isinstance(section.values.get("unit"), int | float):  # for example the size of a camera pixel
         facts["factor"] = section.number("unit", "m")
         if facts["factor"] > FARTHEST:
             raise section.fault("unit", "unit", expected=f"at most {FARTHEST:g} m", received=facts["factor"])
@@ -235,7 +235,9 @@ def _file(section: Section) -> dict[str, Any]:
     if "header" in section.values:
         header = section.values["header"]
         if not isinstance(header, int) or isinstance(header, bool) or header < 0:
-            raise section.fault("header", "header", expected="the line of the names, or 0 for none", received=repr(header)[:60])
+            raise section.fault(
+                "header", "header", expected="the line of the column names, or 0 for none", received=repr(header)[:60]
+            )
         facts["header"] = header
     for key, known in (("separator", (",", ";", "|", "\t", " ")), ("decimal", (".", ","))):
         if key in section.values:
@@ -254,8 +256,8 @@ def _input(section: Section) -> InputMapping:
     if not names and in_space:
         names = list(in_space[0])
     elif torques or names not in (["P1", "P2"], ["tau"]):
-        expected = "P1 and P2, or tau; in space tau_x and tau_y, or tau_x_1, tau_y_1, ... of sections"
-        hint = "several chambers or tendons are tables [[input]] with columns"
+        expected = "P1 and P2, or tau; in space tau_x and tau_y, or tau_x_1, tau_y_1, ... for sections"
+        hint = "declare several chambers or tendons in tables [[input]] with columns"
         raise section.fault("input", expected=expected, received=" and ".join([*names, *torques]) or "none", hint=hint)
     units, usual = (PRESSURE_UNITS, "bar") if names == ["P1", "P2"] else (TORQUE_UNITS, "Nm")
     return InputMapping(
@@ -273,21 +275,21 @@ def _command_clock(section: Section) -> dict[str, Any]:
 
 
 def _channels(tables: list[Section]) -> InputMapping:
-    """Tables ``[[input]]`` and ``[[measured]]``: columns of those names, or of others that ``from`` says; one clock for all."""
+    """Return the mapping of tables ``[[input]]`` and ``[[measured]]``: their columns or those in ``from``, with one clock."""
     columns: list[tuple[str, Column]] = []
     for table in tables:
         names, sources = table.values.get("columns"), table.values.get("from", table.values.get("columns"))
         if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
-            expected = 'names of columns, as ["P1", "P2", "P3"]'
+            expected = 'column names, such as ["P1", "P2", "P3"]'
             raise table.fault("columns", "columns", expected=expected, received=repr(names)[:60])
         if not isinstance(sources, list) or len(sources) != len(names) or not all(_is_column(column) for column in sources):
-            expected = f"a column of the file for each of {len(names)}: its name, or its number counted from 1"
+            expected = f"{len(names)} columns of the file, each by its name or its number counted from 1"
             raise table.fault("from", "from", expected=expected, received=repr(sources)[:60])
         columns += zip(names, sources, strict=True)
-    said = [table for table in tables if set(CLOCK) & set(table.values)]
-    if len(said) > 1:
-        raise said[1].fault("time", expected="the clock of commands in one of the tables", received="in two")
-    return InputMapping(tuple(columns), 1.0, **(_command_clock(said[0]) if said else {}))
+    clock_tables = [table for table in tables if set(CLOCK) & set(table.values)]
+    if len(clock_tables) > 1:
+        raise clock_tables[1].fault("time", expected="the clock of the commands in one table only", received="in two tables")
+    return InputMapping(tuple(columns), 1.0, **(_command_clock(clock_tables[0]) if clock_tables else {}))
 
 
 def _is_column(value: object) -> bool:

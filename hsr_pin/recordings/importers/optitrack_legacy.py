@@ -1,9 +1,9 @@
-"""OptiTrack Tracking Tools and early Motive: CSV export version 1.1 and older.
+"""Reader of CSV exports of OptiTrack Tracking Tools and early Motive, version 1.1 and older.
 
-The first field of each row says what it is. ``frame``: number, time [s], then each body that was tracked (identifier, position,
+The first field of each row names its kind. ``frame``: number, time [s], then each body that was tracked (identifier, position,
 quaternion, yaw, pitch, roll), then each marker (position, identifier and, from version 1.1 on, name). ``rigidbody`` or
-``trackable``: of the whole file (name, identifier, markers), or of a frame, with the seen place of each of its markers. Metres.
-The comments at the top of every such file say so at length.
+``trackable``: of the whole file (name, identifier, markers), or of a frame, with the seen position of each of its markers.
+Lengths are in metres. The comments at the top of every such file describe the format.
 """
 
 from __future__ import annotations
@@ -20,63 +20,63 @@ from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
 from hsr_pin.recordings.importers.up import Up
 
 UNIT = "m"
-#: Fields of a body in a frame: its identifier, position, quaternion and angles.
+#: Number of fields of a body in a frame: identifier, position, quaternion and angles.
 BODY = 11
 _BODIES = ("rigidbody", "trackable")
 _FIRST = ("comment,", "info,", "righthanded", "lefthanded")
 
 
 def is_optitrack_legacy(head: str) -> bool:
-    """Whether the beginning of a text file looks like this format."""
+    """Return whether the beginning of a text file looks like this format."""
     head = head.replace("\t", ",").replace(";", ",").replace('"', "")
     return head.startswith(_FIRST) and any(word in head for word in ("OptiTrack", "NaturalPoint", "handed", "\ninfo,"))
 
 
 def read_optitrack_legacy(path: Path, unit: str | None = None) -> Capture:
-    """Read a file.
+    """Read a capture from a legacy OptiTrack file.
 
     Args:
         path: the file.
-        unit: of length, in place of metres.
+        unit: unit of length; None: metres.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
     """
     sheet = read_sheet(path)
     read = _read(sheet)
     sheet.check_count(range(len(read.frames)), read.stated, "info,framecount")
     if not read.places:
-        raise RecordingError("no marker in the file", expected="rows that begin with frame", file=path)
+        raise RecordingError("no marker in the file", expected="rows that begin with the word frame", file=path)
     positions = np.full((len(read.frames), len(read.places), 3), np.nan)
     for column, found in enumerate(read.places.values()):
         positions[list(found), column] = list(found.values())
     time, note = frame_times(np.array(read.frames, dtype=float), None, np.array(read.stamps))
-    said = [f"imported from {path.name} (OptiTrack CSV {read.version}, {unit or UNIT})", *([note] if note else [])]
-    turns = {list(read.places).index(name): np.full((len(read.frames), 4), np.nan) for name in read.turns}
-    for turn, seen in zip(turns.values(), read.turns.values(), strict=True):
+    notes = [f"imported from {path.name} (OptiTrack CSV {read.version}, {unit or UNIT})", *([note] if note else [])]
+    quaternions = {list(read.places).index(name): np.full((len(read.frames), 4), np.nan) for name in read.quaternions}
+    for turn, seen in zip(quaternions.values(), read.quaternions.values(), strict=True):
         turn[list(seen)] = list(seen.values())
     if read.left_handed:
         positions[..., 2] *= -1
-        turns = {place: turn * [1, -1, -1, 1] for place, turn in turns.items()}
-        said.append("the file's axes are left-handed: z was turned round")
+        quaternions = {place: turn * [1, -1, -1, 1] for place, turn in quaternions.items()}
+        notes.append("the axes of the file are left-handed; the sign of z was changed")
     return capture(
         path,
         "OptiTrack CSV",
         time,
         list(read.places),
         positions,
-        up=Up("+y", "as OptiTrack has it"),
+        up=Up("+y", "by the convention of OptiTrack"),
         unit=unit or UNIT,
         factor=metres(unit or UNIT),
-        notes=said,
+        notes=notes,
         encoding=sheet.encoding,
-        turns=turns,
+        quaternions=quaternions,
     )
 
 
 @dataclass
 class _Read:
-    """What was read so far: of each point, its place in each frame that shows it; of each body, its quaternion too."""
+    """Positions of each point by frame, and quaternions of each body by frame, collected while reading."""
 
     stated: int = 0
     version: str = "1.0"
@@ -85,14 +85,14 @@ class _Read:
     frames: list[int] = field(default_factory=list)
     stamps: list[float] = field(default_factory=list)
     places: dict[str, dict[int, tuple[float, ...]]] = field(default_factory=dict)
-    turns: dict[str, dict[int, tuple[float, ...]]] = field(default_factory=dict)
+    quaternions: dict[str, dict[int, tuple[float, ...]]] = field(default_factory=dict)
 
 
 def _read(sheet: Sheet) -> _Read:
     read = _Read()
     for row in range(len(sheet)):
         fields = sheet.row(row)
-        sheet.forget()
+        sheet.release()
         if sheet.decimal != ".":
             fields = [field.replace(sheet.decimal, ".") for field in fields]
         try:
@@ -111,8 +111,10 @@ def _read(sheet: Sheet) -> _Read:
             elif fields[0] == "lefthanded":
                 read.left_handed = True
         except (ValueError, IndexError):
-            hint = "export it anew, or take the row away"
-            raise sheet.fault(row, 0, f"row of {fields[0][:20]!r}", expected="as the comments say", hint=hint) from None
+            hint = "export it again, or remove the row"
+            raise sheet.fault(
+                row, 0, f"row of {fields[0][:20]!r}", expected="a row as described in the comments of the file", hint=hint
+            ) from None
     return read
 
 
@@ -122,7 +124,7 @@ def _frame(fields: list[str], read: _Read, frame: int) -> None:
         name = read.bodies.get(int(fields[start]), f"body {fields[start]}")
         read.places.setdefault(name, {})[frame] = _place(fields[start + 1 : start + 4])
         x, y, z, w = (float(field) for field in fields[start + 4 : start + 8])
-        read.turns.setdefault(name, {})[frame] = w, x, y, z
+        read.quaternions.setdefault(name, {})[frame] = w, x, y, z
     count = int(fields[at])
     rest = [field for field in fields[at + 1 :] if field != ""]
     if len(rest) == 5 * count and count and not _is_number(rest[4]):  # with names
@@ -133,9 +135,9 @@ def _frame(fields: list[str], read: _Read, frame: int) -> None:
 
 
 def _seen_markers(fields: list[str], places: dict[str, dict[int, tuple[float, ...]]], frame: int) -> None:
-    """Of one body in a frame: the places of its markers that were seen, after those that the body gives them."""
+    """Store the seen positions of the markers of one body in a frame, which follow those computed from the body."""
     name, count = fields[3], int(fields[6])
-    given = (len(fields) - 8) // count - 5 if count else 3  # coordinates, from version 1.1 on an identifier too
+    given = (len(fields) - 8) // count - 5 if count else 3  # coordinates, and from version 1.1 also an identifier
     if given not in (3, 4):
         raise ValueError("markers")
     start = 7 + given * count

@@ -1,4 +1,4 @@
-"""Text as laboratories have it, whatever its encoding and line ends, as UTF-8 with lines that end in a line feed."""
+"""Conversion of text of any encoding and line ending to UTF-8 with line feeds."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from pathlib import Path
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.files import read_bytes
 
-#: So much of the beginning tells the encoding [bytes].
+#: Size of the beginning from which the encoding is determined [bytes].
 HEAD = 4096
 
 
 def read_plain(path: Path) -> tuple[bytes, str]:
-    """The text of a file as UTF-8, and what it was encoded in where that was not UTF-8.
+    """Return the text of a file as UTF-8, and its encoding if that was not UTF-8.
 
     Raises:
-        RecordingError: unreadable, too large, empty, or no text.
+        RecordingError: the file cannot be read, is too large or empty, or is not text.
     """
     data = read_bytes(path)
     text, encoding = plain(data, path)
@@ -26,10 +26,10 @@ def read_plain(path: Path) -> tuple[bytes, str]:
 
 
 def plain(data: bytes, path: Path) -> tuple[bytes, str]:
-    """The same of bytes that were read already.
+    """Return bytes as UTF-8 text, and their encoding if that was not UTF-8.
 
     Raises:
-        RecordingError: no text.
+        RecordingError: the bytes are not text.
     """
     encoding = _wide(data[:HEAD])
     try:
@@ -37,14 +37,14 @@ def plain(data: bytes, path: Path) -> tuple[bytes, str]:
             data = data.decode(encoding).encode()
     except UnicodeDecodeError as error:
         raise RecordingError(
-            "not text", expected=encoding.upper(), received=f"a wrong byte at {error.start}", file=path
+            "not text", expected=encoding.upper(), received=f"an invalid byte at {error.start}", file=path
         ) from error
     data = data.removeprefix(codecs.BOM_UTF8)
     zero = data.find(b"\0")
     if zero >= 0:
         line = data.count(b"\n", 0, zero) + 1
         raise RecordingError(
-            "not text", received="a byte of zero", hint="is the file damaged, or binary?", file=path, line=line, column=1
+            "not text", received="a null byte", hint="the file may be damaged or binary", file=path, line=line, column=1
         )
     if not data.isascii():
         try:
@@ -57,13 +57,13 @@ def plain(data: bytes, path: Path) -> tuple[bytes, str]:
 
 
 def head_text(head: bytes) -> str:
-    """The beginning of a file as text, to tell its format by."""
+    """Return the beginning of a file as text, from which its format is determined."""
     encoding = _wide(head)
     return head.decode(encoding or "utf-8", "replace").removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _wide(head: bytes) -> str:
-    """UTF-16, by its mark or by the zeros in it; else empty."""
+    """Return the name of the UTF-16 encoding if a byte order mark or null bytes show it; otherwise an empty text."""
     if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     zeros = [head[side::2].count(0) for side in (0, 1)]

@@ -1,4 +1,4 @@
-"""The bending plane, and which side of it is positive."""
+"""Estimation of the bending plane and of its positive side."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from hsr_pin.recordings.importers.straight import StraightArm
 from hsr_pin.recordings.importers.up import axis_vector
 from hsr_pin.trajectory import Array
 
-#: Correlation of input and tip below which the input does not tell which way is positive.
-TELLS = 0.3
+#: Smallest correlation of input and tip for which the input determines the positive side.
+SIGNIFICANT_CORRELATION = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """One trial as far as the plane goes.
+    """Motion and command of one trial, for the estimation of the bending plane.
 
     Attributes:
-        time: (T,) [s].
-        positions: (T, B, 3) [m] from base to tip, without spikes, in the laboratory's frame.
-        command: its input, if it has one.
+        time: (T,) times [s].
+        positions: (T, B, 3) positions [m] from base to tip, without spikes, in the laboratory's frame.
+        command: the input; None if there is none.
     """
 
     time: Array
@@ -35,14 +35,14 @@ class Motion:
 
 
 def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array, x: str | None) -> tuple[Alignment, str]:
-    """The arm's frame, and a sentence on which way x points.
+    """Return the arm's frame and a sentence on the direction of its x axis.
 
-    A horizontal arm points along +x and bends up and down. A vertical one bends towards x, at right angles to ``up``: the
-    direction in which its markers move most.
+    A horizontal arm points along +x and bends up and down. A vertical arm bends towards x, the direction perpendicular to ``up``
+    in which its markers move most.
 
     Raises:
-        RecordingError: a vertical arm that does not move, with no ``x`` to go by.
-        InputError: ``x`` is not across the arm, or not the way the arm bends.
+        RecordingError: a vertical arm does not move, and ``x`` is not given.
+        InputError: ``x`` is not perpendicular to the arm, or not in its bending plane.
     """
     if mount == "horizontal":
         return frame(arm.origin, arm.direction, up), _horizontal_note(motions, arm, up)
@@ -50,32 +50,32 @@ def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array
     if x is not None:
         wanted = axis_vector(x, "x")
         if abs(wanted @ up) > 0.9:
-            raise InputError("x", expected="an axis across the arm", received=x)
+            raise InputError("x", expected="an axis perpendicular to the arm", received=x)
         if fitted is None:
-            return frame(arm.origin, wanted, up), f"x is the laboratory's {x}: the arm hardly moves"
+            return frame(arm.origin, wanted, up), f"x is {x} of the laboratory, as the arm hardly moves"
         agreement = float(fitted @ wanted)
         if abs(agreement) < 0.3:
-            raise InputError("x", expected="an axis along the bending plane", received=f"{x}, across it")
-        return frame(arm.origin, np.sign(agreement) * fitted, up), f"x is the way of the laboratory's {x}"
+            raise InputError("x", expected="an axis in the bending plane", received=f"{x}, which is perpendicular to it")
+        return frame(arm.origin, np.sign(agreement) * fitted, up), f"x points towards {x} of the laboratory, in the bending plane"
     if fitted is None:
-        raise RecordingError("no moving marker", expected="motion that shows the bending plane", hint="say the plane with --x")
+        raise RecordingError("no moving marker", expected="motion that shows the bending plane", hint="give the plane with --x")
     excursions = [(motion.positions[:, -1] - arm.pose[-1]) @ fitted for motion in motions]
     correlation = _correlation(motions, excursions)
-    if abs(correlation) >= TELLS:
-        return frame(arm.origin, np.sign(correlation) * fitted, up), "x is the way the arm goes as its input rises"
+    if abs(correlation) >= SIGNIFICANT_CORRELATION:
+        return frame(arm.origin, np.sign(correlation) * fitted, up), "x is the direction of bending as the input rises"
     every = np.concatenate(excursions)
     every = every[np.isfinite(every)]
     side = np.sign(every[np.argmax(np.abs(every))]) if len(every) else 1.0
-    return frame(arm.origin, (side or 1.0) * fitted, up), "x is the side of the largest excursion (no input told it)"
+    return frame(arm.origin, (side or 1.0) * fitted, up), "x is the side of the largest excursion, as no input determines it"
 
 
 def _correlation(motions: Sequence[Motion], excursions: Sequence[Array]) -> float:
-    """Correlation of input and excursion over all motions; 0 where there is none."""
+    """Return the correlation of input and excursion over all motions; 0 if there is no input."""
     drives, tips = [], []
     for motion, excursion in zip(motions, excursions, strict=True):
         if motion.command is not None:
             known = np.isfinite(excursion)
-            drives.append(motion.command.drive_at(motion.time)[known])
+            drives.append(motion.command.bending_command_at(motion.time)[known])
             tips.append(excursion[known])
     drive, tip = (np.concatenate(values) if values else np.empty(0) for values in (drives, tips))
     if len(drive) < 2 or np.ptp(drive) == 0 or np.ptp(tip) == 0:
@@ -85,12 +85,12 @@ def _correlation(motions: Sequence[Motion], excursions: Sequence[Array]) -> floa
 
 def _horizontal_note(motions: Sequence[Motion], arm: StraightArm, up: Array) -> str:
     falls = [-(motion.positions[:, -1] - arm.pose[-1]) @ up for motion in motions]
-    note = "x is the way the straight arm points, positive bending is down"
-    return f"{note}; as its input rises, the arm goes up" if _correlation(motions, falls) <= -TELLS else note
+    note = "x is the direction of the straight arm, and positive bending is down"
+    return f"{note}; the arm bends up as its input rises" if _correlation(motions, falls) <= -SIGNIFICANT_CORRELATION else note
 
 
 def spread(world: Array) -> tuple[float, float]:
-    """Root mean square motion in the plane and out of it [m], of (T, B, 3) positions in the arm's frame, about each median."""
+    """Return the RMS motion [m] of positions (T, B, 3) in the arm's frame about their medians, in and out of the plane."""
     within, out = [], []
     for places in world.swapaxes(0, 1):
         known = places[seen(places)]

@@ -1,9 +1,9 @@
-"""Qualisys Track Manager, TSV export of 3D and 6DOF data (docs.qualisys.com, Motion data, 6DOF data).
+"""Reader of TSV exports of Qualisys Track Manager with 3D or 6DOF data (docs.qualisys.com, Motion data, 6DOF data).
 
 Lines of a key and its values (``NO_OF_FRAMES``, ``FREQUENCY``, ``DATA_INCLUDED``, ``MARKER_NAMES`` or ``BODY_NAMES``, ...),
-perhaps a line of columns (``Frame Time arm X arm Y ...``), then frames: their number and time if asked for, three columns for
-each marker, or sixteen for each body, and perhaps an empty one between bodies. In millimetres always; z is up unless somebody
-turned the axes.
+an optional line of columns (``Frame Time arm X arm Y ...``), then frames: optional number and time, three columns for each
+marker or sixteen for each body, and possibly an empty column between bodies. Lengths are always in millimetres; z is up unless
+the axes were changed.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from hsr_pin.recordings.importers.up import Up
 from hsr_pin.trajectory import Array
 
 UNIT = "mm"
-#: The kinds of data that hold points: the key of their names, and the columns of each.
+#: Kinds of data with points: the key of the names, and the number of columns of each point.
 KINDS = {"3D": ("MARKER_NAMES", 3), "6D": ("BODY_NAMES", 16)}
-#: So many rows tell what columns are that have no names.
+#: Number of rows from which columns without names are identified.
 LOOK = 20
 _KEYS = ("NO_OF_FRAMES", "FILE_VERSION", "NO_OF_CAMERAS")
 
 
 def is_qualisys(head: str) -> bool:
-    """Whether the beginning of a text file looks like this format."""
+    """Return whether the beginning of a text file looks like this format."""
     return head.lstrip('" \t').startswith(_KEYS)
 
 
 def read_qualisys(path: Path, unit: str | None = None) -> Capture:
-    """Read a file.
+    """Read a capture from a Qualisys file.
 
     Args:
         path: the file.
-        unit: of length, in place of millimetres.
+        unit: unit of length; None: millimetres.
 
     Raises:
-        RecordingError: with file, line and column of the first fault.
+        RecordingError: the file is invalid; the error names file, line and column of the first fault.
     """
     sheet = read_sheet(path)
     keys = _keys(sheet)
@@ -68,7 +68,7 @@ def read_qualisys(path: Path, unit: str | None = None) -> Capture:
         time,
         names,
         values[:, len(before) :].reshape(len(rows), len(names), 3),
-        up=Up("+z", "as Qualisys has it"),
+        up=Up("+z", "by the convention of Qualisys"),
         unit=unit or UNIT,
         factor=metres(unit or UNIT),
         notes=[f"imported from {path.name} (Qualisys TSV {kind}, {unit or UNIT})", *([note] if note else [])],
@@ -77,7 +77,7 @@ def read_qualisys(path: Path, unit: str | None = None) -> Capture:
 
 
 def _keys(sheet: Sheet) -> dict[str, int]:
-    """The row of each key; the line of columns, if there is one, is that of ``Frame`` or of whatever it begins with."""
+    """Return the row of each key; the line of columns, if present, is listed under its first word, such as ``Frame``."""
     keys: dict[str, int] = {}
     for row in range(len(sheet)):
         word = sheet.field(row, 0)
@@ -88,7 +88,7 @@ def _keys(sheet: Sheet) -> dict[str, int]:
 
 
 def _before(sheet: Sheet, keys: dict[str, int], rows: range, rate: float | None) -> list[str]:
-    """What comes before the first point: as the line of columns says, or else as the columns look."""
+    """Return the names of the columns before the first point, from the line of columns or from their numbers."""
     titles = [title.lower() for title in sheet.row(rows[0] - 1)[:2]] if rows else []
     if not any(word.endswith((" X", " x")) or word == "Frame" for word in keys):
         cells = [[(row, column) for column in (0, 1)] for row in rows[:LOOK]]
@@ -102,10 +102,10 @@ def _before(sheet: Sheet, keys: dict[str, int], rows: range, rate: float | None)
 
 
 def _width(sheet: Sheet, rows: range, before: int, bodies: int) -> int:
-    """From body to body: their columns, and an empty one between them if the rows are so long.
+    """Return the number of columns from body to body, including an empty column if the rows have one.
 
     Raises:
-        RecordingError: they are neither.
+        RecordingError: the length of the rows fits neither case.
     """
     alone = KINDS["6D"][1]
     filled = [max((n for n, field in enumerate(sheet.row(row), 1) if field), default=0) for row in rows[:LOOK]]
@@ -113,8 +113,8 @@ def _width(sheet: Sheet, rows: range, before: int, bodies: int) -> int:
     for width in (alone, alone + 1):
         if long == width * bodies - (width - alone):
             return width
-    expected, received = f"{alone} columns for each of {bodies} bodies", f"{long} in all"
-    raise sheet.fault(rows[0], 0, "columns", expected=expected, received=received, hint="export 6D data anew, all of its columns")
+    expected, received = f"{alone} columns for each of {bodies} bodies", f"{long} in total"
+    raise sheet.fault(rows[0], 0, "columns", expected=expected, received=received, hint="export 6D data again with all columns")
 
 
 def _time(sheet: Sheet, keys: dict[str, int], values: Array, before: list[str], rate: float | None) -> tuple[Array, str]:
@@ -122,6 +122,6 @@ def _time(sheet: Sheet, keys: dict[str, int], values: Array, before: list[str], 
     if "time" in before:
         return frame_times(frames, rate, values[:, before.index("time")])
     if rate is None:
-        row, hint = keys.get("FREQUENCY", len(sheet)), "export the time column, or write the rate there"
-        raise sheet.fault(row, 1, "FREQUENCY", expected="a number of Hz", received=repr(sheet.field(row, 1)[:40]), hint=hint)
+        row, hint = keys.get("FREQUENCY", len(sheet)), "export the time column, or add the rate to the header"
+        raise sheet.fault(row, 1, "FREQUENCY", expected="a rate in Hz", received=repr(sheet.field(row, 1)[:40]), hint=hint)
     return (frames - frames[:1]) / rate, ""

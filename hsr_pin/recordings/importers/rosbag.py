@@ -1,8 +1,8 @@
-"""Bags of ROS 1 and 2 (``.bag``, ``.mcap``, ``.db3``, or the folder around them), read with rosbags (group ``ros``).
+"""Reader of ROS 1 and ROS 2 bags (``.bag``, ``.mcap``, ``.db3``, or their folder), with rosbags (dependency group ``ros``).
 
-Every topic of places is a point: poses, points and transforms stamped, odometry, each frame of a transform tree, each marker of
-an array. Each has times of its own; they are put on those of the topic with the most messages. For messages of other types a
-mapping names their fields (``rosbag_fields``).
+Every topic with positions becomes a point: stamped poses, points and transforms, odometry, each frame of a transform tree, each
+marker of an array. Topics have their own times and are interpolated to those of the topic with the most messages. A mapping names
+the fields of other message types (``rosbag_fields``).
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from hsr_pin.recordings.poses import UNIT as UNIT_QUATERNION
 from hsr_pin.trajectory import Array
 
 UNIT = "m"
-#: Places nearer in time than this [s] were taken together.
+#: Positions closer in time than this [s] count as simultaneous.
 TOGETHER = 1e-6
-#: Topics of what never moves.
+#: Topics of static transforms.
 STILL = ("/tf_static", "tf_static")
 _MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0")
 
-#: What holds places, and how they are got: of each, its name within its topic (empty: it is the only one), its point, its
-#: orientation (None: a point has none), and what is stamped.
+#: Message types with positions, and functions that return for each position its name within the topic (empty if it is the only
+#: one), its point, its orientation (None if it has none), and the part with the time stamp.
 _Places = Callable[[Any], list[tuple[str, Any, Any, Any]]]
 _KINDS: dict[str, _Places] = {
     "geometry_msgs/msg/PoseStamped": lambda message: [_pose("", message.pose, message)],
@@ -39,7 +39,7 @@ _KINDS: dict[str, _Places] = {
     "geometry_msgs/msg/PoseArray": lambda message: [_pose(str(n), pose, message) for n, pose in enumerate(message.poses)],
     "nav_msgs/msg/Odometry": lambda message: [_pose("", message.pose.pose, message)],
     "tf2_msgs/msg/TFMessage": lambda message: _frames(message),
-    "tf/msg/tfMessage": lambda message: _frames(message),  # of the first years of ROS 1
+    "tf/msg/tfMessage": lambda message: _frames(message),  # used in early versions of ROS 1
     "visualization_msgs/msg/Marker": lambda message: [_marker(message)],
     "visualization_msgs/msg/MarkerArray": lambda message: [_marker(one) for one in message.markers],
 }
@@ -62,24 +62,24 @@ def _marker(marker: Any) -> tuple[str, Any, Any, Any]:
 
 
 def is_bag(path: Path, head: bytes) -> bool:
-    """Whether a path looks like this format."""
+    """Return whether a path looks like a ROS bag."""
     return head.startswith(_MAGIC) or (not head and (path / "metadata.yaml").is_file())
 
 
 def read_bag(path: Path, unit: str | None = None) -> Capture:
-    """Read a bag.
+    """Read a capture from a ROS bag.
 
     Args:
-        path: the file or folder.
-        unit: of length, in place of metres.
+        path: the file or folder of the bag.
+        unit: unit of length; None: metres.
 
     Raises:
-        RecordingError: damaged, or without places.
+        RecordingError: the bag is damaged, or contains no positions.
         MissingDependencyError: rosbags is not installed.
     """
     stamps: dict[str, list[int]] = {}
     places: dict[str, list[tuple[float, ...]]] = {}
-    turns: dict[str, list[tuple[float, ...]]] = {}
+    quaternions: dict[str, list[tuple[float, ...]]] = {}
     with opened_bag(path) as reader:
         topics = [
             connection for connection in reader.connections if connection.msgtype in _KINDS and connection.topic not in STILL
@@ -91,48 +91,51 @@ def read_bag(path: Path, unit: str | None = None) -> Capture:
                 stamps.setdefault(name, []).append(stamped_at(stamped, received))
                 places.setdefault(name, []).append((point.x, point.y, point.z))
                 if turn is not None:
-                    turns.setdefault(name, []).append((turn.w, turn.x, turn.y, turn.z))
+                    quaternions.setdefault(name, []).append((turn.w, turn.x, turn.y, turn.z))
         known = sorted({f"{connection.topic} ({connection.msgtype})" for connection in reader.connections})
     if not stamps:
         received = ", ".join(known)[:200] or "nothing"
         expected = "topics of poses, points, transforms or markers"
         hint = "name the fields of other messages in a mapping (--map), or record poses too"
         raise RecordingError("no marker in the bag", expected=expected, received=received, hint=hint, file=path)
-    up = Up(None, "a bag does not tell (z by REP 103, but y where Motive's own axes are passed on)")
-    return on_one_clock(path, stamps, places, turns, unit=unit or UNIT, factor=metres(unit or UNIT), up=up)
+    up = Up(None, "bags do not record it (z by REP 103, but y with the axes of Motive)")
+    return on_common_clock(path, stamps, places, quaternions, unit=unit or UNIT, factor=metres(unit or UNIT), up=up)
 
 
-def on_one_clock(
+def on_common_clock(
     path: Path,
     stamps: Mapping[str, Sequence[int]],
     places: Mapping[str, Sequence[tuple[float, ...]]],
-    turns: Mapping[str, Sequence[tuple[float, ...]]],
+    quaternions: Mapping[str, Sequence[tuple[float, ...]]],
     *,
     unit: str,
     factor: float,
     up: Up,
 ) -> Capture:
-    """Points that have times of their own, on those of the point with the most.
+    """Return a capture of points with different times, interpolated to the times of the point with the most messages.
 
     Args:
-        path: of the bag.
-        stamps: of each point [ns].
-        places: of each point, as many.
-        turns: of some points, as many: quaternions, real part first.
-        unit: of length.
-        factor: metres in one of it.
-        up: what is known about it.
+        path: path of the bag.
+        stamps: time stamps of each point [ns].
+        places: positions of each point, one for each stamp.
+        quaternions: unit quaternions of some points, real part first, one for each stamp.
+        unit: unit of length.
+        factor: metres per unit.
+        up: known upward axis.
     """
     most = max(stamps, key=lambda name: len(stamps[name]))
     clock = np.unique(np.array(stamps[most], dtype=np.int64))
     time = (clock - clock[0]) / 1e9
     elapsed = {name: np.array(stamps[name]) - clock[0] for name in stamps}
-    tracks = [_on_clock(time, elapsed[name], np.array(places[name], dtype=float)) for name in stamps]
+    tracks = [_interpolated(time, elapsed[name], np.array(places[name], dtype=float)) for name in stamps]
     names = list(stamps)
-    turned = {names.index(name): _turned(time, elapsed[name], np.array(each, dtype=float)) for name, each in turns.items()}
+    turned = {
+        names.index(name): _interpolated_quaternions(time, elapsed[name], np.array(each, dtype=float))
+        for name, each in quaternions.items()
+    }
     notes = [f"imported from {path.name} (ROS bag, {unit})"]
     if len(tracks) > 1:
-        notes.append(f"topics were put on the times of {most}, along their motion")
+        notes.append(f"topics were interpolated to the times of {most}")
     return capture(
         path,
         "ROS bag",
@@ -144,17 +147,17 @@ def on_one_clock(
         factor=factor,
         start=float(clock[0] / 1e9),
         notes=notes,
-        turns=turned,
+        quaternions=turned,
         still_at_zero=True,
     )
 
 
 @contextmanager
 def opened_bag(path: Path) -> Iterator[Any]:
-    """A reader of a bag.
+    """Yield a reader of a bag.
 
     Raises:
-        RecordingError: damaged.
+        RecordingError: the bag is damaged.
         MissingDependencyError: rosbags is not installed.
     """
     try:
@@ -167,27 +170,27 @@ def opened_bag(path: Path) -> Iterator[Any]:
             yield reader
     except HsrError:
         raise
-    except Exception as error:  # a damaged bag fails in many ways
+    except Exception as error:  # rosbags raises many kinds of errors for a damaged bag
         received = f"{type(error).__name__}: {error}"[:160]
-        hint = "is it whole? if so, take the topics of the arm alone out of it (rosbag filter, ros2 bag convert)"
-        raise RecordingError("not a bag that can be read", received=received, hint=hint, file=path) from error
+        hint = "if it is complete, extract the topics of the arm (rosbag filter, ros2 bag convert)"
+        raise RecordingError("the bag cannot be read", received=received, hint=hint, file=path) from error
 
 
 def stamped_at(message: Any, received: int) -> int:
-    """[ns] when a message was stamped, or else received."""
+    """Return the time stamp of a message [ns], or its time of reception if it has no stamp."""
     header = getattr(message, "header", None)
     stamp = 0 if header is None else int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
     return stamp or received
 
 
 def ordered(time: Array, values: Array) -> tuple[Array, Array]:
-    """In order of time, each time once."""
+    """Return times and values sorted by time, each time once."""
     kept, first = np.unique(time, return_index=True)
     return kept, values[first]
 
 
-def _on_clock(time: Array, elapsed: Array, places: Array) -> Array:
-    """(T, C) places at other times: a straight line between neighbours, nothing where there are none near."""
+def _interpolated(time: Array, elapsed: Array, places: Array) -> Array:
+    """Return positions (T, C) interpolated linearly at other times; NaN where no sample is near."""
     source, places = ordered(elapsed / 1e9, places)
     if len(source) < 2:
         return np.full((len(time), places.shape[1]), np.nan)
@@ -198,13 +201,13 @@ def _on_clock(time: Array, elapsed: Array, places: Array) -> Array:
     return track
 
 
-def _turned(time: Array, elapsed: Array, turns: Array) -> Array:
-    """(T, 4) quaternions at other times, in the same way; all zero (a message that was never filled in) was not seen."""
+def _interpolated_quaternions(time: Array, elapsed: Array, quaternions: Array) -> Array:
+    """Return quaternions (T, 4) interpolated at other times; NaN where no sample is near or the quaternion is zero."""
     order = np.argsort(elapsed, kind="stable")
-    elapsed, turns = elapsed[order], turns[order]
-    size = np.linalg.norm(turns, axis=1)
-    flips = np.sign(np.einsum("tc,tc->t", turns[1:], turns[:-1]))
-    turns = turns * np.cumprod(np.append(1.0, np.where(flips < 0, -1.0, 1.0)))[:, None]
-    turned = _on_clock(time, elapsed, np.where(size[:, None] > 0, turns, np.nan))
+    elapsed, quaternions = elapsed[order], quaternions[order]
+    size = np.linalg.norm(quaternions, axis=1)
+    flips = np.sign(np.einsum("tc,tc->t", quaternions[1:], quaternions[:-1]))
+    quaternions = quaternions * np.cumprod(np.append(1.0, np.where(flips < 0, -1.0, 1.0)))[:, None]
+    turned = _interpolated(time, elapsed, np.where(size[:, None] > 0, quaternions, np.nan))
     between = np.linalg.norm(turned, axis=1, keepdims=True)
     return np.asarray(turned / between if np.all(np.abs(size[size > 0] - 1) <= UNIT_QUATERNION) else turned)

@@ -1,4 +1,4 @@
-"""The text of a tracking system: header lines of its own above rows of numbers, with the place of every fault."""
+"""Text files of tracking systems: header lines above rows of numbers, with the line and column of every fault."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from hsr_pin.recordings.importers.plain import read_plain
 from hsr_pin.recordings.text import field_column, split_fields
 from hsr_pin.trajectory import Array
 
-#: No coordinate is larger, in any unit.
+#: Largest accepted coordinate, in any unit.
 LARGEST = 1e9
-#: So many rows before the last tell what a whole one looks like.
+#: Number of rows before the last one that determine the form of a complete row.
 USUAL = 50
-#: So much of a text is its beginning [bytes].
+#: Size of the beginning of a text from which its form is determined [bytes].
 HEAD = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The rows of a file that are not blank.
+    """Non-blank rows of a text file.
 
     Attributes:
         path: the file.
-        text: all of it, as UTF-8.
-        starts: (R + 1,) where in the text each row begins, and where the last one ends.
-        lines: (R,) line of each row, counted from 1.
-        separator: between fields.
-        decimal: mark in numbers.
-        encoding: what the file was encoded in, if not in UTF-8.
+        text: content of the file as UTF-8.
+        starts: (R + 1,) positions at which the rows begin and the last one ends [bytes].
+        lines: (R,) line number of each row, counted from 1.
+        separator: character between fields.
+        decimal: decimal mark.
+        encoding: encoding of the file if not UTF-8.
     """
 
     path: Path
@@ -54,11 +54,11 @@ class Sheet:
         return len(self.lines)
 
     def source(self, row: int) -> str:
-        """The text of a row."""
+        """Return the text of a row."""
         return self.text[self.starts[row] : self.starts[row + 1]].split(b"\n", 1)[0].decode("utf-8", "replace")
 
     def row(self, row: int) -> list[str]:
-        """The fields of a row; none beyond the last row."""
+        """Return the fields of a row; no fields beyond the last row."""
         if not 0 <= row < len(self):
             return []
         if row not in self._known:
@@ -70,54 +70,54 @@ class Sheet:
                 ) from error
         return self._known[row]
 
-    def forget(self) -> None:
-        """Give back the memory of rows that were looked at."""
+    def release(self) -> None:
+        """Release the memory of rows that were cached."""
         self._known.clear()
 
     def field(self, row: int, index: int) -> str:
-        """A field; empty beyond the end of its row, and beyond the last row."""
+        """Return a field; empty beyond the end of its row and beyond the last row."""
         fields = self.row(row)
         return fields[index] if index < len(fields) else ""
 
     def fault(self, row: int, index: int, subject: str, **facts: Any) -> RecordingError:
-        """An error at a field (of the last row, if there is no such row)."""
+        """Return an error at a field (of the last row if the row does not exist)."""
         row = min(row, len(self) - 1)
         column = field_column(self.source(row), index, self.separator)
         return RecordingError(subject, file=self.path, line=int(self.lines[row]), column=column, **facts)
 
     def value(self, row: int, index: int) -> float:
-        """The number in a field; NaN where it is empty.
+        """Return the number in a field; NaN if it is empty.
 
         Raises:
-            ValueError: something else.
+            ValueError: the field is not a number.
         """
         text = self.field(row, index)
         return number(text if self.decimal == "." else text.replace(self.decimal, "."))
 
     def is_number(self, row: int, index: int) -> bool:
-        """Whether a field is a finite number."""
+        """Return whether a field is a finite number."""
         try:
             return bool(np.isfinite(self.value(row, index)))
         except ValueError:
             return False
 
     def titles(self, known: Iterable[str]) -> list[int]:
-        """The rows that hold one of these words, in letters of any size, and nothing else."""
+        """Return the rows that contain only one of the given words, in upper or lower case."""
         words = "|".join(re.escape(word) for word in known)
         pattern = rf'^[ "]*(?:{words})[ "]*{re.escape(self.separator)}*[ \t]*\r?$'
         found = [match.start() for match in re.finditer(pattern.encode(), self.text, re.IGNORECASE | re.MULTILINE)]
         return [int(row) for row in np.searchsorted(self.starts, found, side="right") - 1]
 
     def numbers(self, rows: range, columns: Sequence[int], names: Sequence[str] = ()) -> Array:
-        """(rows, columns) the numbers in some columns; NaN where a field is empty or absent.
+        """Return the numbers (rows, columns) of some columns; NaN where a field is empty or absent.
 
         Args:
-            rows: which.
-            columns: which, counted from 0.
-            names: of the first of these columns, which must not be empty; the others are coordinates.
+            rows: range of the rows.
+            columns: indices of the columns, counted from 0.
+            names: names of the first columns, which must not be empty; the other columns are coordinates.
 
         Raises:
-            RecordingError: at the first field that is not a number; or the last row is cut.
+            RecordingError: a field is not a number (the error names the first one), or the last row is truncated.
         """
         if len(rows) == 0:
             return np.empty((0, len(columns)))
@@ -144,19 +144,19 @@ class Sheet:
         return values
 
     def check_count(self, rows: range, stated: float | None, where: str) -> None:
-        """Refuse a file with fewer rows than it says it has.
+        """Check that a file has as many rows as it states.
 
         Raises:
-            RecordingError: it has.
+            RecordingError: the file has fewer rows.
         """
         if stated is not None and len(rows) < stated:
             raise self.fault(
                 len(self) - 1,
                 0,
-                "the file is cut short",
-                expected=f"{stated:g} frames, as {where} has it",
+                "the file is truncated",
+                expected=f"{stated:g} frames, as stated by {where}",
                 received=len(rows),
-                hint="copy or export it anew; if it was cut on purpose, correct that number",
+                hint="copy or export it again; if it was cut on purpose, correct that number",
             )
 
     def _row_by_row(self, rows: range, columns: Sequence[int], names: Sequence[str]) -> Array:
@@ -169,11 +169,11 @@ class Sheet:
                     received = repr(self.field(row, index)[:40])
                     what = names[column] if column < len(names) else "coordinate"
                     raise self.fault(row, index, what, expected="a finite number", received=received) from None
-            self.forget()
+            self.release()
         return values
 
     def _check_end(self, rows: range) -> None:
-        """A file that ends within a line, and sooner than its other rows, was cut: half a number is no number."""
+        """Check that the last row is complete; a shorter last row without a line end shows a truncated file."""
         if rows[-1] != len(self) - 1 or self.text.endswith((b"\n", b"\r")) or len(rows) < 2:
             return
         last, others = self.row(rows[-1]), [self.row(row) for row in rows[-USUAL - 1 : -1]]
@@ -184,15 +184,15 @@ class Sheet:
             raise self.fault(
                 rows[-1],
                 len(last) - 1,
-                "the file is cut short",
-                expected=f"a last row of {least} fields that ends with its line",
-                received=f"{len(last)}, the last of them {last[-1][:40]!r}" if last else "none",
-                hint="copy or export it anew, or take its last line away",
+                "the file is truncated",
+                expected=f"a last row of {least} fields that ends with a line break",
+                received=f"{len(last)} fields, the last {last[-1][:40]!r}" if last else "none",
+                hint="copy or export it again, or remove its last line",
             )
 
 
 def positive(text: str) -> float | None:
-    """A number above zero in a header; None where there is none."""
+    """Return a positive number in a header field; None if it is not one."""
     try:
         value = number(text.replace(",", "."))
     except ValueError:
@@ -205,10 +205,10 @@ def _decimals(text: str) -> int:
 
 
 def read_sheet(path: Path) -> Sheet:
-    """Read the text of a tracking system: separated by commas, semicolons, tabs, bars or spaces, decimals with points or commas.
+    """Read a text file with commas, semicolons, tabs, bars or spaces between fields, and decimal points or commas.
 
     Raises:
-        RecordingError: unreadable, or no text.
+        RecordingError: the file cannot be read, or is not text.
     """
     text, encoding = read_plain(path)
     starts, lines = _rows(text)
@@ -223,13 +223,13 @@ def read_sheet(path: Path) -> Sheet:
 
 
 def _sample(text: bytes, starts: NDArray[np.int64]) -> bytes:
-    """The last row of the beginning: where there are rows of numbers, it is one."""
+    """Return the last row of the beginning of a text, which is a row of numbers if the text has any."""
     row = max(0, int(np.searchsorted(starts[:-1], HEAD)) - 1)
     return text[int(starts[row]) : int(starts[row + 1])]
 
 
 def _rows(text: bytes) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Where the rows that are not blank begin, with the end of the text, and their lines."""
+    """Return the positions of the non-blank rows and of the end of the text, and the line numbers of the rows."""
     content = np.frombuffer(text, dtype=np.uint8)
     ends = [np.flatnonzero(content[at : at + HEAD] == 10) + at for at in range(0, len(content), HEAD)]
     starts = np.concatenate([[0], *(places + 1 for places in ends)]).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Where the base is, which way the straight arm points, and how far along it each body sits."""
+"""Estimation of the base, the direction of the straight arm, and the arc lengths of the markers."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from hsr_pin.recordings.importers.capture import seen
 from hsr_pin.recordings.plausible import exchanged
 from hsr_pin.trajectory import Array, Marker
 
-#: A reach that differs from the given arc length by more than this share has the wrong unit, or is of the wrong point.
+#: Largest relative difference between the reach of a marker and its given arc length.
 DISAGREES = 0.25
-#: The arm is called straight if it reaches this share of its arc length.
+#: Smallest share of its arc length that a straight arm reaches.
 STRAIGHT = 0.98
 
 
 @dataclass(frozen=True, eq=False)
 class StraightArm:
-    """The arm at its straightest.
+    """Arm in its straightest pose.
 
     Attributes:
-        origin: (3,) [m] the base, in the laboratory's frame.
-        direction: (3,) unit vector from the base to the farthest body, of those on the backbone if there are any.
-        pose: (B, 3) [m] the bodies, in the laboratory's frame, from base to tip.
+        origin: (3,) position of the base [m] in the laboratory's frame.
+        direction: (3,) unit vector from the base to the outermost body, preferably one on the backbone.
+        pose: (B, 3) positions of the bodies [m] in the laboratory's frame, from base to tip.
         markers: (B,) the bodies as markers.
-        order: (B,) place of each marker among the bodies that were given.
-        notes: one sentence each.
-        frames: (F,) in which it was the straightest, counted through all captures.
+        order: (B,) index of each marker among the given bodies.
+        notes: notes, one sentence each.
+        frames: (F,) straightest frames, counted through all captures.
     """
 
     origin: Array
@@ -45,28 +45,28 @@ class StraightArm:
 
     @property
     def moving(self) -> list[int]:
-        """The markers beyond the base."""
+        """Indices of the markers beyond the base."""
         return [index for index, marker in enumerate(self.markers) if marker.arc_length > 0]
 
 
 def straight_arm(
     bodies: Sequence[Body], captures: Sequence[Array], *, origin: Array | None, mount: str | None, up: Array
 ) -> StraightArm:
-    """Find the straight arm.
+    """Return the straight arm of several captures.
 
-    The base is ``origin``; or the body with arc length 0 (its median place); or, where there is neither, the point from which
-    the straight arm leads to the first body over that body's arc length.
+    The base is ``origin``, or else the median position of the body with arc length 0, or else the point at the arc length of the
+    first body from that body along the straight arm.
 
     Args:
-        bodies: what was tracked; an arc length that is None is estimated, as the distances along the straightest pose.
-        captures: (T, B, 3) each [m], without spikes, in the laboratory's frame.
-        origin: (3,) [m], or None.
-        mount: "hanging", "upright", "horizontal"; None: told from the pose.
-        up: (3,) unit vector.
+        bodies: tracked bodies; an arc length of None is estimated from the distances along the straightest pose.
+        captures: (T, B, 3) positions [m] of each capture, without spikes, in the laboratory's frame.
+        origin: (3,) position of the base [m], or None.
+        mount: "hanging", "upright", "horizontal"; None: determined from the pose.
+        up: (3,) unit vector that points up.
 
     Raises:
-        RecordingError: no frame shows all bodies; a reach that does not fit its arc length; no body beyond the base.
-        InputError: too little was given to find the base.
+        RecordingError: no frame shows all bodies, a reach does not fit its arc length, or there is no body beyond the base.
+        InputError: the given settings do not determine the base.
     """
     base = next((index for index, body in enumerate(bodies) if body.is_base), None)
     notes = []
@@ -76,7 +76,7 @@ def straight_arm(
             raise RecordingError(f"the base, {bodies[base].name!r}, was never seen")
         origin = np.median(places, axis=0) if origin is None else origin
     if all(index == base for index in range(len(bodies))):
-        raise RecordingError("no moving marker", expected="at least one beyond the base")
+        raise RecordingError("no moving marker", expected="at least one marker beyond the base")
     if origin is None:
         origin, frames = _estimated_base(bodies, captures, mount, up)
         notes.append(f"the base was estimated from the straight pose and the arc length of {_first(bodies)[1].name}")
@@ -99,29 +99,29 @@ def straight_arm(
 
 
 def _pose(captures: Sequence[Array], frames: NDArray[np.intp]) -> Array:
-    """(B, 3) [m] where the bodies are in the middle of these frames."""
+    """Return the median positions (B, 3) [m] of the bodies over some frames."""
     return np.asarray(np.median(np.concatenate(captures)[frames], axis=0))
 
 
 def _check_base(places: Array, origin: Array, reach: float, name: str) -> None:
-    """An arm whose base goes farther than itself reaches is not clamped, and has no pose in the laboratory."""
+    """Check that the base is clamped: that it moves less than the reach of the arm [m]."""
     moved = float(np.percentile(np.linalg.norm(places - origin, axis=1), 99))
     if moved > reach:
         raise RecordingError(
             f"the base, {name!r}, moves",
-            expected=f"a base that is clamped; the arm reaches {reach:.3g} m from it",
+            expected=f"a clamped base; the arm reaches {reach:.3g} m from it",
             received=f"{moved:.3g} m of motion",
-            hint="is it the right point (--base)? cut off where the arm is carried about",
+            hint="check the point (--base), or cut off the part in which the arm is carried",
         )
 
 
 def pointing(bodies: Sequence[Body], captures: Sequence[Array], origin: Array | None) -> Array | None:
-    """(3,) the unit vector from the base to the farthest body in the straightest pose; None without a base.
+    """Return the unit vector (3,) from the base to the outermost body in the straightest pose; None without a base.
 
     Args:
-        bodies: as in :func:`straight_arm`.
-        captures: likewise.
-        origin: likewise.
+        bodies: tracked bodies.
+        captures: (T, B, 3) positions [m] of each capture, as in :func:`straight_arm`.
+        origin: (3,) position of the base [m], or None.
 
     Raises:
         RecordingError: no frame shows all bodies.
@@ -139,16 +139,16 @@ def pointing(bodies: Sequence[Body], captures: Sequence[Array], origin: Array | 
 
 
 def _first(bodies: Sequence[Body]) -> tuple[int, Body]:
-    """The body nearest to the base of those with an arc length.
+    """Return index and body with the smallest given arc length.
 
     Raises:
-        InputError: there is none.
+        InputError: no body has an arc length.
     """
     known = [(body.arc_length, index) for index, body in enumerate(bodies) if body.arc_length is not None and not body.radius]
     if not known:
         raise InputError(
             "base",
-            expected="a marker at the base, its place, or the arc length of a marker",
+            expected="a marker at the base, the position of the base, or the arc length of a marker",
             hint="give --base, --origin, or NAME@ARC",
         )
     index = min(known)[1]
@@ -156,7 +156,7 @@ def _first(bodies: Sequence[Body]) -> tuple[int, Body]:
 
 
 def _farthest(bodies: Sequence[Body], captures: Sequence[Array], origin: Array) -> int:
-    """The body with the largest arc length, or where one is not given, the one that is farthest from the base."""
+    """Return the index of the body with the largest arc length or, if one is unknown, of the farthest body from the base."""
     if all(body.arc_length is not None for body in bodies):
         return max(range(len(bodies)), key=lambda index: (bodies[index].arc_length or 0.0, -bodies[index].radius))
     places = np.concatenate(captures)
@@ -170,7 +170,7 @@ def _farthest(bodies: Sequence[Body], captures: Sequence[Array], origin: Array) 
 def _estimated_base(
     bodies: Sequence[Body], captures: Sequence[Array], mount: str | None, up: Array
 ) -> tuple[Array, NDArray[np.intp]]:
-    """(3,) [m] where the base must be, and the frames in which the arm is straightest."""
+    """Return the estimated position of the base (3,) [m], and the frames in which the arm is straightest."""
     first, body = _first(bodies)
     others = [index for index in range(len(bodies)) if index != first]
     if others:
@@ -185,14 +185,14 @@ def _estimated_base(
         frames = straightest(captures, [positions[:, first] @ direction for positions in captures])
         pose = _pose(captures, frames)
     else:
-        raise InputError("base", expected="a marker at the base, or its place", hint="give --base or --origin")
-    if mount in ("hanging", "upright"):  # a vertical arm that rests hangs or stands plumb
+        raise InputError("base", expected="a marker at the base, or the position of the base", hint="give --base or --origin")
+    if mount in ("hanging", "upright"):  # a vertical arm at rest is aligned with gravity
         direction = up if mount == "upright" else -up
     return pose[first] - (body.arc_length or 0.0) * direction, frames
 
 
 def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str]) -> tuple[Marker, ...]:
-    """The bodies, from base to tip, as markers: arc lengths given, or the distances from body to body in the straight pose."""
+    """Return the bodies from base to tip as markers, with given arc lengths or those from distances in the straight pose."""
     markers: list[Marker] = []
     before, place = 0.0, origin
     known = [index for index, body in enumerate(bodies) if body.arc_length is not None]
@@ -209,19 +209,19 @@ def _markers(bodies: Sequence[Body], pose: Array, origin: Array, notes: list[str
         reach = float(np.linalg.norm(here - origin))
         if body.arc_length is None:
             arc = round(before + step, 6)
-            notes.append(f"{body.name}: arc length {arc:g} m estimated from the straightest pose")
+            notes.append(f"{body.name}: arc length {arc:g} m was estimated from the straightest pose")
         else:
             arc = body.arc_length
             reach = float(np.sqrt(max(reach**2 - body.radius**2, 0.0)))
             if arc > 0 and abs(reach - arc) > DISAGREES * arc:
                 raise RecordingError(
-                    f"marker {body.name!r} does not fit its arc length",
+                    f"marker {body.name!r} contradicts its arc length",
                     expected=f"a reach of about {arc:g} m in the straightest pose",
                     received=f"{reach:.4g} m",
-                    hint="is it another unit (--unit), another base, or another point?",
+                    hint="check the unit (--unit), the base and the point",
                 )
             if arc > 0 and reach < STRAIGHT * arc:
-                notes.append(f"{body.name}: even the straightest pose reaches only {reach / arc:.0%} of its arc length")
+                notes.append(f"{body.name}: the straightest pose reaches only {reach / arc:.0%} of its arc length")
         markers.append(Marker(body.name, arc, body.radius, body.angle or 0.0))
         if not body.radius:
             before, place = arc, here

@@ -1,4 +1,4 @@
-"""One captured trial as the recording format has it: its input at the samples of its motion, and what is declared of it."""
+"""Conversion of a captured trial to the recording format: input at the samples of the motion, and declared numbers."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ from hsr_pin.recordings.importers.space import torque_rows
 from hsr_pin.recordings.sections import around, torque_columns
 from hsr_pin.trajectory import Array, Channel, Marker, Trajectory, Trial
 
-#: Gives, at times [s], what a trajectory has of its input, by name, and a note where there is one.
+#: Function that returns, at given times [s], the input as keyword arguments of a trajectory, and notes.
 _Drive = Callable[[Array], tuple[dict[str, Any], list[str]]]
 
 
 def check_torques(command: CommandRows, settings: ImportSettings) -> None:
-    """Refuse a command of an arm in space that is no torque of its sections, where nothing says what it gives.
+    """Check that the command of an arm in space consists of torques of its sections if no channels are declared.
 
     Raises:
-        RecordingError: it is something else.
+        RecordingError: the command has other columns.
     """
     if not settings.in_space or settings.channels or settings.gain is not None:
         return
     columns = torque_columns(settings.inputs_of_arm)
     if command.names != columns:
         expected, received = " and ".join(columns), " and ".join(command.names)
-        hint = "say what chambers and tendons give in tables [[input]]"
+        hint = "declare chambers and tendons in tables [[input]]"
         raise RecordingError("input", expected=expected, received=received, hint=hint, file=command.path)
 
 
 def channels_of_input(commands: Sequence[CommandRows | None], settings: ImportSettings) -> tuple[Channel, ...]:
-    """The channels as declared, or, with a gain, the columns of the files: chambers evenly around the arm.
+    """Return the declared channels or, with a gain, the columns of the files as chambers spaced evenly around the arm.
 
     Raises:
-        InputError: a gain without an input.
-        RecordingError: files that have other columns than the first.
+        InputError: a gain is given without an input.
+        RecordingError: the files have different columns.
     """
     if settings.gain is None:
         return tuple(settings.channels)
     given = [command for command in commands if command is not None]
     if not given:
-        raise InputError("gain", expected="an input whose columns it is of", received="none", hint="say it with --input")
+        raise InputError("gain", expected="an input to which the gain applies", received="none", hint="give it with --input")
     first = given[0]
     for other in given[1:]:
         if other.names != first.names:
@@ -57,15 +57,15 @@ def channels_of_input(commands: Sequence[CommandRows | None], settings: ImportSe
 
 
 def driven(command: CommandRows | None, channels: tuple[Channel, ...], settings: ImportSettings) -> _Drive:
-    """What drives an arm: rows held until the next or, where they were measured, straight lines from one to the next."""
+    """Return a function for the input at given times, which is held or, for a measured input, interpolated linearly."""
 
     def at(time: Array) -> tuple[dict[str, Any], list[str]]:
         if command is None:
             return {}, []
         straight = settings.interpolated
-        values, between = (command.drawn_at(time), ()) if straight else mean_until_next(command.time, command.values, time)
+        values, between = (command.interpolated_at(time), ()) if straight else mean_until_next(command.time, command.values, time)
         late = command.time[0] > time[0] + 1e-9
-        notes = [*between, *([f"the input begins at {command.time[0]:g} s; its first row was held before that"] if late else [])]
+        notes = [*between, *([f"the input begins at {command.time[0]:g} s; its first row was used before"] if late else [])]
         if channels:
             each = replace(command, time=time, values=values)
             return {"channels": values, "torque": torque_rows(each, channels, settings.inputs_of_arm)}, notes
@@ -77,33 +77,33 @@ def driven(command: CommandRows | None, channels: tuple[Channel, ...], settings:
 
 
 def trajectory_of(capture: Capture, world: Array, markers: tuple[Marker, ...], drive: _Drive, notes: Sequence[str]) -> Trajectory:
-    """Motion at even times, with what drove it.
+    """Return the motion at even times together with its input.
 
     Raises:
-        RecordingError: sampling that is almost all gap.
+        RecordingError: sampling is so uneven that almost all of an even grid would be gaps.
     """
     try:
         trajectory, _ = on_even_grid(Trajectory(capture.time, markers, world))
     except ValueError:
         hint = "split the recording at long pauses"
-        expected, received = "nearly even sampling", "almost all gap"
+        expected, received = "nearly even sampling", "gaps at almost all even times"
         raise RecordingError("time", expected=expected, received=received, hint=hint, file=capture.path) from None
-    given, said = drive(trajectory.time)
-    return replace(trajectory, **given, notes=(*notes, *trajectory.notes, *said))
+    given, input_notes = drive(trajectory.time)
+    return replace(trajectory, **given, notes=(*notes, *trajectory.notes, *input_notes))
 
 
 def facts_of_trials(settings: ImportSettings, trials: int) -> list[dict[str, float | None]]:
-    """What is declared of each trial."""
+    """Return the declared numbers of each trial, by name."""
     names = ("keq", "damping", "tip_mass", "t_start")
     columns = [per_trial(getattr(settings, name), trials, name) for name in names]
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def trial_of(name: str, trajectory: Trajectory, facts: dict[str, float | None], path: Path, interpolated: bool | None) -> Trial:
-    """A trial.
+    """Return a trial with its declared numbers.
 
     Raises:
-        InputError: it starts after its end.
+        InputError: the start of the trial is after its end.
     """
     t_start, time = facts["t_start"], trajectory.time
     if t_start is not None and not time[0] <= t_start < time[-1]:

@@ -1,4 +1,4 @@
-"""Which axis of the laboratory points up: from what is certain, and never without a word."""
+"""Choice of the laboratory axis that points up, with the reason for the choice."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ import numpy as np
 from hsr_pin.errors import InputError
 from hsr_pin.trajectory import Array
 
-#: An arm at rest that is said to hang or to stand is plumb within this angle's cosine.
+#: Smallest cosine of the angle between the vertical and a hanging or upright arm at rest.
 PLUMB = 0.9
 
 
 @dataclass(frozen=True)
 class Up:
-    """What a file tells about it.
+    """Upward axis of the laboratory, and how it is known.
 
     Attributes:
-        axis: ``"+z"``; None: the file does not tell.
-        why: how that is known, or why not.
+        axis: axis that points up, such as ``"+z"``; None: unknown.
+        reason: how the axis is known, or why it is unknown.
     """
 
     axis: str | None
-    why: str
+    reason: str
 
 
 def axis_vector(text: str, what: str = "axis") -> Array:
-    """(3,) the unit vector of ``"+z"``, ``"-y"``, ``"x"``.
+    """Return the unit vector (3,) of an axis such as ``"+z"``, ``"-y"`` or ``"x"``.
 
     Raises:
-        InputError: anything else.
+        InputError: the text does not name an axis.
     """
     sign, name = (text[0], text[1:]) if text[:1] in "+-" and text else ("+", text)
     if name.lower() not in ("x", "y", "z"):
@@ -39,21 +39,21 @@ def axis_vector(text: str, what: str = "axis") -> Array:
     return np.asarray(np.eye(3)["xyz".index(name.lower())] * (-1.0 if sign == "-" else 1.0))
 
 
-def choose_up(told: str | None, known: Up, direction: Callable[[], Array | None], mount: str | None) -> Up:
-    """The axis that is up, and why.
+def choose_up(given: str | None, known: Up, direction: Callable[[], Array | None], mount: str | None) -> Up:
+    """Return the axis that is up, and the reason.
 
     Args:
-        told: by the user, who is always right.
-        known: by the file.
-        direction: gives the (3,) unit vector in which the straight arm points, or None.
-        mount: "hanging" or "upright", if the user says so: then gravity tells.
+        given: axis given by the user, which takes precedence.
+        known: axis according to the file.
+        direction: function that returns the unit vector (3,) along the straight arm, or None.
+        mount: mount given by the user; an arm that is "hanging" or "upright" at rest shows the vertical.
 
     Raises:
-        InputError: none of them tells.
+        InputError: the axis cannot be determined.
     """
-    if told is not None:
-        axis_vector(told, "up")
-        return Up(told, "as told")
+    if given is not None:
+        axis_vector(given, "up")
+        return Up(given, "as given")
     if known.axis is not None:
         return known
     pointing = direction() if mount in ("hanging", "upright") else None
@@ -61,10 +61,10 @@ def choose_up(told: str | None, known: Up, direction: Callable[[], Array | None]
         upwards = pointing if mount == "upright" else -pointing
         index = int(np.argmax(np.abs(upwards)))
         if abs(upwards[index]) >= PLUMB:
-            return Up(f"{'+' if upwards[index] > 0 else '-'}{'xyz'[index]}", f"as the arm is {mount} at rest")
+            return Up(f"{'+' if upwards[index] > 0 else '-'}{'xyz'[index]}", f"from the arm, which is {mount} at rest")
     raise InputError(
         "up",
         expected="the axis of the laboratory that is up",
-        received=f"none: {known.why}",
-        hint="give --up (+z, +y, ...), or --mount hanging or upright for an arm that is plumb at rest",
+        received=f"none: {known.reason}",
+        hint="give --up (+z, +y, ...), or --mount hanging or upright for an arm that is vertical at rest",
     )

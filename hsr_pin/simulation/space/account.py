@@ -1,4 +1,4 @@
-"""The energies of an arm in space, as :mod:`hsr_pin.simulation.energy` has those in the plane."""
+"""The energies of an arm in space, for the energy balance of :mod:`hsr_pin.simulation.energy`."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import numpy as np
 
 from hsr_pin.robot.chain import GRAVITY
 from hsr_pin.robot.space_kinematics import angular_velocities, space_marker_map
-from hsr_pin.simulation.columns import Columns
+from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array
 
 
-def kinetic_and_height(columns: Columns, q: Array, v: Array) -> tuple[Array, Array]:
-    """(T,) [J] each of the first arm's links: kinetic energy, and energy in gravity.
+def kinetic_and_height(batch: ArmBatch, q: Array, v: Array) -> tuple[Array, Array]:
+    """Return the kinetic energy and the gravitational energy of the first arm, (T,) [J] each.
 
     Args:
-        columns: the arm.
-        q: (T, N, 3) coordinates [rad].
-        v: (T, N, 3) rates [rad/s].
+        batch: the arm.
+        q: (T, N, 3) joint coordinates [rad].
+        v: (T, N, 3) joint rates [rad/s].
     """
-    arrays = columns.arrays
-    frames = space_marker_map(columns.arms, [0.0]).frames(q)
+    arrays = batch.arrays
+    frames = space_marker_map(batch.arms, [0.0]).frames(q)
     axes, omega = frames[:, 1:, :, 2], angular_velocities(frames, q, v)
     turning = np.cross(omega, axes)
     reach, lever = arrays.reach[0][:, None], arrays.lever[0][:, None]
@@ -31,17 +31,17 @@ def kinetic_and_height(columns: Columns, q: Array, v: Array) -> tuple[Array, Arr
     return moving.sum(axis=1) / 2, GRAVITY * (arrays.mass[0] * places[:, :, 2]).sum(axis=1)
 
 
-def twisting(columns: Columns, q: Array) -> Array:
-    """(T,) [J] held by twist, for coordinates (T, N, 3)."""
-    twist = columns.arrays.twist[0]
+def twisting(batch: ArmBatch, q: Array) -> Array:
+    """Return the energy (T,) [J] of the twisted joints, for coordinates (T, N, 3)."""
+    twist = batch.arrays.twist[0]
     return np.asarray((np.where(np.isfinite(twist), twist, 0.0) * q[:, :, 2] ** 2).sum(axis=1) / 2)
 
 
-def work_of_loads(scenario: Scenario, columns: Columns, q: Array) -> Array:
-    """(T - 1,) [J] brought in from sample to sample by the forces of the loads, which are held between samples."""
+def work_of_loads(scenario: Scenario, batch: ArmBatch, q: Array) -> Array:
+    """Return the work (T - 1,) [J] of the forces of the loads, which are held between samples, in each sampling interval."""
     brought = np.zeros(len(q) - 1)
     if scenario.loads:
-        ways = np.diff(space_marker_map(columns.arms, scenario.points).positions(q.reshape(len(q), -1)), axis=0)
+        ways = np.diff(space_marker_map(batch.arms, scenario.points).positions(q.reshape(len(q), -1)), axis=0)
         for k, load in enumerate(scenario.loads):
             forces = load.wrenches(len(scenario.time))[: len(brought), :3]
             brought += (forces * ways[:, k]).sum(axis=1)

@@ -1,8 +1,8 @@
-"""One joint in space: how its coordinates turn what hangs on it. Plain numbers and tuples of three, for Python and the compiler.
+"""The kinematics of one joint in space, with plain numbers and tuples of three for Python and the compiler.
 
-With the rotation vector w, x = |w|, t = x^2 and [w] the matrix of w x: the rotation is cos x + A [w] + B w w', and its left
-Jacobian, which makes angular velocity of w's rate, A + B [w] + C w w', where A = sin x / x, B = (1 - cos x) / t,
-C = (1 - A) / t (T. D. Barfoot, State Estimation for Robotics, Cambridge 2017, sec. 7.1).
+With the rotation vector w, x = |w|, t = x^2 and [w] the matrix of w x, the rotation is cos x + A [w] + B w w'. Its left Jacobian,
+which maps the rate of w to the angular velocity, is A + B [w] + C w w', where A = sin x / x, B = (1 - cos x) / t, C = (1 - A) / t
+(T. D. Barfoot, State Estimation for Robotics, Cambridge 2017, sec. 7.1).
 """
 
 from __future__ import annotations
@@ -13,9 +13,10 @@ import numpy as np
 
 Vector = tuple[float, float, float]
 
-#: Below this square of the angle [rad^2] its functions are sums of so many powers, exact to rounding; beyond it in closed form.
+#: Below this squared angle [rad^2] the functions are power series with this number of terms, exact to rounding; above it they are
+#: in closed form.
 _NEAR, _TERMS = 4.0, 12
-#: Below this one, half as many do.
+#: Below this squared angle, this smaller number of terms is sufficient.
 _TINY, _FEW = 0.06, 6
 #: (4, _TERMS) of B, C, dB/dt * 2 and dC/dt * 2, in powers of t.
 _SERIES = np.array(
@@ -29,22 +30,22 @@ _SERIES = np.array(
 
 
 def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
+    """Return the scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
+    """Return the vector product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def plus(a: Vector, weight: float, b: Vector) -> Vector:
-    """A + weight * b."""
+    """Return a + weight * b."""
     return a[0] + weight * b[0], a[1] + weight * b[1], a[2] + weight * b[2]
 
 
 def factors(t: float) -> tuple[float, float, float, float]:
-    """B, C and twice their derivatives to t, for the square t of an angle."""
+    """Return B, C and twice their derivatives with respect to t, for the square t of an angle."""
     if t < _NEAR:
         b, c, db, dc = 0.0, 0.0, 0.0, 0.0
         terms = _TERMS if t > _TINY else _FEW
@@ -60,17 +61,20 @@ def factors(t: float) -> tuple[float, float, float, float]:
 
 
 def turned(w: Vector, same: float, across: float, along: float, v: Vector) -> Vector:
-    """(same + across [w] + along w w') v."""
+    """Return (same + across [w] + along w w') v."""
     return plus(plus((same * v[0], same * v[1], same * v[2]), across, cross(w, v)), along * dot(w, v), w)
 
 
 def drift(w: Vector, rate: Vector, db: float, c: float, dc: float) -> Vector:
-    """Angular acceleration in the frame that the joint hangs on where its rotation vector w changes at an even rate."""
+    """Return the angular acceleration of a joint whose rotation vector w changes at a constant rate.
+
+    It is expressed in the frame that the joint is attached to.
+    """
     once, grows = cross(w, rate), dot(w, rate)
     out = plus((0.0, 0.0, 0.0), db * grows, once)
     return plus(plus(out, dc * grows, cross(w, once)), c, cross(rate, once))
 
 
 def combined(x: Vector, y: Vector, z: Vector, v: Vector) -> Vector:
-    """The vector with components v along the axes x, y, z."""
+    """Return the vector with components v along the axes x, y, z."""
     return plus(plus((v[0] * x[0], v[0] * x[1], v[0] * x[2]), v[1], y), v[2], z)

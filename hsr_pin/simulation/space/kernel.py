@@ -1,7 +1,7 @@
-"""The inner loops in space, for the compiler: one substep of a chain of spherical joints, and what the march does with arrays.
+"""The inner loops of arms in space, for the compiler: one substep of a chain of spherical joints, and array operations.
 
-As :mod:`hsr_pin.simulation.kernel`. What drives an arm is a row of U = 2 S + 6 K numbers: for each section the torque towards x
-and towards y, then force and moment of each load.
+They correspond to :mod:`hsr_pin.simulation.kernel`. The input of an arm is a row of U = 2 S + 6 K numbers: for each section the
+torques towards x and towards y, then force and moment of each load.
 """
 
 from __future__ import annotations
@@ -12,37 +12,37 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.simulation.kernel import add as add
-from hsr_pin.simulation.kernel import between as between
 from hsr_pin.simulation.kernel import call_law
+from hsr_pin.simulation.kernel import interpolate as interpolate
 from hsr_pin.simulation.space.elements import combined, cross, dot, drift, factors, plus, turned
 from hsr_pin.simulation.space.system import SpaceSystem
 from hsr_pin.trajectory import Array
 
-#: Rows of the scratch array. For each coordinate: moment and force of the chain beyond per its acceleration, 1/D, free torque and
-#: axis; for each joint: direction of its link, angular velocity and drift. The last is the march's own.
+#: Rows of the scratch array. For each coordinate: moment and force of the outboard chain per unit of acceleration, 1/D, free
+#: torque and axis; for each joint: direction of its link, angular velocity and drift. The last row is for the time integration.
 ROWS = 15
-#: What the compiler takes from here, in the order of use.
+#: Functions that are compiled, in the order of their dependencies.
 PARTS = (
     *("dot", "cross", "plus", "factors", "turned", "drift", "combined", "place", "gather", "move", "substep", "mean_torque"),
-    *("add", "between", "bent", "alone", "bends", "resist", "remember"),
+    *("add", "interpolate", "bending_angle", "single_arm", "bends", "add_joint_moments", "update_states"),
 )
 
 
 def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
-    """A linearly implicit Euler step of length d [s], in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
+    """Take a linearly implicit Euler step in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
 
-    The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7), every link in the axes
-    of the base. The joint's three coordinates are eliminated one by one, as three hinges in one place would be; one that does
-    not twist has two.
+    The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7), with every link in the
+    axes of the base. The three coordinates of a joint are eliminated one by one, like three hinges at one point; a joint that
+    does not twist has two.
 
     Args:
         system: the arms.
-        q: (B, 3 N) [rad].
-        v: (B, 3 N) [rad/s].
-        moment: (B, 3 N) [N m] with which the laws resist.
-        torque: (B, U) that drives the arms.
-        d: [s].
-        scratch: (ROWS, 3 N).
+        q: (B, 3 N) coordinates [rad].
+        v: (B, 3 N) rates [rad/s].
+        moment: (B, 3 N) moments of the laws, which oppose bending [N m].
+        torque: (B, U) torques and loads.
+        d: step length [s].
+        scratch: (ROWS, 3 N) workspace.
     """
     for b in range(q.shape[0]):
         place(q[b], v[b], scratch)
@@ -51,7 +51,7 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
 
 
 def place(q: Array, v: Array, scratch: Array) -> None:
-    """Where an arm's links point and how fast they turn."""
+    """Compute the directions and the angular velocities of the links of an arm."""
     x, y, z, omega = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     for i in range(len(q) // 3):
         j = 3 * i
@@ -80,10 +80,10 @@ def place(q: Array, v: Array, scratch: Array) -> None:
 
 
 def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
-    """From tip to base: articulated inertias (J, the rows of H, and M, of which symmetric ones have six numbers) and forces.
+    """Compute articulated inertias and forces from tip to base.
 
-    For the angular acceleration alpha and the acceleration a of its joint, a link needs the moment J alpha + H a + n and the
-    force H' alpha + M a + f.
+    The inertias are J, the rows of H, and M; symmetric matrices have six entries. For the angular acceleration alpha and the
+    acceleration a of its joint, a link requires the moment J alpha + H a + n and the force H' alpha + M a + f.
     """
     loads, sections = system.link.shape[1], system.inputs.shape[1]
     none = (0.0, 0.0, 0.0)
@@ -98,7 +98,7 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
         omega = (scratch[12, j], scratch[12, j + 1], scratch[12, j + 2])
         bias = (scratch[13, j], scratch[13, j + 1], scratch[13, j + 2])
         inwards = cross(omega, cross(omega, axis))
-        # about this joint in place of the next
+        # transform from the next joint to this one
         r = (system.reach[b, i] * axis[0], system.reach[b, i] * axis[1], system.reach[b, i] * axis[2])
         bow = (system.reach[b, i] * inwards[0], system.reach[b, i] * inwards[1], system.reach[b, i] * inwards[2])
         n = plus(n, 1.0, (dot(h0, bow), dot(h1, bow), dot(h2, bow)))
@@ -167,7 +167,7 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
 
 
 def move(system: Any, b: int, q: Array, v: Array, d: float, scratch: Array) -> None:
-    """From base to tip: accelerations, and the arm after the step."""
+    """Compute accelerations from base to tip, and advance the arm by the step."""
     alpha, a = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for i in range(len(q) // 3):
         j = 3 * i
@@ -186,7 +186,7 @@ def move(system: Any, b: int, q: Array, v: Array, d: float, scratch: Array) -> N
 
 
 def mean_torque(impulse: Array, start: float, end: float, torque: Array) -> None:
-    """As :func:`hsr_pin.simulation.march.mean_torque`, for (B, C + 1, U) to (B, U)."""
+    """Compute the mean of inputs (B, C + 1, U) over an interval, as :func:`hsr_pin.simulation.integrate.mean_torque`."""
     cells = impulse.shape[1] - 1
     first, last = min(int(start), cells - 1), min(int(end), cells - 1)
     for b in range(impulse.shape[0]):
@@ -196,17 +196,17 @@ def mean_torque(impulse: Array, start: float, end: float, torque: Array) -> None
             torque[b, u] = (high - low) / (end - start)
 
 
-def bent(q: Array, column: int) -> float:
-    """Bending angle [rad] of a whole arm: the length of the sum of its joints'."""
+def bending_angle(q: Array, b: int) -> float:
+    """Return the bending angle [rad] of a whole arm: the length of the sum of the bending vectors of its joints."""
     x, y = 0.0, 0.0
     for i in range(q.shape[1] // 3):
-        x += q[column, 3 * i]
-        y += q[column, 3 * i + 1]
+        x += q[b, 3 * i]
+        y += q[b, 3 * i + 1]
     return hypot(x, y)
 
 
-def alone(system: Any, b: int) -> Any:
-    """One of the arms."""
+def single_arm(system: Any, b: int) -> Any:
+    """Return the system of one of the arms."""
     s, e = system, b + 1
     return SpaceSystem(
         s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.axial[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
@@ -216,7 +216,7 @@ def alone(system: Any, b: int) -> Any:
 
 
 def bends(q: Array) -> Any:
-    """(B, N) complex numbers: towards x, and towards y, of coordinates (B, 3 N)."""
+    """Return the bending towards x and towards y as complex numbers (B, N), from coordinates (B, 3 N)."""
     count, links = q.shape[0], q.shape[1] // 3
     out = np.empty((count, links), dtype=np.complex128)
     for b in range(count):
@@ -225,8 +225,8 @@ def bends(q: Array) -> Any:
     return out
 
 
-def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
-    """Add the moments of the laws to ``moment`` (B, 3 N) [N m]; q, v (B, 3 N), z (states, B, N) complex."""
+def add_joint_moments(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
+    """Add the moments of the laws to ``moment`` (B, 3 N) [N m]; q and v are (B, 3 N), z is (states, B, N) complex."""
     angle, rate = bends(q), bends(v)
     total = np.zeros(angle.shape, dtype=np.complex128)
     for k in range(system.laws.shape[0]):
@@ -241,8 +241,8 @@ def resist(system: Any, q: Any, v: Any, z: Any, moment: Any) -> None:
             moment[b, 3 * i + 1] += total[b, i].imag
 
 
-def remember(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
-    """As :func:`hsr_pin.simulation.kernel.remember`, with complex memories."""
+def update_states(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
+    """Compute the complex states of the laws after a motion, as :func:`hsr_pin.simulation.kernel.update_states`."""
     before, after = bends(start), bends(end)
     for k in range(system.laws.shape[0]):
         if system.laws[k, 3]:

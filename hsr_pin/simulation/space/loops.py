@@ -1,4 +1,4 @@
-"""The march and the search for rest in space as machine code; compiled at the first use, apart from the loops of the plane."""
+"""The loops of arms in space as machine code, compiled at the first use, separately from those of planar arms."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ import threading
 from functools import lru_cache
 from typing import Any
 
-from hsr_pin.simulation.compiled import Loops, assembled
-from hsr_pin.simulation.march import advance
-from hsr_pin.simulation.space import kernel, rest
+from hsr_pin.simulation.compiled import Loops, compile_loops
+from hsr_pin.simulation.integrate import advance
+from hsr_pin.simulation.space import equilibrium, kernel
 from hsr_pin.simulation.space.system import SpaceSystem
 
 _LOCK = threading.RLock()
 
 
 def space_loops() -> Loops:
-    """The compiled functions; compiling is announced on standard error."""
-    with _LOCK:  # a second thread waits for the first
+    """Return the compiled loops; compilation is announced on standard error."""
+    with _LOCK:  # a second thread waits until the first has compiled them
         return _loops()
 
 
 @lru_cache(maxsize=1)
 def _loops() -> Loops:
-    return assembled("space", kernel, rest, advance, _arguments())
+    return compile_loops("space", kernel, equilibrium, advance, _arguments())
 
 
 def _arguments() -> tuple[Any, ...]:
-    """Types of what each loop takes."""
+    """Return the argument types of each loop."""
     from numba import types as nb
 
     def reals(dimensions: int, kind: Any = nb.float64, readonly: bool = False) -> Any:

@@ -1,4 +1,4 @@
-"""Arms in space side by side as arrays; see :class:`hsr_pin.simulation.kernel.System` for those in the plane."""
+"""Arms in space as arrays; :class:`hsr_pin.simulation.kernel.System` is the equivalent for planar arms."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from hsr_pin.trajectory import Array
 
 
 class SpaceSystem(NamedTuple):
-    """What the loops need to know of B arms with K loads; forces and moments are in the axes of the base.
+    """The arrays of B arms with K loads that the loops need; forces and moments are in the axes of the base.
 
     Attributes:
         mass, lever, inertia, reach: (B, N) as in :class:`hsr_pin.robot.chain.Chain`.
-        axial: (B, N) [kg m^2] about the links' own axes.
-        spring, damper, stiff, drag, share, profile: (B, N) as in the plane, the same about both axes of bending.
-        twist, twist_damper: (B, N) [Nm/rad], [Nm s/rad] against twisting; infinite: it does not twist.
-        gravity: (B, 3) [m/s^2].
-        keq: (B,) [Nm/rad] of the whole arm.
-        laws, numbers: as in the plane.
-        link: (B, K) that each load acts on, -1: the fixed half link.
-        place: (B, K) [m] where, from the link's joint.
-        inputs: (N, S) share of each section's torque that drives a joint.
+        axial: (B, N) inertia about the link's own axis [kg m^2].
+        spring, damper, stiff, drag, share, profile: (B, N) as for planar arms, the same about both bending axes.
+        twist, twist_damper: (B, N) torsional stiffness [Nm/rad] and damping [Nm s/rad]; infinite stiffness means no twist.
+        gravity: (B, 3) acceleration of gravity [m/s^2].
+        keq: (B,) bending stiffness of the whole arm [Nm/rad].
+        laws, numbers: as for planar arms.
+        link: (B, K) index of the link that each load acts on; -1 for the fixed half link.
+        place: (B, K) distance of each load from the joint of its link [m].
+        inputs: (N, S) share of each section's torque that drives each joint.
     """
 
     mass: Array
@@ -53,12 +53,12 @@ class SpaceSystem(NamedTuple):
 
 
 def space_system(arms: Arms, joints: dict[str, Array], points: Array) -> SpaceSystem:
-    """The arms without their laws.
+    """Return the arrays of arms in space without their laws.
 
     Args:
-        arms: with what the effects make of them.
+        arms: the arms including the effects on their bodies.
         joints: (B, N) each: spring, damper, stiff, drag, share, profile.
-        points: (B, K) [m] arc lengths of the loads.
+        points: (B, K) arc lengths of the loads [m].
     """
     chain, links = chain_of(arms), arms.links
     with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""Two recordings of one arm, made with the model, the second of which may be another; both lack a law that nobody fits."""
+"""Two synthetic recordings of one arm, of which the second may have a change; both contain a law that no fit includes."""
 
 from ..made import made
 

@@ -1,4 +1,4 @@
-"""What has changed is named, with its size, though the model of the arm lacks what both recordings have."""
+"""A change is named with its size, although the model has a discrepancy that both recordings share."""
 
 from dataclasses import replace
 

@@ -1,10 +1,10 @@
-"""A command that comes late shifts what the arm did, whatever any model makes of it."""
+"""A delayed command shifts the response of the arm, independently of any model."""
 
 import numpy as np
 import pytest
 
 from hsr_pin.blind.real.edits import delay_motion
-from hsr_pin.diagnosis.change.leftover import rows_of
+from hsr_pin.diagnosis.change.discrepancy import rows_of
 from hsr_pin.diagnosis.change.pair import pair
 from hsr_pin.identification.experiment import prepare
 

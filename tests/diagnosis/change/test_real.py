@@ -1,4 +1,4 @@
-"""Known changes between recordings of real arms are told: `scripts/real_changes.py` on the shared recordings."""
+"""Known changes between recordings of real arms are found: `scripts/real_changes.py` on the shared recordings."""
 
 import pytest
 

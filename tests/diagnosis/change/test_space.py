@@ -1,4 +1,4 @@
-"""What has changed in an arm in space is told, on recordings that another engine moved and that lack what no model here has."""
+"""Changes of arms in space are found in recordings of another engine, with a discrepancy that no model here has."""
 
 import json
 from dataclasses import replace
@@ -14,14 +14,14 @@ from hsr_pin.blind.plants.space.chain import BallPlant
 from hsr_pin.blind.plants.space.program import program
 from hsr_pin.blind.plants.space.writing import MARKERS
 from hsr_pin.diagnosis.change.diagnose import diagnose_change
+from hsr_pin.diagnosis.change.discrepancy import features
 from hsr_pin.diagnosis.change.document import history_to_json
-from hsr_pin.diagnosis.change.fitting import guessed
+from hsr_pin.diagnosis.change.fitting import initial_estimates
 from hsr_pin.diagnosis.change.frame import framed
 from hsr_pin.diagnosis.change.history import history
-from hsr_pin.diagnosis.change.leftover import features
+from hsr_pin.diagnosis.change.hypotheses import change_hypotheses
 from hsr_pin.diagnosis.change.pair import pair
 from hsr_pin.diagnosis.change.report import report
-from hsr_pin.diagnosis.change.suspects import suspects
 from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral
 from hsr_pin.errors import IdentificationError
@@ -45,7 +45,7 @@ TURN = np.array([0.05, -0.04, 0.03])
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """Makes a recording of a session with some laws."""
+    """Return a function that makes a recording of a session with some laws."""
     made = {}
 
     def make(session, *acting, kinds="steps", true=TRUE):
@@ -66,12 +66,12 @@ def old(recorded):
 
 @pytest.fixture(scope="module")
 def sessions(recorded, old):
-    """Nothing has changed in the first after OLD, a payload has come before the next."""
+    """Three sessions: nothing has changed in the second, and the third has a payload."""
     return history([old, recorded(1), recorded(2, mounting.TipMass(0.02))], **QUICK)
 
 
 def turned(dataset, turn):
-    """As cameras show it whose frame is turned so that the arm, which hangs, is seen turned by a rotation vector of its base."""
+    """Return a recording of a hanging arm seen by cameras whose frame is rotated by a rotation vector in the axes of its base."""
     x, y, twist = turn
     rotation = Rotation.from_rotvec(
         [-y, -x, -twist]
@@ -95,7 +95,7 @@ def test_nothing_has_changed_where_nothing_has(sessions):
 
 
 @pytest.mark.long
-def test_the_scatter_that_is_foretold_is_that_of_noise_along_three_axes(sessions):
+def test_the_predicted_scatter_is_that_of_noise_along_three_axes(sessions):
     frame = sessions.diagnoses[0].found.frame
     count = np.mean([bins.counts[bins.counts > 0].mean() for bins in frame.pair.bins])
     assert frame.off() == pytest.approx(frame.scatter, rel=0.3)
@@ -129,7 +129,7 @@ def test_the_report_shows_three_axes_and_the_document_is_json(sessions):
 
 @pytest.fixture(scope="module")
 def tilted(recorded, old):
-    """What residuals are seen through where the base has been turned by 0.06 rad to a side of no axis."""
+    """Whitened residuals of a recording whose base was rotated by 0.06 rad in a direction between the axes."""
     both = pair(prepare(old), prepare(recorded(3, laws.BaseTilt(0.06, side=-0.6))))
     base = fit(both.old, Hypothesis(links=6))
     return framed(both, base.hypothesis, base.values)[0]
@@ -137,12 +137,12 @@ def tilted(recorded, old):
 
 @pytest.mark.long
 def test_what_goes_to_any_side_is_guessed_with_its_side(tilted):
-    (asked,) = suspects(tilted.hypothesis, tilted.values, [Part("base_tilt", neutral(effect_named("base_tilt")))])[2:]
-    guess = guessed(tilted, asked)
+    (asked,) = change_hypotheses(tilted.hypothesis, tilted.values, [Part("base_tilt", neutral(effect_named("base_tilt")))])[2:]
+    estimate = initial_estimates(tilted, asked)
     tilt = 0.06 * np.exp(-0.6j)
-    assert guess.starts[0] == pytest.approx([tilt.real, tilt.imag], abs=0.01)
+    assert estimate.starts[0] == pytest.approx([tilt.real, tilt.imag], abs=0.01)
     whole = float(tilted.seen @ tilted.seen)
-    assert whole - guess.square > 0.9 * (whole - len(tilted.seen))  # all but noise
+    assert whole - estimate.square > 0.9 * (whole - len(tilted.seen))  # all but noise
 
 
 @pytest.mark.long
@@ -150,7 +150,7 @@ def test_an_effect_of_any_side_that_is_there_is_looked_at_from_where_it_is(tilte
     part = Part("torque_offset", neutral(effect_named("torque_offset")))
     model = tilted.hypothesis.with_part(part)
     there = np.append(tilted.values, [0.99, -0.1])
-    probes = next(each for each in suspects(model, there, [part]) if each.names == ("torque_offset",)).probes
+    probes = next(each for each in change_hypotheses(model, there, [part]) if each.names == ("torque_offset",)).probes
     assert probes.shape[1:] == (2, 2)
     for block in probes:
         steps = block - there[-2:]
@@ -197,7 +197,7 @@ def test_laws_that_do_not_hold_there_are_refused(old):
 
 @pytest.fixture(scope="module")
 def same(recorded, old):
-    """What the whole catalogue makes of a session before which nothing has changed."""
+    """Comparison of two unchanged sessions with the whole catalogue."""
     return diagnose_change(recorded(4), old, max_effects=1, links=8, jobs=1)
 
 
@@ -212,7 +212,7 @@ def test_of_the_whole_catalogue_nothing_is_told_where_nothing_has_changed(same):
 
 @pytest.fixture(scope="module")
 def heavier(recorded, old, same):
-    """What the whole catalogue makes of a payload."""
+    """Comparison of two sessions with the whole catalogue, of which the second has a payload."""
     return told(recorded(5, mounting.TipMass(0.02)), old, same)
 
 

@@ -1,4 +1,4 @@
-"""Damping that a slower swing may make is told from damping that has changed, by how fast the straight arm swings."""
+"""Apparent damping changes from a change of frequency are distinguished from real ones, by the natural frequency."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -7,10 +7,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.diagnosis.change.size import Size
-from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.swing import rate, slack
-from hsr_pin.diagnosis.change.verdict import Found
+from hsr_pin.diagnosis.change.swing import apparent_damping_range, natural_frequency
+from hsr_pin.diagnosis.change.verdict import ChangeEvidence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.experiment import prepare
@@ -43,11 +43,11 @@ def test_in_space_it_swings_as_in_a_plane_and_a_tilt_to_any_side_makes_it_slower
     trials = (replace(trial, trajectory=_to_two_sides(trial.trajectory)) for trial in experiment.dataset.trials)
     space = prepare(replace(experiment.dataset, bending="space", trials=tuple(trials)))
     (flat,), (run,), straight = experiment.runs, space.runs, np.array([1.0, 0.02])
-    assert rate(space, run, MODEL, straight) == pytest.approx(rate(experiment, flat, MODEL, straight))
+    assert natural_frequency(space, run, MODEL, straight) == pytest.approx(natural_frequency(experiment, flat, MODEL, straight))
     tilted = MODEL.with_part(Part("base_tilt", SPATIAL["base_tilt"]()))
-    aside = [rate(space, run, tilted, np.append(straight, tilt)) for tilt in ((0.5, 0.0), (0.0, 0.5))]
+    aside = [natural_frequency(space, run, tilted, np.append(straight, tilt)) for tilt in ((0.5, 0.0), (0.0, 0.5))]
     assert aside[0] == pytest.approx(aside[1])
-    assert 0 < aside[0] < 0.999 * rate(space, run, MODEL, straight)
+    assert 0 < aside[0] < 0.999 * natural_frequency(space, run, MODEL, straight)
 
 
 def _to_two_sides(trajectory):
@@ -59,28 +59,30 @@ def test_an_arm_without_weight_swings_as_a_cantilever(experiment):
     (run,), arm = light.runs, light.dataset
     cantilever = 1.8751**2 * np.sqrt(run.trial.keq * arm.length / (arm.mass * arm.length**3))
     run.declared.clear()
-    assert rate(light, run, MODEL, np.array([1.0, 1e-3])) == pytest.approx(cantilever, rel=0.02)
+    assert natural_frequency(light, run, MODEL, np.array([1.0, 1e-3])) == pytest.approx(cantilever, rel=0.02)
     run.declared.clear()
 
 
 def test_an_arm_that_creeps_does_not_swing_nor_one_that_falls(experiment):
     (run,) = experiment.runs
-    assert rate(experiment, run, MODEL, np.array([1.0, 0.02])) > 0
-    assert rate(experiment, run, MODEL, np.array([1.0, 50.0])) == 0
+    assert natural_frequency(experiment, run, MODEL, np.array([1.0, 0.02])) > 0
+    assert natural_frequency(experiment, run, MODEL, np.array([1.0, 50.0])) == 0
 
 
 def _fitted(damping, after):
-    suspect = Suspect(("damping_scale", "tip_mass"), HEAVIER, np.array([1.0, damping, 0.0]), ("damping_scale", "tip_mass.mass"))
-    return SimpleNamespace(suspect=suspect, after=np.array(after))
+    change = ChangeHypothesis(
+        ("damping_scale", "tip_mass"), HEAVIER, np.array([1.0, damping, 0.0]), ("damping_scale", "tip_mass.mass")
+    )
+    return SimpleNamespace(change=change, after=np.array(after))
 
 
 def test_damping_is_free_by_the_square_of_how_much_slower_an_arm_swings(experiment):
     pair = SimpleNamespace(experiment=experiment, old=experiment, new=experiment)
     (run,) = experiment.runs
-    was, is_ = (rate(experiment, run, HEAVIER, np.array([1.0, 0.02, mass])) for mass in (0.0, 0.1))
-    assert slack(pair, _fitted(0.02, (0.02, 0.1))) == pytest.approx((1.0, (was / is_) ** 2))
-    assert slack(pair, _fitted(0.02, (0.04, 0.0))) == pytest.approx((1.0, 1.0), abs=1e-6)
-    assert slack(pair, _fitted(50.0, (50.0, 0.1))) == (1.0, 1.0)
+    was, is_ = (natural_frequency(experiment, run, HEAVIER, np.array([1.0, 0.02, mass])) for mass in (0.0, 0.1))
+    assert apparent_damping_range(pair, _fitted(0.02, (0.02, 0.1))) == pytest.approx((1.0, (was / is_) ** 2))
+    assert apparent_damping_range(pair, _fitted(0.02, (0.04, 0.0))) == pytest.approx((1.0, 1.0), abs=1e-6)
+    assert apparent_damping_range(pair, _fitted(50.0, (50.0, 0.1))) == (1.0, 1.0)
 
 
 @pytest.mark.parametrize("times", [(0.01,), (3.0,), (0.02, 0.3, 2.0)])
@@ -93,11 +95,11 @@ def test_no_sum_of_maxwell_elements_leaves_these_bounds(times):
 
 @pytest.mark.parametrize("step, said", [((1.1, 1.3), {"tip_mass"}), ((2.9, 3.4), {"damping_scale", "tip_mass"})])
 def test_only_damping_beyond_them_is_reported(experiment, step, said, monkeypatch):
-    monkeypatch.setattr("hsr_pin.diagnosis.change.verdict.slack", lambda pair, fitted: (1.0, 2.0))
+    monkeypatch.setattr("hsr_pin.diagnosis.change.verdict.apparent_damping_range", lambda pair, fitted: (1.0, 2.0))
     fitted = _fitted(0.02, (0.03, 0.1))
     sizes = (
         Size("damping_scale", "damping_scale", "1", 0.02, 0.03, (0.02, 0.02), (0.02, 0.04), step),
         Size("tip_mass", "tip_mass.mass", "kg", 0.0, 0.1, (0.0, 0.0), (0.09, 0.11), (0.09, 0.11)),
     )
-    found = SimpleNamespace(sizes={fitted.suspect.names: sizes}, frame=SimpleNamespace(pair=None))
-    assert {size.name for size in Found.reported(found, fitted)} == said
+    found = SimpleNamespace(sizes={fitted.change.names: sizes}, frame=SimpleNamespace(pair=None))
+    assert {size.name for size in ChangeEvidence.reported(found, fitted)} == said

@@ -1,4 +1,4 @@
-"""What is reported of a change: the change that explains the second recording, alternatives, or that nothing has changed."""
+"""The verdict on a change: the change that explains the current recording, alternatives, or no change."""
 
 from types import SimpleNamespace
 
@@ -7,9 +7,9 @@ import pytest
 
 from hsr_pin.diagnosis.change.chance import Chance
 from hsr_pin.diagnosis.change.fitting import Fitted
+from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.diagnosis.change.size import Size
-from hsr_pin.diagnosis.change.suspects import Suspect
-from hsr_pin.diagnosis.change.verdict import Found, judge, needed
+from hsr_pin.diagnosis.change.verdict import ChangeEvidence, judge, needed
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.hypothesis import Hypothesis
@@ -22,14 +22,14 @@ rng = np.random.default_rng(0)
 NOISE = rng.normal(size=OLD + ROWS)
 
 
-class Judged(Found):
-    """Of changes whose sizes are given; each takes so much away of what is missing."""
+class Judged(ChangeEvidence):
+    """Evidence for changes of given sizes and gains."""
 
     @property
     def sizes(self):
         return {
-            f.suspect.names: tuple(
-                Size(name, f"{name}.size", "1", 0.0, 1.0, (0.0, 0.0), (0.9, 1.1), (0.9, 1.1)) for name in f.suspect.names
+            f.change.names: tuple(
+                Size(name, f"{name}.size", "1", 0.0, 1.0, (0.0, 0.0), (0.9, 1.1), (0.9, 1.1)) for name in f.change.names
             )
             for f, _ in self.fits
         }
@@ -40,29 +40,29 @@ class Judged(Found):
         return Difference(2e-3, 1e-3, 1e-3, 0.95)
 
 
-def suspect(*names):
+def change(*names):
     model = Hypothesis()
     for name in names:
         model = model.with_part(Part(name, neutral(EFFECTS[name])))
     own = tuple(f"{name}.{next(f.name for f in EFFECTS[name].parameters() if f.amplitude)}" for name in names)
-    return Suspect(names, model, model.start, own)
+    return ChangeHypothesis(names, model, model.start, own)
 
 
 def found(gap, *changes, chance=0.0, moved=5e-3):
-    """NEW lacks squares of ``gap`` beyond noise; each of ``changes`` (names, what it takes away of them)."""
+    """Return evidence with a squared difference ``gap`` beyond noise; ``changes`` are names and the squares that they explain."""
     missing = np.zeros(OLD + ROWS)
     missing[OLD:] = np.sqrt(gap / ROWS) * np.where(np.arange(ROWS) % 2, 1.0, -1.0)
     seen = NOISE + missing
     frame = SimpleNamespace(
         seen=seen,
         run=np.repeat([0, 1], [OLD, ROWS]),
-        pair=SimpleNamespace(worth=1e-3, old=SimpleNamespace(runs=[0])),
+        pair=SimpleNamespace(reportable=1e-3, old=SimpleNamespace(runs=[0])),
         off=lambda moved=(): 1e-3 * (1 + gap / 400),
         scatter=1e-3,
     )
     fits = []
     for names, taken in changes:
-        who = suspect(*names)
+        who = change(*names)
         residual = NOISE + missing * np.sqrt(1 - taken / gap)
         slopes = np.full((OLD + ROWS, len(who.open)), 1e-3)
         fits.append((Fitted(who, who.start + 0.05, residual, slopes, (np.full((4, 1, 2), moved),)), frame))

@@ -95,7 +95,7 @@ def test_an_axis_tells_which_way_is_positive(record, laboratory):
     assert error_of(import_recordings([path], settings(x="-x")), lab) < 2e-6
 
 
-@pytest.mark.parametrize("axis, said", [("+z", "across the arm"), ("+y", "along the bending plane"), ("north", "an axis")])
+@pytest.mark.parametrize("axis, said", [("+z", "perpendicular to the arm"), ("+y", "in the bending plane"), ("north", "an axis")])
 def test_an_axis_that_cannot_be_is_refused(record, laboratory, axis, said):
     with pytest.raises(InputError, match=said):
         import_recordings([record(laboratory(yaw=0.05))], settings(x=axis))
@@ -190,7 +190,7 @@ def test_two_labels_of_one_marker_are_merged(record, laboratory):
     assert np.flatnonzero(np.isnan(tip[:, 0])).tolist() == [100, 101, 102, 103, 220]
     assert np.nanmax(np.abs(tip - lab.world[:, 2])) < 2e-6
     assert any(
-        "Arm:A, Arm:B, Arm:C are never seen together and were taken for labels of one marker" in n for n in trial.trajectory.notes
+        "Arm:A, Arm:B, Arm:C are never seen together and were taken as labels of one marker" in n for n in trial.trajectory.notes
     )
 
 
@@ -224,7 +224,7 @@ def test_what_is_imported_can_be_written_and_read(record, laboratory, tmp_path):
 
 
 def test_a_wrong_unit_is_noticed(record, laboratory):
-    with pytest.raises(RecordingError, match="another unit"):
+    with pytest.raises(RecordingError, match="check the unit"):
         import_recordings([record(laboratory())], settings(unit="m"))
 
 
@@ -297,4 +297,4 @@ def test_an_arm_that_never_straightens_is_noted(record, laboratory):
     bent = lab.angle > 0.9
     lab.positions, lab.time, lab.torque = lab.positions[bent], lab.time[bent], lab.torque[bent]
     notes = import_recordings([record(lab)], settings(mount="hanging")).dataset.notes
-    assert any(note.startswith("tip: even the straightest pose reaches only 9") for note in notes)
+    assert any(note.startswith("tip: the straightest pose reaches only 9") for note in notes)

@@ -151,7 +151,7 @@ def test_points_that_are_all_marked_as_not_seen_are_taken_with_a_word(tmp_path):
 
 def test_a_file_that_no_layout_fits_is_refused(tmp_path):
     content = file_of(motion(), analog=5, samples=7, said_analog=3, parameters={("ANALOG", "RATE"): ("f4", [500.0])})
-    with pytest.raises(RecordingError, match=r"layout of the file is in doubt.*export it anew"):
+    with pytest.raises(RecordingError, match=r"layout of the file is inconsistent.*export it again"):
         read(tmp_path, content + b"\0" * 5000)
 
 
@@ -176,7 +176,7 @@ def test_more_frames_than_16_bits_count(tmp_path):
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.75, 0.95])
 def test_a_file_that_is_cut_is_refused_in_plain_words(tmp_path, share):
     content = file_of(motion(), analog=6, samples=10)
-    with pytest.raises(RecordingError, match=r"cut short|ends (before|within) its parameters"):
+    with pytest.raises(RecordingError, match=r"truncated|ends (before|within) its parameters"):
         read(tmp_path, content[: int(share * len(content))])
 
 
@@ -184,7 +184,7 @@ def test_a_file_without_room_for_one_frame_is_cut(tmp_path):
     content = bytearray(8192)
     struct.pack_into("<BBHHHHHfHHf", content, 0, 2, 80, 65535, 0, 1, 65535, 10, -1.0, 3, 1, 100.0)
     content[512:516] = bytes([1, 80, 1, 84])
-    with pytest.raises(RecordingError, match="cut short: expected all frames, got 0 of 1 frames"):
+    with pytest.raises(RecordingError, match="truncated: expected all frames, got 0 of 1 frames"):
         read(tmp_path, bytes(content))
 
 
@@ -232,7 +232,7 @@ def test_up_is_what_the_maker_has_upwards_and_not_what_stands_upwards_on_a_scree
     said = {("POINT", "Y_SCREEN"): ("S", [screen]), ("MANUFACTURER", "COMPANY"): ("S", [maker or " "])}
     up = read(tmp_path, file_of(motion(), parameters=said)).up
     assert up.axis == axis
-    assert screen in up.why or axis is not None
+    assert screen in up.reason or axis is not None
 
 
 def test_outputs_of_a_model_are_no_points(tmp_path):

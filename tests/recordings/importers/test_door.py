@@ -93,12 +93,12 @@ def test_a_base_that_never_leaves_zero_was_seen_and_bars_separate(bring):
 def test_a_coordinate_that_no_frame_has_is_that_of_a_plane(bring):
     dataset, text = bring(y="")
     assert np.all(dataset.trials[0].trajectory.marker("tip")[:, 1] == 0)
-    assert "tip: no y in any frame, taken as 0" in text
+    assert "tip: y is missing in all frames and was set to 0" in text
 
 
 def test_slow_motion_is_no_recording_in_milliseconds(bring):
     assert bring(step=0.56)[0].trials[0].trajectory.step == pytest.approx(0.56)
-    with pytest.raises(RecordingError, match="are these milliseconds"):
+    with pytest.raises(RecordingError, match="if these are milliseconds"):
         bring(step=10.0)
 
 
@@ -112,7 +112,10 @@ def test_a_dataset_without_y_is_in_the_plane_and_one_without_z_says_what_is_miss
             read_dataset(folder)
     else:
         trajectory = read_dataset(folder).trials[0].trajectory
-        assert np.all(trajectory.marker("tip")[:, 1] == 0) and "tip: no y in any sample, taken as 0" in trajectory.notes
+        assert (
+            np.all(trajectory.marker("tip")[:, 1] == 0)
+            and "tip: y is missing in all samples and was set to 0" in trajectory.notes
+        )
 
 
 @pytest.fixture

@@ -53,7 +53,7 @@ def test_two_coordinates_are_a_plane(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text, said", [("a,b\n1,2\n3,4\n", "no points found"), ("1,2\n3,4\n", "no names of columns"), ("a\nb\n", "no rows")]
+    "text, said", [("a,b\n1,2\n3,4\n", "no points found"), ("1,2\n3,4\n", "no column names"), ("a\nb\n", "no rows")]
 )
 def test_a_table_that_tells_nothing_is_refused(tmp_path, text, said):
     (tmp_path / "log.csv").write_text(text, encoding="utf-8")

@@ -7,7 +7,7 @@ from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.importers.assemble import import_recordings
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.settings import ImportSettings
-from hsr_pin.recordings.lag import find_lag, passed
+from hsr_pin.recordings.lag import find_lag, second_order_response
 
 BODIES = (Body("base", ("Arm:base",), 0.0), Body("mid", ("Arm:mid",), 0.12), Body("tip", ("tip",), 0.24))
 
@@ -34,15 +34,15 @@ def step_of(dataset):
 
 def test_a_log_that_is_late_is_noted_with_how_late_and_one_that_is_not_is_not(bring):
     notes = bring(lambda t: t + 1.4).trials[0].trajectory.notes
-    note = next(note for note in notes if "before its command" in note)
-    assert "then --input-offset -1.3" in note or "then --input-offset -1.4" in note
+    note = next(note for note in notes if "leads its command" in note)
+    assert "give --input-offset -1.3" in note or "give --input-offset -1.4" in note
     assert not any("command" in note for note in bring().trials[0].trajectory.notes)
 
 
 def test_an_offset_that_is_told_moves_the_input(bring):
     dataset = bring(lambda t: t + 1.4, [-1.4])
     assert step_of(dataset) == pytest.approx(0.5, abs=0.009)
-    assert "input moved by -1.4 s, as told" in dataset.trials[0].trajectory.notes
+    assert "input moved by -1.4 s, as given" in dataset.trials[0].trajectory.notes
 
 
 @pytest.mark.parametrize("late", [1.4, -0.8, 7200.0])
@@ -55,13 +55,13 @@ def test_an_offset_is_estimated_from_the_motion_with_its_uncertainty(bring, late
 @pytest.mark.parametrize(
     "clock, hint",
     [
-        (lambda t: 1000 * t, "are these ms? say [input] time_unit in --map"),
-        (lambda t: 1400 + 1000 * t, "are these ms?"),
-        (lambda t: 1.7e12 + 1000 * t, "are these ms?"),
-        (lambda t: 1e6 * t, "are these us?"),
-        (lambda t: 1.7e9 + t, "is it Unix time"),
-        (lambda t: t + 7200, "its clock is 2 h off: --input-offset -7200, or auto"),
-        (lambda t: t - 1234, "move it with --input-offset S, or auto"),
+        (lambda t: 1000 * t, "if these are ms, give [input] time_unit in --map"),
+        (lambda t: 1400 + 1000 * t, "if these are ms,"),
+        (lambda t: 1.7e12 + 1000 * t, "if these are ms,"),
+        (lambda t: 1e6 * t, "if these are us,"),
+        (lambda t: 1.7e9 + t, "for Unix time"),
+        (lambda t: t + 7200, "its clock is 2 h off; give --input-offset -7200, or auto"),
+        (lambda t: t - 1234, "correct it with --input-offset S, or auto"),
     ],
 )
 def test_a_clock_that_does_not_meet_the_motion_is_refused(bring, clock, hint):
@@ -73,7 +73,7 @@ def test_a_clock_that_does_not_meet_the_motion_is_refused(bring, clock, hint):
 def test_a_motion_that_repeats_itself_does_not_tell_its_offset_and_noise_follows_nothing():
     time, log = np.arange(1000) / 100, np.arange(-1000, 2000) / 100
     wave = np.sin(2 * np.pi * time)
-    assert find_lag(log, np.sin(2 * np.pi * log), time, wave).apart
+    assert find_lag(log, np.sin(2 * np.pi * log), time, wave).ambiguous
     assert not find_lag(time, wave, time, np.random.default_rng(0).standard_normal(1000)).follows
     assert find_lag(time, 0 * wave, time, wave) is None
 
@@ -81,7 +81,7 @@ def test_a_motion_that_repeats_itself_does_not_tell_its_offset_and_noise_follows
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 3.0, 1e3])
 def test_what_passes_a_second_order_system_is_its_exact_answer(ratio):
     time, frequency = np.arange(200) / 100, 8.0
-    answer = passed(np.where(time > 0, 1.0, 0.0), 0.01, frequency, ratio)[1:]
+    answer = second_order_response(np.where(time > 0, 1.0, 0.0), 0.01, frequency, ratio)[1:]
     turn = np.emath.sqrt(ratio**2 - 1) or 1e-6
     first, second = -frequency * (ratio + turn), -frequency * (ratio - turn)
     exact = 1 + (second * np.exp(first * time) - first * np.exp(second * time)) / (first - second)
@@ -91,7 +91,8 @@ def test_what_passes_a_second_order_system_is_its_exact_answer(ratio):
 @pytest.mark.parametrize("late", [-0.5, 0.0, 0.3])
 def test_a_lag_is_found_beside_what_the_arm_takes(late):
     time = np.arange(600) / 100
-    answer = passed(np.where(time > 1, 1.0, 0.0), 0.01, 9.0, 0.4) + 1e-3 * np.random.default_rng(1).standard_normal(600)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(600)
+    answer = second_order_response(np.where(time > 1, 1.0, 0.0), 0.01, 9.0, 0.4) + noise
     found = find_lag(time, np.where(time > 1 - late, 1.0, 0.0), time, answer, signed=True)
     assert abs(found.value - late) < 0.03 and found.sigma < 0.03
     assert found.is_early == (late < 0)

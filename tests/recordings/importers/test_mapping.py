@@ -151,7 +151,7 @@ def test_commands_of_a_file_of_their_own_need_a_time(log, writers, tmp_path):
     text = mapping.read_text(encoding="utf-8")
     mapping.write_text(text[text.index("[input]") :], encoding="utf-8")
     bodies = (Body("base", ("Arm:base",), 0.0), Body("tip", ("Arm:tip",), 0.24))
-    with pytest.raises(RecordingError, match=r"no time of the commands: .* say it in map\.toml: \[input\] time"):
+    with pytest.raises(RecordingError, match=r"the commands have no times: .* give \[input\] time in map\.toml"):
         import_recordings([tmp_path / "take"], settings(mapping, markers=bodies, inputs=[path]))
 
 
@@ -179,7 +179,7 @@ WRONG = {
     "no axis": ('up = "+z"', 'up = "north"', "+x, -x, +y, -y, +z or -z"),
     "one pressure": ('P2 = "right [kPa]"', "", "P1 and P2, or tau"),
     "a column of words": ('"left [kPa]"', '"mode"', "column 'auto'"),
-    "milliseconds as seconds": ('unit = "ms"', 'unit = "s"', "are these milliseconds?"),
+    "milliseconds as seconds": ('unit = "ms"', 'unit = "s"', "if these are milliseconds,"),
 }
 
 
@@ -207,7 +207,7 @@ def test_rows_with_the_time_of_the_row_before_are_left_out_with_a_word(log):
     path, mapping, lab = log
     restamped(path, range(9, 300, 30))
     made = import_recordings([path], settings(mapping)).dataset.trials[0].trajectory
-    assert any("10 rows with the time of the row before were left out" in note for note in made.notes)
+    assert any("10 rows with the time of the previous row were left out" in note for note in made.notes)
     assert len(made.time) == len(lab.time)
     gaps = np.isnan(made.positions).any(axis=(1, 2))
     assert gaps.sum() <= 10
@@ -218,11 +218,11 @@ def test_rows_with_the_time_of_the_row_before_are_left_out_with_a_word(log):
 def test_a_time_that_often_stands_still_or_goes_back_is_named_with_its_line(log):
     path, mapping, _ = log
     restamped(path, range(9, 300, 4))
-    with pytest.raises(RecordingError, match=r"log\.csv:10:1: time: expected more than .* take double rows away"):
+    with pytest.raises(RecordingError, match=r"log\.csv:10:1: time: expected more than .* remove duplicate rows"):
         read_capture(path, None, read_mapping(mapping))
     lines = path.read_text(encoding="utf-8").split("\n")
     path.write_text("\n".join([*lines[:8], lines[9], lines[8], *lines[10:]]), encoding="utf-8")
-    with pytest.raises(RecordingError, match=r"log\.csv:\d+:1: time: expected more than .* take double rows away"):
+    with pytest.raises(RecordingError, match=r"log\.csv:\d+:1: time: expected more than .* remove duplicate rows"):
         read_capture(path, None, read_mapping(mapping))
 
 
@@ -279,12 +279,12 @@ def test_the_unit_of_length_may_be_the_pixel_of_a_camera(log):
 def test_points_of_a_table_need_a_clock(log):
     path, mapping, _ = log
     change(mapping, '[time]\ncolumn = "stamp"\nunit = "ms"\n', "")
-    with pytest.raises(RecordingError, match=r"map\.toml:1:1: no time: expected \[time\] with a column of times, or a rate"):
+    with pytest.raises(RecordingError, match=r"map\.toml:1:1: no time: expected \[time\] with a column of times or a rate"):
         read_capture(path, None, read_mapping(mapping))
 
 
 def test_a_table_without_a_mapping_is_told_of_it(log):
-    with pytest.raises(RecordingError, match="any other table needs a mapping"):
+    with pytest.raises(RecordingError, match="other tables need a mapping"):
         read_capture(log[0])
 
 

@@ -189,7 +189,7 @@ def test_messages_of_one_kind_are_chosen_from_a_topic(tmp_path):
     [
         ("/base:pose.position.y", "/tip:point.y", "point 'base': expected fields of one topic, got /base and /tip"),
         ("/base:pose.position.y", "/bas:pose.position.y", "fields of one topic"),
-        ("/base:pose.position.y", "/base:pose.position.w", "no field 'pose.position.w' in /base"),
+        ("/base:pose.position.y", "/base:pose.position.w", "/base has no field 'pose.position.w'"),
         ("/base:pose.position.y", "/base:pose.position", "field 'pose.position' of /base: expected a number"),
         ("/base:pose.position.y", "/base:pose position", "expected topic:field"),
     ],
@@ -228,7 +228,7 @@ def test_a_damaged_bag_is_refused_in_one_line(bag):
     file = path if path.is_file() else next(path.glob("*.db3"))
     content = file.read_bytes()
     file.write_bytes(content[: len(content) // 3])
-    with pytest.raises(RecordingError, match="not a bag that can be read"):
+    with pytest.raises(RecordingError, match="the bag cannot be read"):
         read_capture(path)
 
 

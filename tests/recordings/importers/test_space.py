@@ -165,9 +165,7 @@ def test_x_is_an_axis_of_the_laboratory_where_nothing_else_is_said(take):
     lab = SpaceLaboratory()
     imported = import_recordings(*of(lab, take, x=None, up="+z"))
     assert np.abs(imported.dataset.trials[0].trajectory.positions - lab.world).max() < 1e-12
-    assert any(
-        "x is the laboratory's +x, as nothing else was said" in note for note in imported.dataset.trials[0].trajectory.notes
-    )
+    assert any("x is +x of the laboratory, the default" in note for note in imported.dataset.trials[0].trajectory.notes)
 
 
 def test_chambers_and_measured_channels_of_sections_come_with_their_map(take, tmp_path):
@@ -246,9 +244,7 @@ def test_a_mapping_may_name_torques_of_sections(take):
 def test_commands_that_are_no_torques_of_the_arm_are_refused(take):
     lab = SpaceLaboratory()
     extra = '[input]\nP1 = "tip x"\nP2 = "tip y"\n'
-    with pytest.raises(
-        RecordingError, match="input: expected tau_x and tau_y, got P1 and P2; say what chambers and tendons give"
-    ):
+    with pytest.raises(RecordingError, match="input: expected tau_x and tau_y, got P1 and P2; declare chambers and tendons"):
         import_recordings(*of(lab, take, extra, up="+z"))
 
 
@@ -265,7 +261,7 @@ def test_an_arm_that_goes_beside_its_input_is_a_warning(take, tmp_path):
     lab = SpaceLaboratory(yaw=np.pi / 2, gains=(0.3, 0.0))
     commands = table(tmp_path / "p.csv", ["t", "A", "B", "C"], [lab.time[:, None], lab.pressures[:, :3]])
     (warning,) = import_recordings(*of(lab, take, up="+z", x=None, inputs=[commands], gain=0.3)).warnings
-    assert "the arm goes -90 deg beside where its input bends it" in warning
+    assert "the arm bends -90 deg away from the direction of its input" in warning
 
 
 def test_the_side_of_a_marker_is_estimated_where_it_is_not_said(take):
@@ -274,7 +270,7 @@ def test_the_side_of_a_marker_is_estimated_where_it_is_not_said(take):
     dataset = import_recordings(*of(lab, take, up="+z", markers=(*BODIES, side))).dataset
     (marker,) = [marker for marker in dataset.markers if marker.name == "side"]
     assert (marker.radius, marker.angle) == (0.03, pytest.approx(0.7, abs=1e-4))
-    assert any("side: angle 0.7 rad estimated" in note for note in dataset.notes)
+    assert any("side: angle 0.7 rad was estimated" in note for note in dataset.notes)
 
 
 def posed(name="tip", pose="straight"):
@@ -287,7 +283,7 @@ def check_pose(dataset, lab, atol):
         np.testing.assert_allclose(dataset.trials[0].trajectory.marker(f"tip:{axis}"), expected[:, k], atol=atol)
     found = {marker.name: marker for marker in dataset.markers}
     assert found["tip:y"].arc_length == 0.24
-    assert found["tip:y"].beside == pytest.approx(0.02j)
+    assert found["tip:y"].offset == pytest.approx(0.02j)
 
 
 @pytest.mark.parametrize("mount", ["hanging", "upright"])
@@ -387,17 +383,17 @@ def test_poses_of_a_bag_are_put_on_one_clock_and_turned_the_short_way(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"x": "+z"}, "x: expected a direction across the arm, got +z"),
+        ({"x": "+z"}, "x: expected a direction perpendicular to the arm, got +z"),
         ({"x": "north"}, "x: expected an axis of the laboratory"),
         ({"x": "1,2"}, "x: expected three numbers"),
-        ({"x": "input"}, "x: expected an input that tells where x is"),
-        ({"bending": "plane"}, "marker beside the backbone: expected --bending space with it, got plane"),
-        ({"bending": "+x", "markers": BODIES}, "where positive bending carries the tip is said by --x"),
-        ({"own_plane": True}, "own_plane: expected an arm that bends in a plane, got one in space"),
-        ({"gain": 0.3}, "gain: expected an input whose columns it is of"),
-        ({"markers": posed()}, "pose of 'tip': expected a file that has orientations, got tip"),
-        ({"inputs": ["P"]}, "expected t,tau_x,tau_y, got t,P1,P2,P3; say what each column gives, with --gain or with"),
-        ({"inputs": ["P"], "bending": "plane", "markers": BODIES}, "for an arm in space say --bending space"),
+        ({"x": "input"}, "x: expected an input that determines x"),
+        ({"bending": "plane"}, "marker beside the backbone: expected --bending space together with this option, got plane"),
+        ({"bending": "+x", "markers": BODIES}, "use --x for the direction of positive bending"),
+        ({"own_plane": True}, "own_plane: expected an arm that bends in a plane, got an arm in space"),
+        ({"gain": 0.3}, "gain: expected an input to which the gain applies"),
+        ({"markers": posed()}, "pose of 'tip': expected a file with orientations, got tip"),
+        ({"inputs": ["P"]}, "expected t,tau_x,tau_y, got t,P1,P2,P3; declare the torque of each column with --gain or with"),
+        ({"inputs": ["P"], "bending": "plane", "markers": BODIES}, "for an arm in space give --bending space"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(changes, said, take, tmp_path):
@@ -414,19 +410,19 @@ def test_what_cannot_be_is_refused(changes, said, take, tmp_path):
     ("old", "new", "said"),
     [
         ('bending = "space"', 'bending = "plane"', 'section: expected bending = "space" under [robot]'),
-        ("section = 2", "section = 3", "section: expected the section that they bend, 1 to 2, or torque, got 3"),
+        ("section = 2", "section = 3", "section: expected the section that the columns bend, 1 to 2, or torque, got 3"),
         ("length = 0.10", "lenght = 0.10", "did you mean 'length'"),
         ("mass = 0.15", "mass = -1", "mass: expected a number, more than zero [kg], got -1"),
         ("mass = 0.15", "mas = 1", "did you mean 'mass'"),
-        ('columns = ["P1 seen"]', 'columns = ["P1"]', "column 'P1' is there already"),
-        ('columns = ["P1 seen"]', 'columns = "P1"', "columns: expected names of columns"),
-        ("gain = 0.25", 'gain = 0.25\nfrom = ["a"]', "from: expected a column of the file for each of 3"),
+        ('columns = ["P1 seen"]', 'columns = ["P1"]', "column 'P1' is declared twice"),
+        ('columns = ["P1 seen"]', 'columns = "P1"', "columns: expected column names"),
+        ("gain = 0.25", 'gain = 0.25\nfrom = ["a"]', "from: expected 3 columns of the file, each by its name"),
         ("gain = 0.25", 'gain = 0.25\ntime = "a"\n[[input]]\ncolumns = ["T"]\ntime = "b"', "time: expected the clock"),
         ("gain = 0.3", "gian = 0.3", "did you mean 'gain'"),
         ("diameter = 0.04", 'diameter = 0.04\ninput = "drawn"', "input: expected held or interpolated"),
         ("diameter = 0.04", "", "diameter: expected --diameter, or diameter under [robot] in --map, got none"),
         ("[[measured]]", '[[marker]]\nname = "tip"\norientation = 3\n[[measured]]', "orientation: expected true, false"),
-        ("[[measured]]", '[[marker]]\nname = "tip"\npoints = []\n[[measured]]', "points: expected names of points"),
+        ("[[measured]]", '[[marker]]\nname = "tip"\npoints = []\n[[measured]]', "points: expected point names"),
         ("[robot]", "[poses]\nbase = [1, 2, 3]\n[robot]", "pose 'base': expected four columns of a quaternion"),
         ("[robot]", "[poses]\nbas = [1, 2, 3, 4]\n[robot]", "did you mean 'base'"),
         ("[robot]", "[space]\norigin = [1, 2]\n[robot]", "origin: expected three numbers [m]"),
@@ -448,7 +444,9 @@ def test_an_input_that_a_mapping_tells_of_must_be_given_or_said_to_be_none(tmp_p
     (tmp_path / "map.toml").write_text(TWO, encoding="utf-8")
     given = {"markers": BODIES, "origin": lab.place}
     settings = declared_settings(read_mapping(tmp_path / "map.toml"), **given)
-    with pytest.raises(RecordingError, match=r"no commands: expected --input FILE with P1, P2, .*--input - where there was none"):
+    with pytest.raises(
+        RecordingError, match=r"no commands: expected --input FILE with P1, P2, .*give --input - if there was none"
+    ):
         import_recordings([path], settings)
     settings = declared_settings(read_mapping(tmp_path / "map.toml"), **given, inputs=["-"])
     assert not import_recordings([path], settings).dataset.trials[0].trajectory.has_input
@@ -484,7 +482,7 @@ def test_the_short_example_of_the_guide_runs(tmp_path, monkeypatch, capsys, writ
     motion = dataset.trials[0].trajectory
     assert np.abs(motion.positions - lab.world).max() < 2e-3  # the input tells x to half a degree
     np.testing.assert_allclose(motion.torque, lab.torque[:, :2] * 24 / 14, atol=1e-9)
-    assert dataset.markers[-1].beside == pytest.approx(cmath.rect(0.02, 0.7), abs=2e-4)
+    assert dataset.markers[-1].offset == pytest.approx(cmath.rect(0.02, 0.7), abs=2e-4)
 
 
 def test_the_whole_example_of_the_guide_runs(tmp_path, monkeypatch, capsys):
@@ -515,10 +513,13 @@ def test_a_refused_import_is_one_line_and_writes_nothing(tmp_path, monkeypatch, 
     writers["nexus"](Path("take.csv"), lab.names, lab.positions, rate=100.0)
     given = ["take.csv", "-o", "arm", "--bending", "space", "--mass", "0.1", "--diameter", "0.04", "--keq", "1", "-m", "base@0"]
     for more, said in (
-        (["-m", "tip@0.24", "--pose", "tip"], "pose of 'tip': expected a file that has orientations, got tip"),
+        (["-m", "tip@0.24", "--pose", "tip"], "pose of 'tip': expected a file with orientations, got tip"),
         (["-m", "tip@0.24", "--pose", "top"], "pose: expected base or tip, got 'top'"),
         (["-m", "tip@0.24", "--x", "up"], "x: expected an axis of the laboratory (+x, -y, ...)"),
-        (["-m", "tip@0.24", "--gain", "0.3"], "gain: expected an input whose columns it is of, got none; say it with --input"),
+        (
+            ["-m", "tip@0.24", "--gain", "0.3"],
+            "gain: expected an input to which the gain applies, got none; give it with --input",
+        ),
     ):
         assert run(command, [*given, *more]) == 2
         err = capsys.readouterr().err

@@ -1,0 +1,122 @@
+"""Detection limits: the size from which on a cause that was not named would have become part of the verdict.
+
+The change of the recordings that a cause of size a would make, beyond what the free parameters of the best model can hide, adds
+a^2 g to the mean square that a model without the cause leaves. The cause is found if this raises the log evidence by more than
+the cause costs (:mod:`hsr_pin.inference.evidence`) and by the logarithm of the odds, if it is more than the share of the gap for
+which the posterior keeps a simpler model, and if the gap is reported at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import expm1, log, log1p, sqrt
+
+import numpy as np
+
+from hsr_pin.inference.calibration import Calibration
+from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.evidence import variance
+from hsr_pin.inference.model import Data
+from hsr_pin.inference.problem import Part, Problem
+from hsr_pin.inference.proposals import Proposal
+
+#: Odds at which a cause counts as found.
+_ODDS = 20.0
+#: A limit beyond this exponent is not a number that anyone could use.
+_LARGEST = 300.0
+#: Number of limits in a sentence.
+_LISTED = 4
+
+
+@dataclass(frozen=True)
+class DetectionLimit:
+    """Smallest size at which a cause would have been found.
+
+    Attributes:
+        cause: name of the cause.
+        kind: kind of physics.
+        parameter: name of its amplitude, with that of the cause.
+        size: the limit; None if the recordings cannot show the cause within its bounds.
+        unit: unit of the size.
+        scale: a size of practical importance, in the same unit.
+        parameters: number of parameters of the cause.
+    """
+
+    cause: str
+    kind: str
+    parameter: str
+    size: float | None
+    unit: str
+    scale: float
+    parameters: int
+
+    def __str__(self) -> str:
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        return f"{self.parameter} {self.size:.2g}{unit}" if self.size is not None else f"{self.parameter} at any size"
+
+
+def most_visible(limits: Iterable[DetectionLimit]) -> list[DetectionLimit]:
+    """Return for each kind of physics one of its simplest causes, the limits that are small for practice first."""
+
+    def share(each: DetectionLimit) -> float:
+        return (each.size or 0.0) / each.scale
+
+    best: dict[str, DetectionLimit] = {}
+    for each in sorted((each for each in limits if each.size is not None), key=lambda each: (each.parameters, share(each))):
+        best.setdefault(each.kind, each)
+    return sorted(best.values(), key=share)
+
+
+def detection_sentence(limits: Iterable[DetectionLimit]) -> str:
+    """Return what the recordings cannot exclude, for the most visible kinds of physics; empty if there are no limits."""
+    listed = ", ".join(map(str, most_visible(limits)[:_LISTED]))
+    return f"A cause smaller than this would not have been found: {listed}." if listed else ""
+
+
+def parts_for_limits(parts: Iterable[Part], best: Candidate) -> list[Part]:
+    """Return the parts whose limits are computed: the first variant of every law that can be named and is not in the model."""
+    first: dict[str, Part] = {}
+    for part in parts:
+        if part.name not in best.names and not part.flexible:
+            first.setdefault(part.name, part)
+    return list(first.values())
+
+
+def detection_limits(
+    problem: Problem,
+    best: Candidate,
+    parts: Iterable[Part],
+    proposals: Iterable[Proposal],
+    data: Data,
+    calibration: Calibration,
+    least: float,
+) -> tuple[DetectionLimit, ...]:
+    """Return the detection limit of each amplitude of the proposed causes.
+
+    Args:
+        problem: the recordings and their simulation.
+        best: the most probable model.
+        parts: the parts that were proposed.
+        proposals: proposals for adding one of them to it.
+        data: noise variance and number of coordinates of the recordings.
+        calibration: constants of the model evidence.
+        least: smallest a^2 g that would be reported.
+    """
+    left = variance(best.model.misfit, data, calibration)
+    square = 1 / float(np.mean(1 / problem.floor**2))
+    kinds, found = {part.name: part.kind for part in parts}, []
+    for proposal in proposals:
+        facts = {fact.name: fact for fact in proposal.hypothesis.parameters}
+        added = len(facts) - len(best.fit.values)
+        for name, visibility in proposal.visibility.items():
+            cause = name.partition(".")[0]
+            fact, growth = facts[name], visibility**2 * square / left
+            occam = 0.5 * log1p(calibration.samples * growth * fact.prior_width(fact.neutral) ** 2)
+            exponent = 2 * (log(_ODDS) + calibration.cause + occam) / calibration.samples
+            needed = max(expm1(exponent) if exponent < _LARGEST else float("inf"), least / left)
+            size = sqrt(needed / growth) if growth > 0 else float("inf")
+            room = max(fact.upper - fact.neutral, fact.neutral - fact.lower)
+            shown = size if size <= room else None
+            found.append(DetectionLimit(cause, kinds[cause], name, shown, fact.unit, fact.scale, added))
+    return tuple(found)
