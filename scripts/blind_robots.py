@@ -1,12 +1,12 @@
 """The blind check of robots: recordings made in MuJoCo by authors who have not seen the model.
 
-    python scripts/blind_robots.py make SEED COUNT FOLDER     record cases; their answers stand in FOLDER/answers.json
-    python scripts/blind_robots.py run FOLDER [--jobs N]      diagnose what has no verdict yet
-    python scripts/blind_robots.py show FOLDER ... [-o FILE]  score; write it all into one file, which it reads too
+    python scripts/blind_robots.py make PLANT SEED COUNT FOLDER   record cases, with their answers in FOLDER/answers.json
+    python scripts/blind_robots.py run FOLDER [--jobs N]          diagnose the cases without a verdict
+    python scripts/blind_robots.py show FOLDER ... [-o FILE]      score the verdicts; write them into one file, which it reads too
 
-The plant is ``hsr_pin/blind/plants/others/mujoco_robot.py``: five robots of the package example-robot-data, with faults in
-MuJoCo's own form. Slight nuisances are no faults, and naming them is no mistake: viscous friction, and masses and centres of mass
-that are a little off.
+Two plants are in ``hsr_pin/blind/plants/others``. ``robot``: five robots of the package example-robot-data, driven by torques,
+with faults in MuJoCo's own form. ``servo``: three arms of servos, driven by commanded angles. Slight nuisances, such as friction
+or masses that are a little off, are not faults, and naming them is not a mistake.
 """
 
 from __future__ import annotations
@@ -18,29 +18,30 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hsr_pin.blind.plants.others import mujoco_robot
+from hsr_pin.blind.plants.others import mujoco_robot, mujoco_servo
 from hsr_pin.output import write_text
 from hsr_pin.parallel import for_each
 from hsr_pin.robots import explain_robot
 from hsr_pin.robots.causes import CAUSES
 
+PLANTS = {"robot": mujoco_robot, "servo": mujoco_servo}
 KINDS = {cause.name: cause.kind for cause in CAUSES}
 #: Grades, the best first.
 GRADES = ("exact", "alternatives", "part", "kind", "silent", "wrong")
 
 
-def make(seed: int, count: int, folder: Path) -> None:
-    """Record cases."""
+def make(plant: str, seed: int, count: int, folder: Path) -> None:
+    """Record cases of a plant."""
     answers = {}
     for number in range(1, count + 1):
         case = folder / f"case_{number:03d}"
         case.mkdir(parents=True)
-        answers[case.name] = mujoco_robot.record(case, 1000 * seed + number)
+        answers[case.name] = PLANTS[plant].record(case, 1000 * seed + number)
     write_text(folder / "answers.json", json.dumps(answers, indent=1))
 
 
 def diagnose(case: Path) -> None:
-    """Write the verdict on one case beside it."""
+    """Write the verdict on one case next to its folder."""
     found = explain_robot(case)
     document = found.to_json()
     kept = {key: document[key] for key in ("verdict", "posterior", "ladder", "notes")}
@@ -48,14 +49,14 @@ def diagnose(case: Path) -> None:
 
 
 def background(answer: dict[str, Any]) -> set[str]:
-    """Names that are no mistake, though they are no faults."""
+    """Return the names of slight nuisances, which may be named."""
     slight = answer["nuisance"]
-    names = {"viscous_friction"} if slight.get("viscous_friction") else set()
+    names = {name for name in KINDS if slight.get(name)}
     return names | ({"link_mass", "link_inertia", "centre_of_mass"} if slight.get("nominal_numbers") else set())
 
 
 def grade(answer: dict[str, Any], verdict: dict[str, Any]) -> str:
-    """How a verdict comes out."""
+    """Return the grade of a verdict."""
     true = set(answer["causes"]) if answer["kind"] in ("single", "pair") else set()
     there, kinds = true | background(answer), {KINDS[name] for name in true if name in KINDS}
     sets = [set(names) for names in verdict["alternatives"]] or [set(verdict["effects"])]
@@ -89,7 +90,7 @@ def show(answers: dict[str, Any], verdicts: dict[str, Any]) -> None:
 
 
 def load(place: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Answers and verdicts of a folder, or of the file that was written of one."""
+    """Return answers and verdicts of a folder, or of the file that was written of folders."""
     if place.is_file():
         whole = json.loads(place.read_text(encoding="utf-8"))
         return whole["answers"], whole["verdicts"]
@@ -107,8 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("-o", dest="out", type=Path)
     chosen = parser.parse_args(arguments)
     if chosen.what == "make":
-        seed, count, folder = chosen.places
-        make(int(seed), int(count), Path(folder))
+        plant, seed, count, folder = chosen.places
+        make(plant, int(seed), int(count), Path(folder))
     elif chosen.what == "run":
         folder = Path(chosen.places[0])
         todo = [case for case in sorted(folder.glob("case_*")) if case.is_dir() and not case.with_suffix(".json").exists()]

@@ -1,4 +1,4 @@
-"""The allowed import directions between the packages of hsr_pin, checked from the import statements without importing anything."""
+"""The allowed import directions between the packages of hsr_pin, read from the import statements without importing anything."""
 
 import ast
 from pathlib import Path

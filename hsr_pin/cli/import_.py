@@ -67,6 +67,11 @@ if TYPE_CHECKING:
 @click.option("--tip-mass", type=float, multiple=True, metavar="KG", help="Payload at the tip; one value, or one per file.")
 @click.option("--t-start", multiple=True, metavar="S", help="Start of the used part; -: the beginning; one, or one per file.")
 @click.option(
+    "--cut",
+    metavar="S[,S...]",
+    help="Times at which new trials begin in every file; auto: where the arm rests.  [default: one trial per file]",
+)
+@click.option(
     "--input",
     "inputs",
     multiple=True,
@@ -120,7 +125,7 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
     check_folder(options["output"], "hsr-import", read, options["force"], [Path(file).name for file in files])
     imported = import_recordings(files, _settings(options))
     write_dataset(imported.dataset, options["output"])
-    _report(imported, files, options["output"])
+    _report(imported, options["output"])
     for warning in imported.warnings:
         click.echo(f"warning: {warning}", err=True)
 
@@ -144,6 +149,7 @@ def _settings(options: dict[str, Any]) -> ImportSettings:
         t_start=[None if text == NOTHING else _seconds(text, "--t-start", NOTHING) for text in options["t_start"]],
         input_offset=[AUTO if text == AUTO else _seconds(text, "--input-offset", AUTO) for text in options["input_offset"]],
         origin=None if options["origin"] is None else _point(options["origin"]),
+        cut=None if options["cut"] is None else _cut(options["cut"]),
     )
 
 
@@ -160,6 +166,15 @@ def _seconds(text: str, option: str, other: str) -> float:
         return float(text)
     except ValueError:
         raise click.BadParameter(f"expected a time in s, or {other}, got {text!r}", param_hint=f"'{option}'") from None
+
+
+def _cut(text: str) -> tuple[float, ...] | str:
+    from hsr_pin.recordings.importers.cut import parse_cut
+
+    try:
+        return parse_cut(text)
+    except ValueError:
+        raise click.BadParameter(f"expected times in s, as in 12.5,30, or auto, got {text!r}", param_hint="'--cut'") from None
 
 
 def _point(text: str) -> tuple[float, ...]:
@@ -218,14 +233,14 @@ def _list(files: tuple[str, ...], unit: str | None, mapping: TableMapping | None
         _table(headings, rows)
 
 
-def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
+def _report(imported: Imported, output: str) -> None:
     import numpy as np
 
     from hsr_pin.cli.console import print_text
     from hsr_pin.recordings.noise import noise_floor
 
     dataset, rows = imported.dataset, []
-    for trial, path, within, out in zip(dataset.trials, files, imported.in_plane, imported.out_of_plane, strict=True):
+    for trial, path, within, out in zip(dataset.trials, imported.files, imported.in_plane, imported.out_of_plane, strict=True):
         trajectory, noise = trial.trajectory, noise_floor(trial)
         quiet = f"{1e3 * np.nanmax(noise):.3f}" if np.isfinite(noise).any() else ""
         missing = f"{np.isnan(trajectory.positions).any(axis=2).mean():.1%}"
@@ -233,7 +248,7 @@ def _report(imported: Imported, files: tuple[str, ...], output: str) -> None:
         rows.append(
             [
                 trial.name,
-                Path(path).name,
+                path.name,
                 str(len(trajectory.time)),
                 rate,
                 missing,

@@ -4,12 +4,13 @@
 - ``chambers``: pressures for the torques of sections
 - ``controllers``: feedback laws
 - ``dynamics``: M, C, G and the linearisation
-- ``environment`` and ``registration``: environments for Gymnasium
+- ``environment``: environments for Gymnasium
 - ``fleet``: many arms that are advanced in one call
-- ``latency``: the duration of a step
+- ``latency``: the computing time of a step
 - ``observer``: the state from marker positions
 - ``reach``: equilibrium poses and their tip positions
 - ``reference``: motions to follow
+- ``registration``: registration of the environments in Gymnasium
 - ``regulators``: pressures for a torque
 - ``stepping``: one arm, advanced step by step
 - ``task``: the tasks of the environments

@@ -26,8 +26,8 @@ class FleetState(NamedTuple):
     """The complete state of B arms between two steps.
 
     Attributes:
-        chain: (2 + states, B, N) joint angles [rad], rates [rad/s], and states of the laws in the joints; read-only. In space (2
-            + states, B, 3 N), with states as vectors.
+        chain: (2 + states, B, N) joint angles [rad], rates [rad/s], and states of the laws in the joints; read-only. The states
+            of arms in space are vectors: (2 + states, B, 3 N).
         actuators: memories of the actuators.
         first: (B, N) initial angles, in space (B, 3 N), which the effects on the measurement may refer to [rad].
     """

@@ -76,7 +76,7 @@ def advice(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def where_sentence(where: Where) -> str:
     """Return where the gap lies, and its frequency if it oscillates."""
-    return where.sentence if where.frequency is None else f"{where.sentence} The residual is strongest at {where.frequency:g} Hz."
+    return where.sentence if where.frequency is None else f"{where.sentence} Strongest frequency: {where.frequency:g} Hz."
 
 
 def scales(fit: Fit) -> str:

@@ -73,7 +73,7 @@ class Plane:
         value, low, high = (f"{np.degrees(part):.1f}" for part in self.turn)
         sentence = (
             f"the plane of bending is rotated by {value} degrees ({low} to {high}) about the straight arm, because of the "
-            "cameras or the base;  the recordings were rotated back"
+            "cameras or the base; the recordings were rotated back"
         )
         return sentence if self.turned else ""
 

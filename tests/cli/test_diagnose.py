@@ -148,7 +148,7 @@ def test_bad_input_is_one_line_and_exit_code_two_before_any_work(recordings, tmp
             ["--train", "trial_9"],
             "trials: expected a name or pattern among trial_01, trial_02, trial_03, trial_04, got 'trial_9'",
         ),
-        (["--test", "trial_*"], "at least one, got all of them set aside"),
+        (["--test", "trial_*"], "at least one, got all trials set aside"),
         (["--train", "trial_01", "--test", "trial_0[13]"], "trial_01 in both"),
         (["--cluster", "nowhere:1"], "cluster: expected the address of a Dask scheduler that answers, got nowhere:1"),
     ],
@@ -167,7 +167,7 @@ def test_the_ladder_is_told_on_the_trials_that_are_set_aside(recordings, capsys)
     assert run(command, [str(recordings), *arguments]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["verdict"]["effects"] == ["tip_mass"]
-    assert "the ladder uses trials to which nothing was fitted: trial_03, trial_04" in document["notes"]
+    assert "the ladder uses held-out trials, to which nothing was fitted: trial_03, trial_04" in document["notes"]
     assert [part["label"] for part in document["where"]["trials"]["bins"]] == ["trial_01", "trial_02"]
 
 

@@ -88,12 +88,12 @@ def test_a_dataset_of_any_name_makes_whole_xml(target, tmp_path, capsys):
         (["--to", "sdf", "--effect", "magic"], "effect: expected"),
         (
             ["--to", "sdf", "--effect", "torque_bias:bias=0.1", "--effect", "torque_bias:bias=0.2"],
-            "effects: expected each effect once",
+            "effects: expected each effect at most once",
         ),
-        (["--to", "sdf", "--dataset", "somewhere"], "--dataset: expected --from RESULT.json with it, got none"),
+        (["--to", "sdf", "--dataset", "somewhere"], "--dataset: expected --from RESULT.json together with this option, got none"),
         (["--to", "sdf", "--from", "RESULT"], "--keq: expected one of the declared stiffnesses, 1.11 or 2.33 Nm/rad, got none"),
         (["--to", "sdf", "--from", "RESULT", "--mass", "0.2"], "--from: expected only --keq, --links, --placement, --mount"),
-        (["--to", "sdf", "--from", "RESULT", "--effect", "torque_bias:bias=0.1"], "got --effect; the result tells the rest"),
+        (["--to", "sdf", "--from", "RESULT", "--effect", "torque_bias:bias=0.1"], "got --effect; the result determines the rest"),
         (["--to", "sdf", "--from", "nowhere.json"], "nowhere.json: cannot read the file"),
     ],
 )

@@ -118,7 +118,7 @@ def test_trials_can_be_set_aside_and_the_document_goes_to_standard_output(folder
 def test_a_parameter_that_the_data_do_not_move_is_told(still, capsys, effect):
     assert run(command, [str(still), "--free", effect]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"not told by these data: {effect}" in shown and "is hardly determined by these data" in shown
+    assert f"not determined by these data: {effect}" in shown and "is hardly determined by these data" in shown
 
 
 @pytest.mark.parametrize("effect", ["actuator_lag", "torque_map", "torque_decay", "dead_time"])
@@ -141,7 +141,7 @@ def test_a_trial_that_cannot_be_simulated_is_told_by_its_name(folder, tmp_path, 
     mad = replace(second, trajectory=replace(second.trajectory, torque=1000 * second.trajectory.torque))
     write_dataset(replace(known, trials=(known.trials[0], mad)), tmp_path / "mad")
     assert run(command, [str(tmp_path / "mad")]) == 0
-    assert "trial_02 cannot be simulated with these values: is its input right?" in capsys.readouterr().out
+    assert "trial_02 cannot be simulated with these values; check its input." in capsys.readouterr().out
     assert run(command, [str(tmp_path / "mad"), "--by-level", "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["failed"] == ["trial_02"]

@@ -141,7 +141,7 @@ WRONG = {
     "no such point": (["-m", "top=Arm:top"], "did you mean 'Arm:tip'"),
     "no body": (["-m", "=x"], "NAME[@ARC_LENGTH[,RADIUS[,ANGLE]] in m and rad]=POINT"),
     "no input": (["--input", "nowhere.csv"], "cannot read the file"),
-    "too many inputs": (["--t-start", "0", "--t-start", "1"], "one for all files"),
+    "too many inputs": (["--t-start", "0", "--t-start", "1"], "one value for all files"),
     "unknown option": (["--lenght", "1"], "--length"),
 }
 
@@ -184,7 +184,7 @@ def test_an_import_that_was_killed_is_told_and_mended_by_the_next(take, tmp_path
     assert run(command, given) == 0
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 3 and all(line.startswith(f"warning: {tmp_path / 'arm'}: ") for line in said)
-    assert f"put back from .arm.{ended.pid}.ab12.old" in said[0]
+    assert f"restored from .arm.{ended.pid}.ab12.old" in said[0]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["arm", "input.csv", "take.csv"]
 
 
@@ -204,7 +204,7 @@ def test_recordings_that_a_killed_import_hid_are_there_again_even_where_the_next
 @pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are text there")
 def test_a_folder_whose_name_is_no_text_asks_for_a_name(take, tmp_path, capsys):
     folder = os.fsdecode(os.fsencode(tmp_path) + b"/arm\xff")
-    assert "--name gives the dataset a name of its own" in complaint(capsys, [take, "-o", folder, *ARM, *MARKERS])
+    assert "give the dataset a name with --name" in complaint(capsys, [take, "-o", folder, *ARM, *MARKERS])
     assert run(command, [str(take), "-o", folder, *ARM, *MARKERS, "--name", "arm"]) == 0
     assert read_dataset(folder).name == "arm"
 
@@ -242,7 +242,7 @@ def test_recordings_of_other_files_are_replaced_only_by_force(take, tmp_path, ca
     capsys.readouterr()
     other = take.rename(tmp_path / "other.csv")
     said = complaint(capsys, [other, *given[1:]])
-    assert "expected what was imported from the same files, got recordings of take.csv; --force replaces them" in said
+    assert "expected a dataset imported from the same files, got recordings of take.csv; --force replaces them" in said
     assert run(command, [str(other), *given[1:], "--force"]) == 0
     assert run(command, [str(other), *given[1:]]) == 0
 

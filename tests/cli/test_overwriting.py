@@ -127,7 +127,8 @@ def test_a_simulation_replaces_a_simulation_but_recordings_only_by_force(here, c
     for _ in range(2):
         assert run(sim, [*STEP, "--csv", "simulated"]) == 0
         capsys.readouterr()
-    refused(capsys, sim, [*STEP, "--csv", "data"], "data: will not replace the dataset: expected a new or empty folder, or what")
+    expected = "a new or empty folder, or a dataset written by hsr-sim"
+    refused(capsys, sim, [*STEP, "--csv", "data"], f"data: will not replace the dataset: expected {expected}")
     write_dataset(read_dataset("data"), here / "other")
     assert run(sim, [*STEP, "--csv", "other", "--force"]) == 0
     assert read_dataset("other").name == "simulation"
@@ -146,7 +147,7 @@ def test_the_input_is_not_in_the_folder_that_is_replaced(here, capsys):
     capsys.readouterr()
     (here / "simulated" / "in.csv").write_text("t,tau\n0,0\n0.5,0.3\n1,0.3\n")
     arguments = ["--input", "simulated/in.csv", "--csv", "simulated", "--force"]
-    refused(capsys, sim, arguments, "will not write over what is read")
+    refused(capsys, sim, arguments, "the output folder contains an input file")
 
 
 def test_a_urdf_for_each_stiffness_stops_at_another_programs_file(here, capsys):

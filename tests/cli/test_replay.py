@@ -99,7 +99,7 @@ def test_without_a_file_to_write_it_opens_the_browser_and_with_one_it_does_not(r
 
 BAD = {
     "no dataset": (["gone"], "gone: no such dataset"),
-    "a trial that is not there": (["data", "--trial", "3"], "--trial: expected 1 to 2, or a name of trial_01, trial_02, got 3"),
+    "a trial that is not there": (["data", "--trial", "3"], "--trial: expected 1 to 2, or one of trial_01, trial_02, got 3"),
     "trial zero": (["data", "--trial", "0"], "--trial: expected 1 to 2"),
     "no links": (["data", "--links", "0"], "'--links': 0 is not in the range 1<=x<=100"),
     "unknown placement": (["data", "--placement", "end"], "'--placement': 'end' is not one of 'mid', 'base'"),

@@ -40,8 +40,8 @@ def test_the_sample_is_listed():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--links", "4"), "--links: expected no such option for a robot"),
-        (("--train", "trial_01"), "--test, with the trials that are set aside"),
+        (("--links", "4"), "--links: expected no use of this option for a robot"),
+        (("--train", "trial_01"), "--train: expected --test with the trials to hold out"),
         (("--effects", "dry_friction"), "one of coulomb_friction"),
         (("--since", "double-pendulum", "--since", "double-pendulum"), "one earlier session"),
     ],

@@ -136,7 +136,7 @@ def test_pressures_alone_bring_their_own_stiffness(facts):
 def test_a_stiffness_that_is_not_that_of_the_pressures_is_used_and_said(facts):
     (found,) = facts("--pressures", 2.0, 2.3, "--keq", 1.0)["runs"]
     assert found["torque"] == pytest.approx(float(PAPER.bending((2.0, 2.3))))
-    assert "Eq. (1) gives 2.3 Nm/rad; simulated with 1 Nm/rad" in found["notes"][0]
+    assert "Eq. (1) gives 2.3 Nm/rad; the run uses 1 Nm/rad" in found["notes"][0]
 
 
 def test_torques_and_pressures_may_be_repeated_and_mixed(facts):
@@ -172,7 +172,7 @@ def test_json_is_one_document_on_stdout_whatever_else_is_written(sim, tmp_path):
 
 def test_a_run_that_did_not_settle_says_so_and_json_has_null(sim, facts):
     out = sim("--duration", 0.2)[1]
-    assert "not settled within the run" in out
+    assert "did not settle within the run" in out
     assert [found["settling_time"] for found in facts("--duration", 0.2)["runs"]] == [None] * 3
 
 
@@ -219,10 +219,13 @@ BAD = {
     "stiffness without pressures": (["--keq", "1.5"], "keq: expected 1.11 or 2.33 Nm/rad, whose pressure combinations the paper"),
     "unknown effect": (["--effect", "frictoin:level=1"], "expected stiffness_gradient, "),
     "an effect's parameter": (["--effect", "dry_friction:size=1"], "parameter of dry_friction: expected "),
-    "the same effect twice": (["--effect", "tip_mass:mass=0.1", "--effect", "tip_mass:mass=0.2"], "expected each effect once"),
+    "the same effect twice": (
+        ["--effect", "tip_mass:mass=0.1", "--effect", "tip_mass:mass=0.2"],
+        "expected each effect at most once",
+    ),
     "a duration too short": (["--duration", "0"], "duration: expected 0.2 to 3600 s"),
     "a duration without end": (["--duration", "inf"], "duration: expected 0.2 to 3600 s"),
-    "a file and a torque": (["--input", "a.csv", "--torque", "1"], "--input: expected alone"),
+    "a file and a torque": (["--input", "a.csv", "--torque", "1"], "--input: expected this option alone"),
     "a file that is not there": (["--input", "gone.csv"], "gone.csv: cannot read the file"),
     "a wrong header": (
         ["--input", "wrong.csv"],

@@ -82,7 +82,10 @@ def test_a_urdf_of_it_is_read_back(answered, tmp_path):
         ([*QUICK, "--torsion", "-1"], "torsion: expected a number, zero or more [Nm/rad], up to 1e+09, or infinity, got -1.0"),
         ([*QUICK, "--torque", "0.5", "--direction", "nan"], "direction: expected a finite angle [rad], got nan"),
         ([*QUICK, "--torque", "0.5", "--dynamics", "aba"], "dynamics: expected compiled or rnea for an arm in space, got 'aba'"),
-        ([*QUICK, "--torque", "1", "--effect", "torque_map:quadratic=0.1,parity=even"], "laws that are defined for arms in space"),
+        (
+            [*QUICK, "--torque", "1", "--effect", "torque_map:quadratic=0.1,parity=even"],
+            "laws that are defined for arms in space",
+        ),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(answered, arguments, said):

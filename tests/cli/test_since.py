@@ -55,15 +55,15 @@ def test_the_first_session_with_a_certain_change_is_told(answer):
     assert mass["first_certain"] == "three"
     assert [point["changed"] for point in mass["points"]] == ["", "", "certain"]
     assert [verdict["status"] for verdict in document["verdicts"]] == ["unchanged", "identified"]
-    assert "Over the sessions" in page
+    assert "Development over the sessions" in page
     assert page.count("<svg") == 4
 
 
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        (["--since", "one", "--train", "trial_01"], "--train: expected no such option with --since"),
-        (["--since", "three"], "one of them twice"),
+        (["--since", "one", "--train", "trial_01"], "--train: expected no use of this option with --since"),
+        (["--since", "three"], "the same recording twice"),
         (["--since", "nowhere"], "nowhere"),
     ],
 )

@@ -97,8 +97,8 @@ def test_a_fit_in_space_is_exported_with_what_it_found(folder, answered, tmp_pat
     free = ("--free", "keq,damping,turned_actuation", "--links", 10, "--json", tmp_path / "fit.json")
     assert answered(fit, folder, *free)[0] == 0
     code, out, _ = answered(export, "--from", tmp_path / "fit.json", "--to", "mjcf", "-o", tmp_path / "arm.xml")
-    assert code == 0 and "turned_actuation: coefficients of the tendon that carries the torque" in out
-    assert "not in it: joints: hinges one after the other" in out and "10 links are enough" in out
+    assert code == 0 and "turned_actuation: coefficients of the tendon of the actuator" in out
+    assert "not in it: joints: hinges in series" in out and "10 links are enough" in out
     text = (tmp_path / "arm.xml").read_text()
     assert text.count("<general ") == 2 and 'name="joint_10_y"' in text and "twist" not in text
     code, _, said = answered(

@@ -93,7 +93,7 @@ def test_the_verdict_comes_first_and_then_all_that_supports_it(page, diagnosis):
 
 
 def test_it_shows_numbers_with_intervals_limits_and_what_to_simulate(page, diagnosis):
-    assert re.search(r"tip mass: mass at the tip 0\.0\d+ 0\.0\d+ to 0\.0\d+ kg", page.text)
+    assert re.search(r"tip mass: mass additional mass at the tip 0\.0\d+ 0\.0\d+ to 0\.0\d+ kg", page.text)
     assert "--effect tip_mass:mass=0.0" in page.text
     assert f"less than {1e3 * diagnosis.limits.closed:#.3g} mm beyond noise is not reported" in page.text
     assert re.search(r"tip mass [01]\.\d\d", page.text)  # its probability

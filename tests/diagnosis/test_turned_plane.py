@@ -52,7 +52,7 @@ def test_a_turned_plane_is_told_and_turned_back(mount, released):
     back, found = with_plane_corrected(seen)
     turn = np.degrees(found.turn.value)
     assert turn == pytest.approx(-14.0, abs=0.3)
-    assert f"turned by {turn:.1f} degrees" in found.sentence and back.notes[-1] == found.sentence
+    assert f"rotated by {turn:.1f} degrees" in found.sentence and back.notes[-1] == found.sentence
     for run, own in zip(back.runs, truth.runs, strict=True):
         np.testing.assert_allclose(run.measured[..., run.axes], own.measured[..., run.axes], atol=1e-3)
         assert np.nanmax(np.abs(run.trial.trajectory.positions[..., 1] - 0.02)) < 1e-3
@@ -79,7 +79,7 @@ def test_a_diagnosis_tells_it_and_its_stiffness_does_not_suffer():
 def test_a_fit_turns_it_back_and_says_so():
     found = identify(recorded("upright", -20.0))
     assert found.fit.named["keq_scale"] == pytest.approx(1.0, abs=0.01)
-    assert any("is turned by -20" in note or "is turned by -19.9" in note for note in found.experiment.notes)
+    assert any("is rotated by -20" in note or "is rotated by -19.9" in note for note in found.experiment.notes)
 
 
 def test_a_verdict_that_names_keeps_its_names():

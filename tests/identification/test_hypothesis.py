@@ -184,7 +184,9 @@ def test_a_gain_is_told_to_be_inseparable_from_stiffness_and_damping_where_nothi
     dataset = record([(1.11, 0.5), (1.11, 1.0), (2.33, 1.5)], mount="horizontal", mass=1e-4)
     sure = uncertainty(fit(prepare(dataset), Hypothesis().with_part(Part("torque_gain"))))
     (words,) = sure.weak
-    assert {"keq_scale", "damping_scale", "torque_gain"} <= set(words.split()) and words.endswith("together without visible effect")
+    assert {"keq_scale", "damping_scale", "torque_gain"} <= set(words.split()) and words.endswith(
+        "together without visible effect"
+    )
 
 
 @pytest.mark.parametrize("name", ["keq", "torque_gain@soft", "keq_drift@1.11", "hysteresis.amplitude"])

@@ -19,7 +19,7 @@ STILL = np.zeros((3, 3))
 
 
 def arms(links, *effects, count=1):
-    """Columns of one arm, and what is seen of them."""
+    """A batch of copies of one arm, and the cameras that measure them."""
     batch = ArmBatch(Arms.of([ArmSpecification(links=links, placement="mid", bending_limit=6.0)] * count), effects)
     return batch, Cameras(batch, REACH)
 

@@ -113,7 +113,10 @@ def test_the_pressure_range_is_the_first_whole_bar_that_holds_table_i_and_table_
         (lambda: PressureMap.fit(np.zeros((3, 4))), r"rows: expected four or more rows of phi, P1, P2, Keq, got shape \(3, 4\)"),
         (lambda: PressureMap.fit(np.zeros((5, 4))), r"rows: .*got pressures on one line"),
         (lambda: PressureMap.fit(np.full((5, 4), np.nan)), r"rows: expected finite numbers, got nan"),
-        (lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 2.0)), r"planes: expected stiffness and bending with linearly independent"),
+        (
+            lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 2.0)),
+            r"planes: expected stiffness and bending with linearly independent",
+        ),
         (lambda: PressureMap((1.0, 1.0, 1.0), (0.0, 2.0, 1.0), max_pressure=0), r"max_pressure: expected more than zero"),
     ],
 )

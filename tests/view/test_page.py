@@ -167,5 +167,5 @@ def test_a_port_that_is_taken_is_refused(page, session):
     from hsr_pin.view.page import Page
 
     port = int(page.address.rpartition(":")[2])
-    with pytest.raises(InputError, match=f"--port: expected one that is free, got {port}"):
+    with pytest.raises(InputError, match=f"--port: expected a free port, got {port}"):
         Page(session, port=port)

@@ -14,6 +14,7 @@ from hsr_pin.recordings.importers.alignment import Alignment, mount_of
 from hsr_pin.recordings.importers.bodies import Body, choose, every_point, matches, orientations
 from hsr_pin.recordings.importers.capture import Capture
 from hsr_pin.recordings.importers.command_rows import CommandRows
+from hsr_pin.recordings.importers.cut import cut
 from hsr_pin.recordings.importers.detect import read_capture, read_commands_of
 from hsr_pin.recordings.importers.input_clock import on_clock_of
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
@@ -58,6 +59,7 @@ class Imported:
 
     Attributes:
         dataset: the dataset; its notes and those of each trajectory report what was done.
+        files: (trials,) the file of each trial.
         in_plane: (trials,) RMS motion [m] of the markers beyond the base in the bending plane; in space, in the plane of the
             largest motion.
         out_of_plane: (trials,) RMS motion [m] perpendicular to that plane.
@@ -65,6 +67,7 @@ class Imported:
     """
 
     dataset: Dataset
+    files: tuple[Path, ...]
     in_plane: tuple[float, ...]
     out_of_plane: tuple[float, ...]
     warnings: tuple[str, ...] = ()
@@ -91,6 +94,8 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
     """
     if not files:
         raise InputError("files", expected="at least one file to import", received="none")
+    if settings.cut and settings.t_start:
+        raise InputError("t_start", expected="no start time with --cut, which says where trials begin", received="both")
     inputs = per_trial(settings.inputs, len(files), "inputs")
     offsets = per_trial(settings.input_offset, len(files), "input_offset")
     captures = [read_capture(path, settings.unit, settings.mapping) for path in files]
@@ -162,6 +167,7 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         sides += [f"{body.name}: its orientation is recorded as two more points, {radius:g} m from it" for _, body in posed]
     trials: list[Trial] = []
     spreads: list[tuple[float, float]] = []
+    sources: list[Path] = []
     facts = facts_of_trials(settings, len(tracked))
     for one, motion, world, (alignment, note), own in zip(tracked, motions, worlds, planes, facts, strict=True):
         moving = alignment.to_world(motion.positions[:, arm.moving])
@@ -169,8 +175,11 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         plane = "the plane of its largest motion" if settings.in_space else "the bending plane"
         notes = [*one.notes, note, f"RMS motion {1e3 * within:.3g} mm in {plane}, {1e3 * out:.3g} mm out of it"]
         trajectory = trajectory_of(one.capture, world, markers, driven(one.command, channels, settings), notes)
-        trials.append(trial_of(f"trial_{len(trials) + 1:02d}", trajectory, own, one.capture.path, settings.interpolated))
-        spreads.append((within, out))
+        path = one.capture.path
+        for part in cut(trajectory, settings.cut, path) if settings.cut else [trajectory]:
+            trials.append(trial_of(f"trial_{len(trials) + 1:02d}", part, own, path, settings.interpolated))
+            spreads.append((within, out))
+            sources.append(path)
     dataset = Dataset(
         name=settings.name,
         length=length,
@@ -187,6 +196,7 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
     )
     return Imported(
         dataset,
+        tuple(sources),
         tuple(within for within, _ in spreads),
         tuple(out for _, out in spreads),
         (*warned, *warnings(dataset, spreads, settings.up is not None)),

@@ -62,6 +62,7 @@ class ImportSettings:
             channels.
         angle: angle of the first chamber [rad], from x towards y of the base.
         interpolated: whether the input was measured and is interpolated linearly; None: not declared.
+        cut: times [s] on the clock of the recording at which new trials begin, for all files, or "auto": where the arm rests.
     """
 
     mass: float
@@ -90,6 +91,7 @@ class ImportSettings:
     gain: float | None = None
     angle: float = 0.0
     interpolated: bool | None = None
+    cut: Sequence[float] | str = ()
 
     @property
     def in_space(self) -> bool:

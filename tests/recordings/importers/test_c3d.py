@@ -238,7 +238,7 @@ def test_up_is_what_the_maker_has_upwards_and_not_what_stands_upwards_on_a_scree
 def test_outputs_of_a_model_are_no_points(tmp_path):
     capture = read(tmp_path, file_of(motion(), parameters={("POINT", "ANGLES"): ("S", ["p1"])}))
     assert capture.names == ("p0", "p2")
-    assert any("1 angles, forces and other outputs" in note for note in capture.notes)
+    assert any("1 angles, forces and other model outputs" in note for note in capture.notes)
 
 
 def test_a_unit_that_is_not_said_is_asked_for(tmp_path):

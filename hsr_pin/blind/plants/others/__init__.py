@@ -2,6 +2,7 @@
 
 - ``contact_rod``: a slender discrete elastic rod that touches walls, posts and hoses
 - ``mujoco_robot``: robots of rigid links in MuJoCo, with faults at their joints
+- ``mujoco_servo``: arms of servos that follow commanded angles, in MuJoCo
 - ``tendon_arm``: discs on a compliant backbone, driven by two tendons and their motors
 - ``valve_arm``: a beam with two pneumatic muscles, filled and vented through orifices
 
