@@ -64,20 +64,20 @@ def _row(size: Size) -> Text:
 
 
 def _sessions(found: History, width: int) -> list[Text]:
-    """Return a table of all quantities over the sessions, with * for certain changes and ? for possible changes."""
-    room = max(10, min(18, (width - 30) // len(found.names)))
-    heads = "".join(f"{name[: room - 2]:>{room}}" for name in found.names)
+    """Return a table of all quantities over the sessions, with * for identified changes and ? for possible changes."""
+    columns = max(10, min(18, (width - 30) // len(found.names)))
+    heads = "".join(f"{name[: columns - 2]:>{columns}}" for name in found.names)
     lines = [Text(f"{'over the sessions':<30}{heads}", style="bold cyan")]
-    lines += [Text(f"  {each.name:<28}{_points(each, room)}") for each in found.quantities]
+    lines += [Text(f"  {each.name:<28}{_points(each, columns)}") for each in found.quantities]
     for each in found.quantities:
         if each.first is not None:
-            lines.append(Text(f"{each.name} has certainly changed (*) from {found.names[each.first]} on"))
+            lines.append(Text(f"{each.name}: change identified (*) from {found.names[each.first]} on"))
     return lines
 
 
-def _points(quantity: Quantity, room: int) -> str:
+def _points(quantity: Quantity, columns: int) -> str:
     marks = {"certain": "*", "perhaps": "?", "": " "}
-    return "".join(f"{number(point.value) + marks[point.changed]:>{room}}" for point in quantity.points)
+    return "".join(f"{number(point.value) + marks[point.changed]:>{columns}}" for point in quantity.points)
 
 
 def _wrapped(text: str, width: int) -> list[Text]:

@@ -72,18 +72,18 @@ def _written(files: Sequence[str]) -> Text:
 
 
 def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:
-    length, room = diagnosis.experiment.dataset.length, width - 48
+    length, columns = diagnosis.experiment.dataset.length, width - 48
     lines = [
-        Text(f"{'held-out trials':<{room}}{'RMS [mm]':>9}{'% of L':>8}{'95 % interval':>20}{'of gap²':>10}", style="bold cyan")
+        Text(f"{'held-out trials':<{columns}}{'RMS [mm]':>9}{'% of L':>8}{'95 % interval':>20}{'of gap²':>10}", style="bold cyan")
     ]
-    for place, rung in enumerate(diagnosis.ladder):
+    for place, stage in enumerate(diagnosis.ladder):
         last = place == len(diagnosis.ladder) - 1
-        low, high = (_short(1e3 * bound) for bound in rung.interval)
+        low, high = (_short(1e3 * bound) for bound in stage.interval)
         interval = "" if last else f"{low} to {high}"
-        share = "" if place == 0 else f"{100 * rung.share:.1f} %".replace("-0.0", "0.0")
-        name = _cut("noise floor; rest unexplained" if last else rung.name, room)
+        share = "" if place == 0 else f"{100 * stage.share:.1f} %".replace("-0.0", "0.0")
+        name = _cut("noise floor; rest unexplained" if last else stage.name, columns)
         lines.append(
-            Text(f"{name:<{room}}{_short(1e3 * rung.rms):>9}{_short(100 * rung.rms / length):>8}{interval:>20}{share:>10}")
+            Text(f"{name:<{columns}}{_short(1e3 * stage.rms):>9}{_short(100 * stage.rms / length):>8}{interval:>20}{share:>10}")
         )
     return lines
 
@@ -93,8 +93,8 @@ def _short(value: float) -> str:
     return f"{value:.3f}" if 0 <= value < 0.1 else number(value)
 
 
-def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
-    """Return the parameters of the best model and the names of the next best ones, in at most ``room`` lines."""
+def _models(diagnosis: Diagnosis, width: int, height: int) -> list[Text]:
+    """Return the parameters of the best model and the names of the next best ones, in at most ``height`` lines."""
     if diagnosis.search is None:
         return []
     best = diagnosis.search.best
@@ -113,11 +113,11 @@ def _models(diagnosis: Diagnosis, width: int, room: int) -> list[Text]:
         bound = " at bound" if each.on_bound else ""
         rows.append(f"  {each.name:<29}{value:>9}  {f'{low} to {high}':<20} {unit}{bound}")
     rows.append(f"  {', '.join(str(each) for each in own if '.' not in each.name)}")
-    free = max(1, room - 1)
+    free = max(1, height - 1)
     if len(rows) > free:
         rows = [*rows[: free - 1], f"  and {len(rows) - free + 1} more lines of parameters: see --html or --json"]
     lines = [Text(_cut(heading, width), style="bold cyan"), *(Text(_cut(row, width)) for row in rows)]
-    return [*lines, *rivals] if len(lines) < room else lines
+    return [*lines, *rivals] if len(lines) < height else lines
 
 
 def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:

@@ -57,12 +57,12 @@ def screen(found: Explanation, width: int) -> list[str]:
     from hsr_pin.inference.detection import detection_sentence
 
     lines = [f"{found.recordings.model.name}: {found.headline}", *textwrap.wrap(found.verdict.sentence, width), ""]
-    room = width - 26
-    lines.append(f"{'held-out trials':<{room}}{'RMS [floors]':>14}{'of gap²':>12}")
-    for place, rung in enumerate(found.ladder):
-        name = "noise floor; rest unexplained" if rung is found.ladder[-1] else rung.name
-        share = f"{100 * rung.share:.1f} %" if place else ""
-        lines.append(f"{name[:room]:<{room}}{rung.rms:>14.3g}{share:>12}")
+    columns = width - 26
+    lines.append(f"{'held-out trials':<{columns}}{'RMS [floors]':>14}{'of gap²':>12}")
+    for place, stage in enumerate(found.ladder):
+        name = "noise floor; rest unexplained" if stage is found.ladder[-1] else stage.name
+        share = f"{100 * stage.share:.1f} %" if place else ""
+        lines.append(f"{name[:columns]:<{columns}}{stage.rms:>14.3g}{share:>12}")
     lines += ["", f"most probable model: {' + '.join(found.search.best.names) or 'as declared'}"]
     lines += [f"  {each}" for each in found.estimates]
     limits = detection_sentence(found.search.detection)

@@ -98,10 +98,10 @@ def _check_table(value: Any, way: str) -> None:
 def _parameters(value: Any, way: str) -> None:
     """Check fitted values, given by name as numbers or as ``value`` of a table; numbers of the arm have the bounds of a fit."""
     _check_table(value, way)
-    for key, told in value.items():
+    for key, fitted in value.items():
         known = (ARM | SESSION).get(key.partition("@")[0])
         bounds = (known.lower, known.upper) if known else ()
-        number(*bounds)(told.get("value") if isinstance(told, dict) else told, f"{way}.{key}")
+        number(*bounds)(fitted.get("value") if isinstance(fitted, dict) else fitted, f"{way}.{key}")
 
 
 def _of_arm(*names: str) -> dict[str, Check]:

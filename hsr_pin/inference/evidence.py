@@ -3,11 +3,11 @@
 No model of a robot is exact, and its error repeats in every trial, so that ten thousand samples carry the information of about
 ten independent ones. The likelihood is therefore raised to the power nu / N (J. W. Miller, D. B. Dunson, Robust Bayesian
 inference via coarsening, JASA 114, 2019), and the variance of the model discrepancy is profiled for each model (M. C. Kennedy, A.
-O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001):
+O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001)::
 
     v      = S + (floor sigma)^2
-    log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h| -
-        ln(variants)
+    log p  = -nu/2 ln v - 1/2 sum_i ln(1 + nu/N e_i / v) - sum_j ln(1 + z_j^2) - kappa |h| - kappa_f |flexible in h|
+             - ln(variants)
 
 S is the mean square residual beyond noise and sigma^2 the variance of noise, both for one coordinate; the trial-to-trial scatter
 is a part of every model's S. e_i are the eigenvalues of the information of the residuals about the parameters, in units of their

@@ -134,8 +134,10 @@ def _match(given: Array, moved: Array, signed: bool) -> Array:
     length = 1 << (size + count).bit_length()
     product = np.fft.ifft(np.fft.fft(given, length) * np.conj(np.fft.fft(moved, length)))[: size - count + 1]
     along = np.maximum(product.real, 0.0) if signed else np.abs(product)
-    tells = spread > STILL * float(np.max(spread))
-    return np.asarray(np.where(tells, along**2 / np.where(tells, spread, 1.0) / np.sum(np.abs(moved) ** 2), 0.0))
+    is_significant = spread > STILL * float(np.max(spread))
+    return np.asarray(
+        np.where(is_significant, along**2 / np.where(is_significant, spread, 1.0) / np.sum(np.abs(moved) ** 2), 0.0)
+    )
 
 
 def _independent(given: Array, moved: Array) -> float:

@@ -105,8 +105,8 @@ def _make_plain(figure: Figure) -> None:
         text.set_text(_cut(text.get_text(), LONGEST_TEXT))
 
 
-def _cut(text: str, room: int) -> str:
-    return text if len(text) <= room else f"{text[: room - 1]}…"
+def _cut(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[: length - 1]}…"
 
 
 def tip_figure(runs: Sequence[Drawn]) -> Figure:

@@ -5,7 +5,7 @@ K. I. Williams, Gaussian Processes for Machine Learning, 2006; M. C. Kennedy, A.
 J. R. Stat. Soc. B 63, 2001). A process is the sum of
 
 - a smooth function of state and command (pose, rate, command, filtered commands, stiffness level, payload, time), which is the
-same in every trial: if the current recording repeats a command of the reference, the common residual of that command cancels,
+  same in every trial: if the current recording repeats a command of the reference, the common residual of that command cancels,
 - the scatter of a trial: a constant and an Ornstein-Uhlenbeck process, both larger in releases,
 - noise.
 
