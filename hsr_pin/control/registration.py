@@ -1,6 +1,11 @@
-"""Registration of the environments in Gymnasium."""
+"""Registration of the environments in Gymnasium, which happens when this module is imported.
+
+Gymnasium imports it itself for ``gymnasium.make("hsr_pin.control.registration:hsr_pin/ReachTip-v0")``.
+"""
 
 from __future__ import annotations
+
+from contextlib import suppress
 
 from hsr_pin.errors import MissingDependencyError
 
@@ -24,3 +29,7 @@ def register() -> None:
     for name, (single, many) in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
             gymnasium.register(name, entry_point=single, vector_entry_point=many)
+
+
+with suppress(MissingDependencyError):
+    register()

@@ -105,7 +105,7 @@ def test_the_report_and_the_document_hold_every_rate_and_miss():
     }
     found = score_changes(answers, verdicts)
     text = report_changes(found)
-    assert "3 pairs diagnosed, 1 not: case_004" in text and "2 misses:" in text and "WRONG NAME" in text
+    assert "3 pairs diagnosed, 1 not diagnosed: case_004" in text and "2 misses:" in text and "WRONG NAME" in text
     assert found.rates["change named alone or among the alternatives"] == Rate(1, 2)
     document = found.document()
     again = scored_changes(json.loads(json.dumps(document)))

@@ -121,7 +121,7 @@ def test_cases_without_a_verdict_are_listed_and_not_counted():
     found = score(ANSWERS, {"case_001": verdict("parameters")})
     assert len(found.outcomes) == 1
     assert found.missing == tuple(answer.name for answer in ANSWERS[1:])
-    assert "1 cases diagnosed, 21 not: case_002" in report(found)
+    assert "1 cases diagnosed, 21 not diagnosed: case_002" in report(found)
 
 
 def test_an_interval_is_that_of_clopper_and_pearson():

@@ -144,3 +144,14 @@ def test_without_gymnasium_the_group_is_named(monkeypatch):
         import hsr_pin.control.environment  # noqa: F401
     with pytest.raises(MissingDependencyError, match=r"hsr_pin\[gym\]"):
         registration.register()
+
+
+def test_gymnasium_finds_the_environments_by_the_module_that_registers_them():
+    for name in ENVIRONMENTS:
+        gymnasium.registry.pop(name, None)
+    sys.modules.pop("hsr_pin.control.registration")
+    try:
+        environment = gymnasium.make("hsr_pin.control.registration:hsr_pin/ReachTip-v0")
+    finally:
+        sys.modules["hsr_pin.control.registration"] = registration
+    assert environment.reset(seed=1)[0].shape == environment.observation_space.shape

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from hsr_pin.diagnosis.change.chance import chance
 from hsr_pin.diagnosis.change.fitting import ChangeFitPool, Fitted, InitialEstimate, refined
@@ -64,6 +65,23 @@ class ChangeDiagnosis:
 
     def __repr__(self) -> str:
         return f"<ChangeDiagnosis of {self.pair.new.dataset.name}: {self.verdict.status}. {self.verdict.sentence}>"
+
+    def to_html(self, path: str | Path) -> None:
+        """Write the report into one self-contained HTML file.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        from hsr_pin.diagnosis.change.history import history_of
+        from hsr_pin.diagnosis.change.report import write_report
+
+        write_report(history_of([self]), path)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the diagnosis as a dictionary of plain numbers and texts, which ``hsr-diagnose --since --json`` writes."""
+        from hsr_pin.diagnosis.change.document import to_json
+
+        return to_json(self)
 
 
 def diagnose_change(

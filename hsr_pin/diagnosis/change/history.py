@@ -87,7 +87,14 @@ def history(sessions: Sequence[Dataset], **options: Any) -> History:
                 **options,
             )
         )
-    return History(tuple(each.name for each in sessions), tuple(found), _quantities(found))
+    return history_of(found)
+
+
+def history_of(diagnoses: Sequence[ChangeDiagnosis]) -> History:
+    """Return the history of one or more comparisons with the same reference recording."""
+    pairs = [each.pair for each in diagnoses]
+    names = (pairs[0].old.dataset.name, *(pair.new.dataset.name for pair in pairs))
+    return History(names, tuple(diagnoses), _quantities(diagnoses))
 
 
 def _quantities(diagnoses: Sequence[ChangeDiagnosis]) -> tuple[Quantity, ...]:

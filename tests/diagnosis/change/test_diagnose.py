@@ -30,6 +30,12 @@ def test_a_mass_that_came_is_named_alone_with_its_size(heavier):
     assert verdict.difference.after < 0.5 * verdict.difference.before
 
 
+def test_a_change_is_written_as_a_report_and_as_json(heavier, tmp_path):
+    heavier.to_html(tmp_path / "change.html")
+    assert "tip mass" in (tmp_path / "change.html").read_text(encoding="utf-8")
+    assert heavier.to_json()["verdict"]["effects"] == ["tip_mass"]
+
+
 def test_nothing_has_changed_where_nothing_has(old):
     verdict = diagnose_change(recorded(name="new"), old, **QUICK).verdict
     assert (verdict.status, verdict.effects, verdict.changes) == ("unchanged", (), ())

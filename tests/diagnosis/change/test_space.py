@@ -121,7 +121,7 @@ def test_over_the_sessions_it_is_certain_from_the_one_in_which_it_came(sessions)
 def test_the_report_shows_three_axes_and_the_document_is_json(sessions):
     text = report(sessions)
     for axis in "xyz":
-        assert f"{axis}: from what the first recording predicts" in text
+        assert f"{axis}: deviation from the prediction of the first recording" in text
     document = json.loads(json.dumps(history_to_json(sessions), allow_nan=False))
     assert document["verdict"]["effects"] == ["tip_mass"]
     assert [each["status"] for each in document["verdicts"]] == ["unchanged", "identified"]
