@@ -56,7 +56,15 @@ def amplitude(
 
 
 def shape(
-    name: str, start: float, lower: float, upper: float, unit: str = "1", *, scale: float = 0.0, description: str = ""
+    name: str,
+    start: float,
+    lower: float,
+    upper: float,
+    unit: str = "1",
+    *,
+    scale: float = 0.0,
+    start_count: int = 3,
+    description: str = "",
 ) -> Parameter:
     """Return a shape parameter of a cause (a time constant, a threshold), which has no influence while the amplitude is 0.
 
@@ -67,9 +75,11 @@ def shape(
         upper: upper bound.
         unit: unit of the value.
         scale: a change of practical size; default: a tenth of the range between the bounds.
+        start_count: number of initial values between the bounds that a search tries.
         description: one line.
     """
-    return Parameter(name, unit, start, lower, upper, scale or (upper - lower) / 10, False, description)
+    width = scale or (upper - lower) / 10
+    return Parameter(name, unit, start, lower, upper, width, False, description, start_count=start_count)
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,9 @@ class Transmission(JointCause):
     @staticmethod
     def shared(sizes: Sizes) -> tuple[Parameter, ...]:
         """Where the encoders sit, where nobody said it; the share of the inertia that turns with the motor, likewise."""
-        side = () if sizes.encoders else (shape("encoder_side", 0.5, 0.0, 1.0, description="0: at the joint, 1: at the motor"),)
-        return side if (sizes.rotor > 0).all() else (*side, shape("motor_share", 0.3, 0.05, 0.8))
+        side = shape("encoder_side", 0.5, 0.0, 1.0, start_count=2, description="0: at the joint, 1: at the motor")
+        share = shape("motor_share", 0.3, 0.05, 0.8, start_count=1)
+        return (*[side] * (not sizes.encoders), *[share] * (not (sizes.rotor > 0).all()))
 
     def inertia(self, values: Values) -> Array:
         """(B, n) [kg m^2] that turns with the motor."""

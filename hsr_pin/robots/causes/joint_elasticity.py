@@ -28,7 +28,7 @@ class JointElasticity(Transmission):
     def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
         """A compliance of each joint; the damping ratio of motor against link."""
         own = (amplitude(joint, _ANGLE / sizes.torque[k], "rad/(N m)", lower=0.0) for k, joint in enumerate(joints))
-        return (*own, shape("damping_ratio", 0.1, 0.005, 1.0), *self.shared(sizes))
+        return (*own, shape("damping_ratio", 0.1, 0.005, 1.0, start_count=1), *self.shared(sizes))
 
     def there(self, values: Values) -> NDArray[np.bool_]:
         """Where it has a compliance."""
