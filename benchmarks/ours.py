@@ -42,7 +42,7 @@ class Ours:
 
     def run(self) -> Array:
         """See `Solver`."""
-        return self._engine.run_apart(*self._given).angles
+        return self._engine.run_separately(*self._given).angles
 
 
 def tolerant(arms: Sequence[ArmSpecification], name: str, tolerance: float, *, sample: float = SAMPLE, threads: int = 1) -> Ours:

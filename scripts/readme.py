@@ -8,6 +8,7 @@ There, a block of output stands between two lines::
 A command that reads ``../shared`` needs that folder; it is left alone where the folder is absent.
 
     python scripts/readme.py            rewrite every block (about a quarter of an hour)
+    python scripts/readme.py --quick    rewrite the blocks of quick commands (a minute)
     python scripts/readme.py --check    compare the blocks of quick commands; exit code 1 if one is not current
 """
 
@@ -30,7 +31,7 @@ SHARED = "../shared"
 def is_slow(command: str) -> bool:
     """Diagnoses take minutes, examples are run by tests of their own; everything else takes a second."""
     diagnoses = command.startswith("hsr-diagnose") and "--help" not in command
-    return diagnoses or any(word in command for word in (SHARED, "examples/", "self_test"))
+    return diagnoses or any(word in command for word in (SHARED, "examples/", "self_test", "benchmarks/"))
 
 
 def output_of(command: str) -> str:
@@ -55,6 +56,7 @@ def main() -> int:
     """Entry point."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="compare the quick blocks instead of rewriting all")
+    parser.add_argument("--quick", action="store_true", help="rewrite the blocks of quick commands alone")
     parser.add_argument("--only", default="", metavar="TEXT", help="only the commands with this text in them")
     chosen = parser.parse_args()
     checking, wanted = chosen.check, chosen.only
@@ -62,7 +64,7 @@ def main() -> int:
 
     def current(match: re.Match[str]) -> str:
         command = match["command"]
-        if (is_slow(command) and checking) or (SHARED in command and not (ROOT / SHARED).is_dir()) or wanted not in command:
+        if (is_slow(command) and (checking or chosen.quick)) or (SHARED in command and not (ROOT / SHARED).is_dir()) or wanted not in command:
             return match[0]
         fresh = match[1] + block_of(command) + match[3]
         if fresh != match[0]:

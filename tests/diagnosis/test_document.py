@@ -76,6 +76,7 @@ SCHEMA = {
         "starts": [{"seconds": MAYBE, "told": (bool, type(None)), "word": str}],
     },
     "repeats": (dict, type(None)),
+    "detection_limits": [{"effect": str, "parameter": str, "size": MAYBE, "unit": str}],
     "notes": [str],
 }
 
