@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,9 +15,11 @@ from hsr_pin.diagnosis import figures
 from hsr_pin.diagnosis.words import EXPERIMENTS, advice, effect_options, model_name, readable, scales, sentence, where_sentence
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
+from hsr_pin.identification.arm_document import levels
 from hsr_pin.identification.prepared import Run
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import Estimate, estimates
+from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.inference.verdict import headline
 from hsr_pin.output import write_text
@@ -76,7 +78,7 @@ class Model:
         rms: RMS distance on held-out trials [m].
         estimates: its parameters.
         scales: factors on the declared parameters, as text.
-        options: options of ``hsr-sim`` that simulate its effects, by the Keq at which they hold; "" if they hold for any.
+        options: options of ``hsr-sim`` that simulate it, for each declared Keq.
         doubts: one sentence for each parameter combination that the data hardly determine.
     """
 
@@ -147,14 +149,25 @@ def _models(diagnosis: Diagnosis) -> list[Model]:
         return []
     best = diagnosis.search.best
     shown = [best, *(each for each in diagnosis.search.leaders(diagnosis.verdict.alternatives) if each.names != best.names)]
-    return [_model(candidate, diagnosis.experiment.levels) for candidate in shown]
+    declared = levels([(run.trial.keq, run.trial.damping, run.trial.tip_mass) for run in diagnosis.experiment.runs])
+    return [_model(candidate, {level["keq"]: level["damping"] for level in declared}) for candidate in shown]
 
 
-def _model(candidate: Candidate, levels: Sequence[float]) -> Model:
+def _model(candidate: Candidate, damping: Mapping[float, float]) -> Model:
     fit = candidate.fit
     doubts = tuple(f"{words}." for words in uncertainty(fit).weak)
-    options = effect_options(fit, levels)
+    effects = effect_options(fit, tuple(damping))
+    options = {}
+    for keq, c in damping.items():
+        arm = f"--keq {keq * _factor(fit, 'keq_scale', keq):.4g} --damping {c * _factor(fit, 'damping_scale', keq):.4g}"
+        level = f"{keq:g} Nm/rad"
+        options[level] = f"{arm} {effects.get(level, effects.get('', ''))}".strip()
     return Model(model_name(candidate), candidate.heldout_square**0.5, estimates(fit), scales(fit), options, doubts)
+
+
+def _factor(fit: Fit, name: str, keq: float) -> float:
+    """Return a factor on a declared parameter for the trials that are declared with this Keq."""
+    return fit.named.get(f"{name}@{keq:g}", fit.named.get(name, 1.0))
 
 
 def _named(diagnosis: Diagnosis) -> list[type[Effect]]:

@@ -9,9 +9,10 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.report import _notes, report, shown_runs, write_report
+from hsr_pin.diagnosis.report import _models, _notes, report, shown_runs, write_report
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import HEADLINES, STATUSES
+from hsr_pin.robot.specification import default_damping
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 VOID = {"meta", "link", "br", "hr", "img", "input"}
@@ -211,3 +212,13 @@ class TestInBrowser:
         assert 2 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 5
         width, height = map(float, re.search(rb"/MediaBox\s*\[0 0 ([\d.]+) ([\d.]+)\]", pdf).groups())
         assert (width, height) == pytest.approx((595, 842), abs=1.5)
+
+
+def test_options_of_hsr_sim_hold_the_fitted_stiffness_and_damping(diagnosis):
+    (model, *_) = _models(diagnosis)
+    (options,) = model.options.values()
+    fit, trial = diagnosis.search.best.fit, diagnosis.experiment.runs[0].trial
+    words = dict(zip(options.split()[::2], options.split()[1::2], strict=True))
+    assert float(words["--keq"]) == pytest.approx(trial.keq * fit.named["keq_scale"], rel=1e-3)
+    damping = default_damping(trial.keq) if trial.damping is None else trial.damping
+    assert float(words["--damping"]) == pytest.approx(damping * fit.named["damping_scale"], rel=1e-3)
