@@ -1,8 +1,8 @@
-"""Why a real two-link robot does not move as its URDF says, beside what least squares on its inverse dynamics makes of it.
+"""Find out why a real two-link robot does not move like its URDF, and compare with least squares on inverse dynamics.
 
-FOLDER holds recordings of the double pendulum of the DFKI Underactuated Lab (dfki-ric-underactuated-lab/double_pendulum,
+FOLDER contains recordings of the double pendulum of the DFKI Underactuated Lab (dfki-ric-underactuated-lab/double_pendulum,
 BSD-3-Clause): ``model.urdf``, ``nominal.yml`` and ``trial_*.csv`` with the columns t, q1, q2, tau1_measured, tau2_measured. The
-last two trials are set aside: both ways are compared on them, by the same simulations of half a second.
+last two trials are held out: both methods are compared on them, by the same simulations of half a second.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from hsr_pin.robots.model import RobotModel
 COLUMNS = ["t", "q1", "q2", "tau1_measured", "tau2_measured"]
 SECONDS = 0.5
 ASIDE = 2
-#: Samples over which motion is smoothed for inverse dynamics, and the speed [rad/s] from which on friction has its full size.
+#: Smoothing window for inverse dynamics [samples], and the speed at which the regularised friction is nearly complete [rad/s].
 WINDOW, SLIDES = 31, 0.1
-#: Weight by which least squares stay near the declared bodies where the data do not tell.
+#: Regularisation weight that keeps undetermined parameters of the bodies at their declared values.
 NEAR = 1e-3
 
 
 def read(folder: Path) -> RobotRecordings:
-    """The recordings; the inertia of the rotors is that of ``nominal.yml`` seen through the gear."""
+    """Return the recordings in a folder, with the rotor inertia of ``nominal.yml`` multiplied by the square of the gear ratio."""
     numbers = dict(line.split(": ") for line in (folder / "nominal.yml").read_text(encoding="utf-8").splitlines())
     rotor = float(numbers["Ir"]) * float(numbers["gr"]) ** 2
     robot = Robot.load(folder / "model.urdf", ["Joint1", "Joint2"], [rotor, rotor])
@@ -43,7 +43,7 @@ def read(folder: Path) -> RobotRecordings:
 
 
 def least_squares(recordings: RobotRecordings, trials: Sequence[RobotTrial]) -> tuple[pin.Model, dict[str, float]]:
-    """Bodies and friction of the joints by linear least squares on the torques of smoothed motions."""
+    """Return a model with fitted bodies and the friction of its joints, from linear least squares on torques."""
     robot = recordings.robot
     model, joints = robot.model, robot.joints
     data, rows, torques = model.createData(), [], []
@@ -72,7 +72,7 @@ def least_squares(recordings: RobotRecordings, trials: Sequence[RobotTrial]) -> 
 
 
 def error(recordings: RobotRecordings, values: dict[str, float], model: pin.Model | None = None) -> float:
-    """RMS error [degrees] of simulations of half a second of the trials that are set aside."""
+    """Return the RMS error of simulations of half a second of the held-out trials [degrees]."""
     robot = copy(recordings.robot)
     if model is not None:
         robot.__dict__["model"] = model
@@ -85,7 +85,7 @@ def error(recordings: RobotRecordings, values: dict[str, float], model: pin.Mode
 
 
 def compare(folder: Path, jobs: int | None = None) -> tuple[Explanation, dict[str, float]]:
-    """What is missing, and the errors [degrees] that each way leaves on the trials that are set aside."""
+    """Return the explanation, and the RMS error of each method on the held-out trials [degrees]."""
     recordings = read(folder)
     aside = [trial.name for trial in recordings.trials[-ASIDE:]]
     found = explain_robot(recordings, seconds=SECONDS, test=aside, jobs=jobs)
@@ -99,14 +99,14 @@ def compare(folder: Path, jobs: int | None = None) -> tuple[Explanation, dict[st
 
 
 def show(errors: dict[str, float]) -> None:
-    """Print errors."""
-    print("\nRMS error on trials that were set aside, simulations of half a second [degrees]")
+    """Print the RMS error of each method [degrees]."""
+    print("\nRMS error on held-out trials, simulations of half a second [degrees]")
     for name, value in errors.items():
         print(f"  {name:<36}{value:8.2f}")
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
-    """Print what is missing, and the errors on the trials that are set aside."""
+    """Print and return the RMS error of each method on the held-out trials [degrees]."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--html", type=Path, help="write the report")

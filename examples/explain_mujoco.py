@@ -1,6 +1,6 @@
-"""Which cause does a MuJoCo model lack? A two-link arm in MuJoCo, recorded with a friction that the model does not have.
+"""Find the cause that a MuJoCo model of a two-link arm lacks: friction that the recorded arm has.
 
-The recordings are made with another time step and integrator than those of the model that is judged.
+The recordings are simulated with a different time step and integrator than those of the diagnosed model.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ CAUSES = (
 
 
 def model(step: float = 0.005, integrator: str = "implicitfast") -> MujocoModel:
-    """The model that is judged."""
+    """Return the model of the arm with a time step [s] and an integrator of MuJoCo."""
     xml = XML.format(step=step, integrator=integrator)
     channels = {"q1": "shoulder", "q2": "elbow"}
     return MujocoModel(xml, channels, CAUSES, name="two links", units=dict.fromkeys(channels, "rad"))
 
 
 def recorded(**missing: float) -> list[Trial]:
-    """Trials of a plant that has what the model lacks."""
+    """Return trials of a simulated arm with the given values of causes that the model lacks."""
     plant, noise, trials = model(0.001, "RK4"), np.random.default_rng(0), []
     values = plant.as_model.neutral | {name.replace("__", "."): value for name, value in missing.items()}
     for number in range(4):
@@ -62,7 +62,7 @@ def recorded(**missing: float) -> list[Trial]:
 
 
 def main(arguments: Sequence[str] | None = None) -> Explanation:
-    """Print what is missing."""
+    """Print and return the explanation."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--jobs", type=int, default=None, help="processes; default: one per core")
     chosen = parser.parse_args(arguments)

@@ -1,6 +1,6 @@
-"""Follow a tip reference by inverse dynamics along it, plus a spring and a damper towards it.
+"""Follow a tip reference with a feedforward torque from inverse dynamics and a PD controller.
 
-The arm has a hysteresis that the controller does not know.
+The arm has hysteresis that the controller does not know.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ UNKNOWN = "hysteresis:amplitude=0.15,yield_angle=0.3"
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
-    """Open loop against closed loop: RMS tip errors [mm]."""
+    """Run the example and return the RMS tip error of each run [mm]: in open loop and in closed loop."""
     chosen = options(arguments, __doc__)
     model = ArmDynamics(ARM)
     reference = reference_through_tips(model, TIPS[:2] if chosen.quick else TIPS, REGULATORS.torque_range)

@@ -1,6 +1,6 @@
-"""The loop that the examples close around an arm with one effect that the controller does not know.
+"""Control loop of the examples: a controller and a simulated arm with one effect that the controller does not know.
 
-Joint angles and rates are measured with noise; the regulators give pressures on the line of constant stiffness, at limited rate.
+Joint angles and rates are measured with noise. The regulators set pressures of constant stiffness, at a limited rate.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ ANGLE_NOISE, RATE_NOISE = 2e-3, 2e-2  # [rad], [rad/s]
 
 
 def follow(reference: Reference, controller: Controller, unknown: str) -> Run:
-    """Close the loop: measure, decide, set the pressures, step. ``unknown`` is an effect as ``hsr-sim --effect`` takes it."""
+    """Return the run of a controller on an arm with the effect ``unknown``, written as for ``hsr-sim --effect``."""
     noise = np.random.default_rng(0)
     plant, command = ArmSimulator(ARM, [parse_effect(unknown)]), None
     run = Run([plant.observe()[-1]])

@@ -1,4 +1,4 @@
-"""What the examples share: their options, the table of errors and the picture."""
+"""Options, table of errors and picture of the examples."""
 
 from __future__ import annotations
 
@@ -16,19 +16,25 @@ from hsr_pin.trajectory import Array
 
 @dataclass
 class Run:
-    """What an example notes of one run: the tip (3,) [m] at every sample, the torque [N m] of every step, perhaps an estimate."""
+    """Recorded run of a controller.
+
+    Attributes:
+        tip: tip position (3,) at every sample [m].
+        torque: torque of every step [N m].
+        unknown_torque: estimate of an unknown torque at every step [N m]; empty without an observer.
+    """
 
     tip: list[Array] = field(default_factory=list)
     torque: list[float] = field(default_factory=list)
     unknown_torque: list[float] = field(default_factory=list)
 
     def errors(self, reference: Reference) -> Array:
-        """(T,) [mm] distance of the tip from the reference."""
+        """Return the distance of the tip from the reference (T,) [mm]."""
         return 1e3 * np.linalg.norm(np.array(self.tip) - reference.tip, axis=1)
 
 
 def options(arguments: Sequence[str] | None, text: str | None) -> argparse.Namespace:
-    """``--plot FILE`` and ``--quick``."""
+    """Return the options ``--plot FILE`` and ``--quick`` of an example with the docstring ``text``."""
     parser = argparse.ArgumentParser(description=(text or "").partition("\n")[0])
     parser.add_argument("--plot", metavar="FILE", help="write a picture, as .png, .svg or .pdf")
     parser.add_argument("--quick", action="store_true", help="follow a short reference")
@@ -36,7 +42,7 @@ def options(arguments: Sequence[str] | None, text: str | None) -> argparse.Names
 
 
 def report(title: str, reference: Reference, runs: dict[str, Run], plot: str | None) -> dict[str, float]:
-    """Print the tip's RMS distance [mm] from the reference in each run, draw the runs, and give the distances back."""
+    """Print and return the RMS tip error of each run [mm], and draw the runs into the file ``plot``, if any."""
     rms = {name: float(np.sqrt(np.mean(run.errors(reference) ** 2))) for name, run in runs.items()}
     print(title)
     width = max(12, *map(len, rms))

@@ -1,10 +1,11 @@
-"""A real pneumatic arm as one arm in a plane, one in space, and one of two sections under the pressures of each.
+"""Describe a real pneumatic arm in three ways: in a plane, in space, and as two sections with their own pressures.
 
     python examples/pneumatic_in_sections.py ../shared/recordings/real-pneumatic
 
-The sections' pressures stand beside the recordings, commanded and measured. Chambers A and B of a section bend it towards +x and
--x by what its makers' torque of 0.09 N m/psi makes of their difference; chambers C stay as they are. Each description is fitted
-as ``hsr-fit`` does it: stiffness and damping; and stiffness, a length that grows, and a torque that comes slowly.
+The recordings contain the commanded and the measured pressures of the sections. Chambers A and B of a section bend it towards +x
+and -x: the torque is 0.09 N m/psi times the difference of their pressures, a value of the arm's authors. Chambers C are not used.
+Each description is fitted as ``hsr-fit`` does, with two models: stiffness and damping; and stiffness, ``length_change`` and
+``unequal_lag``.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
 GAIN = 0.09 / 0.0689475729  # N m/bar: 0.09 N m/psi
-MIDDLE, LENGTH = 0.153, 0.290  # m: the marker between the sections, and the tip's
+MIDDLE, LENGTH = 0.153, 0.290  # m: arc length of the marker between the sections, and of the tip
 
 ROBOT = """format = 2
 name = "{name}"
@@ -62,12 +63,12 @@ columns = [{others}]
 """
 
 
-#: What is fitted: names of open numbers, and laws.
+#: Fitted models: names of free parameters, and effects.
 MODELS = {
     "stiffness, damping": (("keq", "damping"), ()),
     "stiffness, length_change, unequal_lag": (("keq", "length_change"), ("unequal_lag:rise=0.6,fall=2,delay=0.3",)),
 }
-#: How the arm is described: whether it has sections, and which pressures drive it.
+#: Descriptions of the arm: whether it has sections, and which pressures drive it.
 DESCRIPTIONS = {
     "one section": (False, "command"),
     "two sections": (True, "command"),
@@ -76,7 +77,7 @@ DESCRIPTIONS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[tuple[str, str], float]:
-    """RMS distance of the markers [mm] in each trial by a fit to the others, by model and description."""
+    """Print and return the RMS distance [mm] of trials predicted by a fit to the others, by model and description."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", type=Path, help="the folder of real-pneumatic")
     parser.add_argument("--keep", type=Path, help="a new folder for the descriptions, which hsr-fit and hsr-diagnose can read")
@@ -97,7 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[tuple[str, str], float]
 
 
 def written(recordings: Path, output: Path) -> dict[str, Path]:
-    """The descriptions in space, as datasets."""
+    """Write the descriptions in space as datasets, and return their folders."""
     found = {}
     for name, (by_section, drive) in DESCRIPTIONS.items():
         folder = output / name.replace(",", "").replace(" ", "-")
@@ -120,7 +121,7 @@ def _section(section: int, length: float, drive: str) -> str:
 
 
 def _write(path: Path, target: Path, *, by_section: bool) -> None:
-    """One trial: motion, and its pressures or (in a plane) its torque."""
+    """Write the motion of one trial, with the pressures of the sections or else with its torque."""
     with path.open() as motion, (path.parent / "pressures" / path.name).open() as pressures, target.open("w", newline="") as out:
         rows, given = csv.DictReader(motion), csv.DictReader(pressures)
         places = [name for name in rows.fieldnames or () if name not in ("t", "tau")]

@@ -1,8 +1,8 @@
-"""Plan in MuJoCo with the model that a diagnosis left, and carry the plan out on the arm.
+"""Plan torques in MuJoCo with a corrected model, and apply them to the arm.
 
-Torques that bring the tip along a reference are found by least squares over MuJoCo's rollouts: once on the model as declared,
-once on the corrected one, which has the lag and the friction of the arm. The arm itself is hsr_pin's, which the planner never
-sees; on it each plan is followed as it is, and with a regulator around it that keeps to the planned bending.
+Torques that move the tip along a reference are found by least squares over rollouts in MuJoCo: once with the declared model, and
+once with the corrected model, which has the lag and the friction of the arm. The arm is simulated by hsr_pin, and the planner
+does not know it. Each plan is applied in open loop, and with a controller that keeps the planned bending.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from hsr_pin.trajectory import Array
 ARM = ArmSpecification(links=4, keq=1.11)
 TRUE = tuple(map(parse_effect, ("actuator_lag:time_constant=0.08", "dry_friction:level=0.06")))
 TIPS = [(0.0, -0.24), (0.13, -0.20), (-0.09, -0.22)]  # x, z [m]
-KNOTS = 0.15  # [s] between the torques that are planned
-STIFFNESS, LOSS = 0.5, 0.02  # [Nm/rad], [Nm s/rad] of the regulator
+KNOTS = 0.15  # [s] between the planned torques
+STIFFNESS, LOSS = 0.5, 0.02  # [Nm/rad], [Nm s/rad] gains of the controller
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What was found in MuJoCo: torques (T - 1,) [N m], and the bending (T - 1,) [rad] that they give there."""
+    """Plan from MuJoCo: torques (T - 1,) [N m], and the bending (T - 1,) [rad] that they cause in MuJoCo."""
 
     torque: Array
     bending: Array
 
 
 def plan(effects: Sequence[object], reference: Reference) -> Plan:
-    """Torques, straight from knot to knot, whose motion in MuJoCo is nearest to the reference."""
+    """Return piecewise linear torques whose motion in MuJoCo is closest to the reference."""
     model = mujoco.MjModel.from_xml_string(to_mjcf(CorrectedModel(ARM, tuple(effects))).text)  # type: ignore[arg-type]
     data = [mujoco.MjData(model) for _ in range(2)]
     rest = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
@@ -51,7 +51,7 @@ def plan(effects: Sequence[object], reference: Reference) -> Plan:
     sensor = model.sensor("tip").adr[0]
 
     def moved(knots: Array) -> tuple[Array, Array]:
-        """(B, T - 1, 3) [m] of the tip and (B, T - 1) [rad] of bending, for knots (B, K) [N m]."""
+        """Return the tip positions (B, T - 1, 3) [m] and the bending (B, T - 1) [rad] for torques at the knots (B, K) [N m]."""
         torque = np.array([np.interp(time, places, row) for row in knots])
         states, sensed = rollouts.rollout(
             model, data, np.tile(rest, (len(knots), 1)), np.repeat(torque, substeps, axis=1)[..., None]
@@ -73,7 +73,7 @@ def plan(effects: Sequence[object], reference: Reference) -> Plan:
 
 
 def carry_out(found: Plan, reference: Reference, *, regulated: bool) -> Run:
-    """The plan on the arm: as it is, or with a regulator that keeps to its bending, measured with noise."""
+    """Return the run of a plan on the arm: in open loop, or with a controller of the bending, which is measured with noise."""
     arm, noise = ArmSimulator(ARM, TRUE), np.random.default_rng(0)
     run, rates = Run([arm.observe()[-1]]), np.gradient(found.bending, reference.step)
     for torque, bending, rate in zip(found.torque, found.bending, rates, strict=True):
@@ -87,7 +87,7 @@ def carry_out(found: Plan, reference: Reference, *, regulated: bool) -> Run:
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
-    """RMS tip errors [mm] of both plans, in open and in closed loop."""
+    """Run the example and return the RMS tip error of both plans [mm], in open and in closed loop."""
     chosen = options(arguments, __doc__)
     reference = reference_through_tips(ArmDynamics(ARM), TIPS[:2] if chosen.quick else TIPS, (-1.2, 1.2))
     runs = {}

@@ -1,8 +1,8 @@
-"""Fit a real trunk's releases in space under one load, judge the fit by those under another, and the same in planes.
+"""Fit releases of a real trunk with one load, predict those with another load, and compare models in space and in a plane.
 
     python examples/trunk_in_space.py ../shared/recordings/real-trunk-space
 
-In a plane each release starts in the vertical plane through its tip, and stays there.
+The model in a plane starts each release in the vertical plane through the tip, and stays in this plane.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from hsr_pin.inference.fit import fit
 from hsr_pin.inference.residuals import rms
 from hsr_pin.recordings.read import read_dataset
 
-LIGHT = 0.25  # [kg] loads below it are fitted, those above are held out
-DELAY, DURATION = 0.1, 2.0  # [s] from its declared start a release is followed
+LIGHT = 0.25  # [kg] releases with a smaller load are fitted, the others are held out
+DELAY, DURATION = 0.1, 2.0  # [s] used part of a release: begin after its declared start, and duration
 ARM = ("keq", "damping", "mass")
 BEND, LOOP = "bend_at_rest:towards_x=0,towards_y=0", "hysteresis:amplitude=0.5,yield_angle=0.1"
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
-    """RMS distance of the held-out markers [mm] by model."""
+    """Print the fits, and return the RMS marker distance of each model on the held-out releases [mm]."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dataset", help="the folder of real-trunk-space")
     parser.add_argument("--quick", action="store_true", help="without hysteresis")
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
         restricted(whole, [run.trial.name for run in whole.runs if (run.trial.tip_mass < LIGHT) is below])
         for below in (True, False)
     )
-    light, heavy = replace(light, rest_scatter=0.0), replace(heavy, rest_scatter=0.0)  # where it rests is what is asked
+    light, heavy = replace(light, rest_scatter=0.0), replace(heavy, rest_scatter=0.0)  # the model has to predict the equilibrium
     print(f"{len(light.runs)} releases fitted, {len(heavy.runs)} held out; RMS distance of the markers over {DURATION:g} s [mm]")
     found = {}
     for words in ([], [LOOP])[: 1 if chosen.quick else 2]:
@@ -57,18 +57,18 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
 
 
 def begun(run: Run) -> Run:
-    """The same, followed no longer than the others."""
+    """Return a release, cut to the common duration."""
     count = round(DURATION / run.step) + 1
     return replace(run, time=run.time[:count], torque=run.torque[:count], measured=run.measured[:count])
 
 
 def in_planes(experiment: Experiment) -> Experiment:
-    """Every release started in the vertical plane through its tip."""
+    """Return the releases, each started in the vertical plane through its tip."""
     return replace(experiment, runs=tuple(map(in_its_plane, experiment.runs)))
 
 
 def in_its_plane(run: Run) -> Run:
-    """Of one of them."""
+    """Return one release, started in the vertical plane through its tip."""
     assert run.start_pose is not None and run.start_velocity is not None
     way = run.start_pose[-1] * [1.0, 1.0, 0.0]
     across = np.cross([0.0, 0.0, 1.0], way / np.linalg.norm(way))

@@ -1,7 +1,7 @@
-"""What has changed in an arm since the first of four sessions.
+"""Find out what has changed in an arm since the first of four sessions.
 
-The arm is simulated with a law that the tool is not allowed to know (its springs stiffen with bending). From the third session on
-its stiffness has dropped by 8 %, and in the last one its muscles fill more slowly.
+The simulated arm has springs that stiffen with bending. From the third session on its stiffness is 8 % smaller, and in the last
+session its muscles fill more slowly.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hsr_pin.trajectory import Trial
 TORQUES = (0.4, 0.7, 1.0, -0.6, -0.9)  # [N m]
 MARKER_NOISE = 3e-4  # [m] of each coordinate
 SESSIONS = {
-    "january": (1.0, 0.03),  # stiffness over what it was, time constant of the muscles [s]
+    "january": (1.0, 0.03),  # stiffness relative to the first session, time constant of the muscles [s]
     "march": (1.0, 0.03),
     "may": (0.92, 0.03),
     "july": (0.92, 0.06),
@@ -28,7 +28,7 @@ SESSIONS = {
 
 
 def recorded(name: str, stiffness: float, lag: float) -> Dataset:
-    """One session: steps to a few torques, each of them rested a little elsewhere."""
+    """Return one session: steps to a few torques, each with a slightly different equilibrium."""
     rng = np.random.default_rng(list(SESSIONS).index(name))
     arm = ArmSpecification(links=16, placement="mid")
     effects = tuple(map(parse_effect, ("stiffening:cubic=0.3", f"actuator_lag:time_constant={lag}")))
@@ -44,7 +44,7 @@ def recorded(name: str, stiffness: float, lag: float) -> Dataset:
 
 
 def main(arguments: Sequence[str] | None = None) -> History:
-    """Record, compare, and print what changed."""
+    """Simulate the sessions, compare them with the first one, and print what has changed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="fewer candidates")
     parser.add_argument("--html", metavar="FILE", help="write the report")
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> History:
         print(f"{name}: {diagnosis.verdict.sentence}\n")
     for quantity in found.quantities:
         values = "".join(f"{point.value:>9.3f}" for point in quantity.points)
-        certain = "" if quantity.first is None else f"   certainly another from {found.names[quantity.first]} on"
+        certain = "" if quantity.first is None else f"   changed significantly from {found.names[quantity.first]} on"
         print(f"{quantity.name:<28}{values}{certain}")
     if chosen.html:
         from hsr_pin.diagnosis.change.report import write_report

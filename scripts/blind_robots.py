@@ -26,6 +26,8 @@ from hsr_pin.robots.causes import CAUSES
 
 PLANTS = {"robot": mujoco_robot, "servo": mujoco_servo}
 KINDS = {cause.name: cause.kind for cause in CAUSES}
+#: Names by which the plants call a cause of the catalogue.
+SAME = {"quadratic_drag": "quadratic_damping"}
 #: Grades, the best first.
 GRADES = ("exact", "alternatives", "part", "kind", "silent", "wrong")
 
@@ -57,7 +59,8 @@ def background(answer: dict[str, Any]) -> set[str]:
 
 def grade(answer: dict[str, Any], verdict: dict[str, Any]) -> str:
     """Return the grade of a verdict."""
-    true = set(answer["causes"]) if answer["kind"] in ("single", "pair") else set()
+    causes = {SAME.get(name, name) for name in answer["causes"]}
+    true = causes if answer["kind"] in ("single", "pair") or causes <= set(KINDS) else set()
     there, kinds = true | background(answer), {KINDS[name] for name in true if name in KINDS}
     sets = [set(names) for names in verdict["alternatives"]] or [set(verdict["effects"])]
     if verdict["status"] in ("no_gap", "parameters", "unexplained", "insufficient") or not any(sets):

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.kinds import FLEXIBLE, PLAIN, kinds_of
+from hsr_pin.blind.kinds import FLEXIBLE, PLAIN_PARAMETERS, kinds_of
 from hsr_pin.blind.outcome import RIGHT
 from hsr_pin.inference import Calibration, Cause, Data, Decision, Model, Posterior, decide, posterior
 from hsr_pin.inference.calibration import calibrated
@@ -120,7 +120,7 @@ def outcome(case: Case, report: Decision) -> str:
     if report.sets and any(case.right(names) for names in report.sets):
         return "exact" if len(report.sets) == 1 else "alternatives"
     kinds = {kind for each in case.answer.kinds for kind in each}
-    if not said - set(PLAIN):
+    if not said - set(PLAIN_PARAMETERS):
         return "kind" if kinds and set(report.kinds) <= kinds else "wrong kind"
     true = {name for each in case.answer.names for name in each} | set(case.answer.background)
     sets = report.sets or (report.names,)
@@ -192,7 +192,7 @@ def report(title: str, found: Sequence[Case], numbers: Calibration) -> None:
 
 
 def _names(judged: Posterior) -> dict[str, float]:
-    own = {cause.name for model in judged.models for cause in model.causes if not cause.flexible} - set(PLAIN)
+    own = {cause.name for model in judged.models for cause in model.causes if not cause.flexible} - set(PLAIN_PARAMETERS)
     return {name: p for name in own if (p := judged.of_name(name)) >= 0.01}
 
 

@@ -64,7 +64,11 @@ def main() -> int:
 
     def current(match: re.Match[str]) -> str:
         command = match["command"]
-        if (is_slow(command) and (checking or chosen.quick)) or (SHARED in command and not (ROOT / SHARED).is_dir()) or wanted not in command:
+        if (
+            (is_slow(command) and (checking or chosen.quick))
+            or (SHARED in command and not (ROOT / SHARED).is_dir())
+            or wanted not in command
+        ):
             return match[0]
         fresh = match[1] + block_of(command) + match[3]
         if fresh != match[0]:
