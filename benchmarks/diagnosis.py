@@ -1,7 +1,7 @@
-"""Whole commands beside what is asked of them on two cores, and beside a fit of the same two parameters with MuJoCo and SciPy.
+"""Run times of whole commands on two cores, compared with their targets and with the same fit by MuJoCo and SciPy.
 
-Commands are processes, from start to end, on recordings in the folder ``shared`` beside the repository. The blind cases are made
-anew (none of a check that has been opened), and their rate is that of ``hsr-blind run``.
+Commands are measured as processes, from start to end, on recordings in the folder ``shared`` next to the repository. The blind
+cases are newly made (none is of an opened check), and their rate is that of ``hsr-blind run``.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ _CORES, _RUNS = 2, 3
 
 
 def absent() -> str:
-    """Why no recordings can be measured; empty if they can."""
+    """Return why no recordings can be measured; empty if they can."""
     return "" if FOLDER.is_dir() else "the folder `shared` with the recordings is not beside the repository"
 
 
 def titles() -> list[Title]:
-    """The lines of this measurement."""
+    """Return the lines of this measurement."""
     diagnoses = [Title(f"`hsr-diagnose {name}` as a process, {_CORES} cores", _ASKED, reach=1) for name in ASKED]
     fit = f"`hsr-fit {_FITTED}` as a process"
     cases = f"{ALL} blind cases diagnosed, {_CORES} cores (told from {SOME})"
@@ -48,7 +48,7 @@ def titles() -> list[Title]:
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: the fit and one blind case. Without those whose recordings or engines are absent."""
+    """Yield the measured lines, without those whose recordings or engines are absent; quick: the fit and one blind case."""
     *diagnoses, asked, beside, cases = titles()
     if absent():
         print(f"diagnosis: {absent()}", file=sys.stderr)
@@ -79,7 +79,7 @@ def _fits(asked: Title, beside: Title, runs: int) -> Iterator[Row]:
 
 
 def recordings() -> Dataset:
-    """Those that are fitted."""
+    """Return the recordings that are fitted."""
     from hsr_pin.recordings.read import read_dataset
 
     return read_dataset(FOLDER / _FITTED)
@@ -98,13 +98,13 @@ def _long(time: float) -> str:
 
 
 def _command(name: str, *words: object) -> partial[object]:
-    """A command to its end; its output is lost."""
+    """Return a function that runs a command to its end and discards its output."""
     program = Path(sys.executable).with_name(f"hsr-{name}")
     return partial(subprocess.run, [*map(str, (program, *words))], stdout=subprocess.DEVNULL, check=True)
 
 
 def _cases(count: int) -> float:
-    """[s] in which all blind cases would be diagnosed, by the time that so many take."""
+    """Return the time to diagnose all blind cases [s], extrapolated from a number of cases."""
     with TemporaryDirectory() as folder:
         check = Path(folder) / "check"
         tiers = ["--tier", "clean=1"] if count == 1 else ["--cases", count]

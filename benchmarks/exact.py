@@ -1,4 +1,4 @@
-"""The exact motion of a chain, to compare with."""
+"""Exact motion of a chain, as the reference of all comparisons."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ FINE = Integrator("extrapolated5", step=1.25e-3)
 
 @lru_cache(maxsize=16)
 def exact_motion(links: int, sample: float = SAMPLE) -> Array:
-    """(T, 1, N) [rad] to 1e-4 mm: SciPy's Radau at 1e-10; above 16 links, where that takes minutes, ours at 1.25 ms.
+    """Return joint angles (T, 1, N) [rad] exact to 1e-4 mm: SciPy's Radau at 1e-10; above 16 links, hsr_pin at 1.25 ms.
 
-    At 4 and at 16 links the two agree (tests/test_benchmarks.py).
+    Radau takes minutes above 16 links. At 4 and at 16 links the two agree (tests/test_benchmarks.py).
     """
     arm = ArmSpecification(links=links)
     return Ours([arm], FINE, sample).run() if links > 16 else ScipyChain(arm, "Radau", 1e-10, sample).run()

@@ -1,8 +1,9 @@
-"""How the cost of one arm grows with its links, at 0.1 mm.
+"""Growth of run time and memory of one arm with its number of links, at an error of 0.1 mm.
 
 Models and MuJoCo's workspace are set up beforehand. Beyond 64 links, where 1 s takes MuJoCo minutes, ten of its steps are timed,
-and it is charged as many as it needs at 64 links. Memory is what a process of its own takes beyond that for four links;
-how it grows is told of a hundred arms, for that of one is hardly seen, and of Pinocchio's workspace to half as many links.
+and the number of steps is assumed to be that for 64 links. Memory is what a separate process takes in addition to that for four
+links. Its growth is measured for a hundred arms, because that of one arm is too small, and for Pinocchio's workspace with half as
+many links.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ print(status("VmHWM") - before)
 
 
 def titles() -> list[Title]:
-    """The lines: the larger arms, then the exponent."""
+    """Return the lines of this measurement: first the larger arms, then the exponent."""
     tasks = [f"1 s of the step to {ERROR:g} mm, N = {links}" for links in LINKS[2:]]
     tasks.append(f"growth of that from N = {LINKS[0]} to {LINKS[-1]} (ours at most N^1.1)")
     return [*(Title(task, "MuJoCo", "mujoco") for task in tasks), _memory_title(_LARGE), _GROWTH]
@@ -72,7 +73,7 @@ def _memory_title(links: int) -> Title:
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: those up to 64 links."""
+    """Yield the measured lines; quick: those up to 64 links."""
     *single, last, _, _ = titles()
     wanted = dict(zip(LINKS[2:], single, strict=True))
     chosen = (LINKS[0], _WHOLE) if quick else LINKS
@@ -109,21 +110,21 @@ def _memory_growth() -> Row:
 
 
 def _memory(who: str, links: int, arms: int = 1) -> float:
-    """[MB] at least a tenth: less is not seen."""
+    """Return the memory [MB] that a simulation or a workspace needs; at least 0.1 MB, because less cannot be measured."""
     code = _MEMORY.format(who=who, links=links, arms=arms)
     told = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True).stdout
     return max(0.1, float(told))
 
 
 def _ours(links: int) -> Callable[[], object]:
-    """Order 4 throughout, at the largest tolerance that is accurate."""
+    """Return the simulation by hsr_pin with order 4 throughout, at the largest accurate tolerance."""
     solver = cheapest([partial(tolerant, [ArmSpecification(links=links)], "extrapolated4")], TOLERANCES, _accurate(links))
     assert solver is not None
     return solver.run
 
 
 def _steps(links: int) -> int:
-    """Steps per sample with which MuJoCo's Euler, its cheapest method at this accuracy, is accurate."""
+    """Return the number of steps per sample at which MuJoCo's Euler, its cheapest method for this accuracy, is accurate."""
     from peer_mujoco import MujocoChain
 
     solver = cheapest([partial(MujocoChain, ArmSpecification(links=links), "Euler")], SUBSTEPS, _accurate(links))
@@ -137,7 +138,7 @@ def _accurate(links: int) -> Callable[[Array], bool]:
 
 
 def _exponent(links: Sequence[int], cost: Sequence[float]) -> float:
-    """Slope on log-log axes."""
+    """Return the slope of cost over links on log-log axes."""
     return float(np.polyfit(np.log(links), np.log(cost), 1)[0])
 
 

@@ -1,4 +1,4 @@
-"""How long a controller in Python waits for one step of 5 or 10 ms under a new torque: median and 99th percentile."""
+"""Latency of one step of 5 or 10 ms under a new torque for a controller in Python: median and 99th percentile."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _ROUNDS = 10
 
 
 def titles() -> list[Title]:
-    """The lines."""
+    """Return the lines of this measurement."""
     return [title for case in CASES for title in _titles(*case)]
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: the one that needs no search."""
+    """Yield the measured lines; quick: the one that needs no search."""
     for links, dt in CASES[:1] if quick else CASES:
         accurate, single = _titles(links, dt)
         simulator = ArmSimulator(ArmSpecification(links=links))
@@ -46,14 +46,14 @@ def measure(quick: bool) -> Iterator[Row]:
 
 
 def _titles(links: int, dt: float) -> tuple[Title, Title]:
-    """As accurate as ours, and whatever a single step of MuJoCo makes of it."""
+    """Return the lines for MuJoCo at the accuracy of hsr_pin, and for a single step of MuJoCo at any accuracy."""
     wanted = ", ours at most 8 µs" if dt == 0.005 else ""
     task = f"a step of {1e3 * dt:g} ms from Python, N = {links}: median (99th percentile){wanted}"
     return Title(task, f"MuJoCo to {ERROR} mm", "mujoco"), Title(task, "MuJoCo, one `mj_step`, to no accuracy", "mujoco")
 
 
 def _mujoco(links: int, dt: float, error: float | None) -> Callable[[float], object]:
-    """A step of MuJoCo in its cheapest setting for an error [mm]; None: in a single one of its own."""
+    """Return a function that steps MuJoCo in its cheapest setting for an error [mm]; None: with a single step."""
     from peer_mujoco import MujocoChain
 
     arm = ArmSpecification(links=links)
@@ -73,7 +73,7 @@ def _words(wait: tuple[float, float]) -> str:
 
 
 def _waits(steps: dict[str, Callable[[float], object]], rounds: int) -> dict[str, tuple[float, float]]:
-    """Median and 99th percentile [s] of each, taken in turns."""
+    """Return median and 99th percentile of each step function's time [s], measured in turns."""
     times: dict[str, list[float]] = {name: [] for name in steps}
     for _ in range(rounds):
         for name, step in steps.items():

@@ -1,4 +1,7 @@
-"""The problem in hsr_pin, any number of arms side by side. Set up beforehand: bodies, springs, what arrives of the command."""
+"""The benchmark problem in hsr_pin, for a batch of arms.
+
+Bodies, springs and the torque after the actuator are set up beforehand.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,13 @@ TOLERANCES = tuple(0.02 * 10 ** (-k / 20) for k in range(100))
 
 
 class Ours:
-    """A solver.
+    """A solver by hsr_pin.
 
     Args:
-        arms: of equal ``links``.
-        method: how each arm is integrated, with steps of its own.
+        arms: arms with equal ``links``.
+        method: integrator; each arm has its own steps.
         sample: time between samples [s].
-        threads: that share the arms.
+        threads: number of threads that share the arms.
     """
 
     def __init__(self, arms: Sequence[ArmSpecification], method: Integrator, sample: float = SAMPLE, threads: int = 1) -> None:
@@ -41,10 +44,10 @@ class Ours:
         self._given = engine.loaded(q, v), command, len(time), method, np.ones(len(arms), dtype=bool), threads
 
     def run(self) -> Array:
-        """See `Solver`."""
+        """Return the joint angles, see `Solver`."""
         return self._engine.run_separately(*self._given).angles
 
 
 def tolerant(arms: Sequence[ArmSpecification], name: str, tolerance: float, *, sample: float = SAMPLE, threads: int = 1) -> Ours:
-    """The solver whose steps are as long as a tolerance [m] lets a method take them."""
+    """Return the solver for a method with adaptive steps at a tolerance [m]."""
     return Ours(arms, Integrator(name, tolerance), sample, threads)

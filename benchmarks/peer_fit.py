@@ -1,7 +1,8 @@
-"""Two parameters fitted with MuJoCo and SciPy: the same chain, recordings, loss and accuracy, derivatives by differences.
+"""Fit of two parameters with MuJoCo and SciPy: the same chain, recordings, loss and accuracy, and derivatives by differences.
 
-What a laboratory would write: one model a trial, `mj_step` looping in C from sample to sample, `scipy.optimize.least_squares`.
-Reading, the torque of every sample and where the markers are on the links are set up beforehand, for nothing.
+This is a typical implementation: one model for each trial, `mj_step` looping in C from sample to sample, and
+`scipy.optimize.least_squares`. Reading, the torque of every sample and the places of the markers on the links are set up
+beforehand and not timed.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ _STEPS, _FINE = tuple(round(1.2**k) for k in range(4, 28)), 400
 
 
 class _Trial:
-    """One trial: its arm as declared, at rest under no torque at the start."""
+    """One trial with its arm as declared, initially at rest under no torque."""
 
     def __init__(self, experiment: Experiment, run: Run, method: str, steps: int) -> None:
         self._arm, self._run, self._steps = Hypothesis().declared(experiment, run), run, steps
@@ -37,7 +38,7 @@ class _Trial:
         self._map, self._axes = marker_map(self._arm, experiment.reach), experiment.axes
 
     def positions(self, stiffness: float, damping: float) -> Array:
-        """(T, M, 2) [m] of the markers, with these factors on the declared values."""
+        """Return the marker positions (T, M, 2) [m] for factors on the declared stiffness and damping."""
         model, data, torque = self._model, self._data, self._run.torque
         spring = stiffness * self._arm.joint_stiffness
         model.jnt_stiffness[:], model.dof_damping[:] = spring, damping * self._arm.joint_damping
@@ -51,12 +52,12 @@ class _Trial:
 
 
 class MujocoFit:
-    """Stiffness and damping of an experiment in which every trial begins straight and without torque.
+    """Fit of stiffness and damping to an experiment in which every trial begins straight and without torque.
 
     Args:
-        experiment: what is fitted.
+        experiment: experiment that is fitted.
         method: MuJoCo's integrator.
-        steps: of it, from sample to sample.
+        steps: number of its steps between samples.
     """
 
     def __init__(self, experiment: Experiment, method: str, steps: int) -> None:
@@ -69,7 +70,7 @@ class MujocoFit:
         self._noise = float(experiment.noise.mean())
 
     def run(self) -> Array:
-        """(2,) factors on the declared stiffness and damping."""
+        """Return the fitted factors on the declared stiffness and damping, (2,)."""
         answer = least_squares(
             self._residual, (1.0, 1.0), x_scale=(0.1, 0.2), bounds=((0.1, 0.02), (10, 50)), loss="soft_l1",
             f_scale=6 * float(np.median(np.abs(self._residual((1.0, 1.0)))) / 0.6745), ftol=_DONE, xtol=_DONE,
@@ -77,7 +78,7 @@ class MujocoFit:
         return np.asarray(answer.x)
 
     def predicted(self) -> list[Array]:
-        """For each trial (T, M, 2) [m] as declared."""
+        """Return the marker positions of each trial, (T, M, 2) [m], with the declared values."""
         return [trial.positions(1.0, 1.0) for trial in self._trials]
 
     def _residual(self, factors: Sequence[float]) -> Array:
@@ -86,7 +87,7 @@ class MujocoFit:
 
 
 def cheapest_fit(experiment: Experiment) -> MujocoFit:
-    """With Euler's method, MuJoCo's cheapest at this accuracy (see the lines above), in the longest steps that are accurate."""
+    """Return the fit with Euler's method, MuJoCo's cheapest at this accuracy, and the longest accurate steps."""
     exact = MujocoFit(experiment, "Euler", _FINE).predicted()
     for steps in _STEPS:
         fit = MujocoFit(experiment, "Euler", steps)

@@ -1,7 +1,7 @@
-"""The problem in MuJoCo: the same bodies, springs and dampers, and nothing computed that the problem does not need.
+"""The benchmark problem in MuJoCo: the same bodies, springs and dampers, without any unnecessary computation.
 
-E. Todorov, T. Erez, Y. Tassa, MuJoCo: a physics engine for model-based control, IROS 2012. The torque enters as the angle at
-which the springs are at rest, which costs MuJoCo nothing. Set up beforehand: models and data.
+E. Todorov, T. Erez, Y. Tassa, MuJoCo: a physics engine for model-based control, IROS 2012. The torque enters as the rest angle of
+the springs, which costs MuJoCo no time. Models and data are set up beforehand.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class MujocoChain:
     """A solver for one arm: `mj_step`, looping in C from sample to sample.
 
     Args:
-        arm: to simulate.
-        method: the integrator.
-        substeps: its steps per sample.
+        arm: arm to simulate.
+        method: integrator.
+        substeps: steps per sample.
         sample: time between samples [s].
     """
 
@@ -45,7 +45,7 @@ class MujocoChain:
         self.data = mujoco.MjData(self.model)
 
     def run(self) -> Array:
-        """See `Solver`."""
+        """Return the joint angles, see `Solver`."""
         mujoco.mj_resetData(self.model, self.data)
         angles = np.zeros((self._samples + 1, 1, self.model.nv))
         for n in range(1, len(angles)):
@@ -54,18 +54,18 @@ class MujocoChain:
         return angles
 
     def advance(self, steps: int) -> None:
-        """Steps of MuJoCo from wherever it is."""
+        """Simulate steps of MuJoCo from the current state."""
         mujoco.mj_step(self.model, self.data, nstep=steps)
 
 
 class MujocoRollout:
-    """A solver for many arms: `mujoco.rollout` from sample to sample, its threads kept.
+    """A solver for many arms: `mujoco.rollout` from sample to sample with persistent threads.
 
     Args:
-        arms: of equal ``links``.
-        threads: of the rollout.
-        method: the integrator.
-        substeps: its steps per sample.
+        arms: arms with equal ``links``.
+        threads: number of threads of the rollout.
+        method: integrator.
+        substeps: steps per sample.
     """
 
     def __init__(self, arms: Sequence[ArmSpecification], threads: int, method: str, substeps: int) -> None:
@@ -78,7 +78,7 @@ class MujocoRollout:
         self._states = np.empty((len(arms), substeps, size))
 
     def run(self) -> Array:
-        """See `Solver`."""
+        """Return the joint angles, see `Solver`."""
         joints, (count, substeps, size) = self._models[0].nv, self._states.shape
         state, angles = np.zeros((count, size)), np.zeros((round(DURATION / SAMPLE) + 1, count, joints))
         for n in range(1, len(angles)):
@@ -89,7 +89,7 @@ class MujocoRollout:
 
 
 def mujoco_model(arm: ArmSpecification, method: str, step: float) -> mujoco.MjModel:
-    """The arm with the bodies of its Pinocchio model, for an integrator with a ``step`` [s]."""
+    """Return the MuJoCo model of an arm with the bodies of its Pinocchio model, for an integrator with a ``step`` [s]."""
     body_model = build_model(arm).model
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.integrator = step, METHODS[method]

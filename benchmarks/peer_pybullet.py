@@ -1,6 +1,6 @@
-"""The problem in PyBullet: the same bodies; springs and dampers as torques, which it asks for in every step.
+"""The benchmark problem in PyBullet: the same bodies, with the torques of springs and dampers set in every step.
 
-E. Coumans, Y. Bai, PyBullet, a Python module for physics simulation (2016-2021). Set up beforehand: the world.
+E. Coumans, Y. Bai, PyBullet, a Python module for physics simulation (2016-2021). The world is set up beforehand.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _FIXED = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iy
 
 
 class PybulletChain:
-    """A solver.
+    """A solver by PyBullet.
 
     Args:
-        arm: to simulate.
+        arm: arm to simulate.
         substeps: steps per sample.
     """
 
@@ -46,7 +46,7 @@ class PybulletChain:
         world.setJointMotorControlArray(self._body, self._joints, pybullet.VELOCITY_CONTROL, forces=[0] * arm.links)
 
     def run(self) -> Array:
-        """See `Solver`."""
+        """Return the joint angles, see `Solver`."""
         body, joints, world = self._body, self._joints, self._world
         stiffness, damping = self._arm.joint_stiffness, self._arm.joint_damping
         push, step, read = world.setJointMotorControlArray, world.stepSimulation, world.getJointStates
@@ -65,7 +65,7 @@ class PybulletChain:
 
 
 def _bodies(arm: ArmSpecification) -> str:
-    """Our URDF without looks, and without the massless frames on the arm, which PyBullet would give 1 kg each."""
+    """Return the URDF without visual elements, and without massless frames on the arm, to which PyBullet would give 1 kg each."""
     root = ElementTree.fromstring(arm_to_urdf(arm))
     for element in list(root):
         if element.get("name", "").rpartition("_to_")[2] in ("middle", "tip"):

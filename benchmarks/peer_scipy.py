@@ -1,4 +1,4 @@
-"""The problem in SciPy's stiff solvers, with accelerations and their derivatives by Pinocchio."""
+"""The benchmark problem in SciPy's stiff solvers, with accelerations and their derivatives from Pinocchio."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ METHODS = ("Radau", "LSODA")
 
 
 class ScipyChain:
-    """A solver.
+    """A solver by SciPy.
 
     Args:
-        arm: to simulate.
+        arm: arm to simulate.
         method: "Radau" or "LSODA".
-        tolerance: relative; the absolute one [rad, rad/s] is a hundredth of it.
+        tolerance: relative tolerance; the absolute one [rad, rad/s] is a hundredth of it.
         sample: time between samples [s].
     """
 
@@ -31,7 +31,7 @@ class ScipyChain:
         self._data = self._model.createData()
 
     def run(self) -> Array:
-        """See `Solver`."""
+        """Return the joint angles, see `Solver`."""
         n = self._arm.links
         options = {"rtol": self._tolerance, "atol": 1e-2 * self._tolerance}
         span = self._times[[0, -1]]

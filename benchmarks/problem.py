@@ -1,4 +1,4 @@
-"""What all solve: arms hang at rest, and a torque of 1 N m at every joint bends them for 1 s."""
+"""The benchmark problem: arms hang at rest, and a torque of 1 N m at every joint bends them for 1 s."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ SAMPLE = 0.02
 
 
 class Solver(Protocol):
-    """One way to solve the problem, set up and ready to run again and again."""
+    """One method to solve the problem, set up and ready to run repeatedly."""
 
     setting: str
 
     def run(self) -> Array:
-        """Joint angles (T, B, N) [rad] of B arms at its sample times."""
+        """Return the joint angles (T, B, N) [rad] of B arms at the sample times."""
 
 
 def times(sample: float) -> Array:
-    """(T,) [s] from 0 to the end."""
+    """Return the sample times (T,) [s] from 0 to the end."""
     return sample * np.arange(round(DURATION / sample) + 1, dtype=float)
 
 
 def tip_error(arms: Sequence[ArmSpecification], angles: Array, exact: Array) -> float:
-    """Largest distance [mm] between the tips of two sets of joint angles (T, B, N); infinite where a run diverged."""
+    """Return the largest distance [mm] between the tips of two sets of joint angles (T, B, N); infinite if a run diverged."""
     reach = np.array([arm.link_length for arm in arms])
     ours, theirs = (reach * np.exp(1j * q.cumsum(axis=2)).sum(axis=2) for q in (angles, exact))
     error = 1e3 * np.abs(ours - theirs).max()

@@ -1,11 +1,11 @@
-"""Recordings of a real double pendulum: what causes that are found leave, beside numbers that mujoco.sysid fits.
+"""Compare the diagnosis of a real double pendulum with parameters that mujoco.sysid fits to the same recordings.
 
     python benchmarks/robot_identification.py FOLDER
 
-FOLDER is that of ``examples/double_pendulum.py``, which runs first. Then mujoco.sysid (of the package mujoco, group ``bench``)
-fits MuJoCo's own model of the robot to the same stretches of the same trials, twice: with the same numbers open that the
-diagnosis found, and with all that a joint and a link have in MuJoCo. Each is fitted with two optimizers, and the better one
-counts. All are compared on the trials that were set aside, by the same simulation.
+FOLDER is that of ``examples/double_pendulum.py``, which runs first. Then mujoco.sysid (in the package mujoco, group ``bench``)
+fits MuJoCo's own model of the robot to the same stretches of the same trials, twice: with the same free parameters that the
+diagnosis found, and with all parameters that a joint and a link have in MuJoCo. Each fit is done with two optimizers, and the
+better result counts. All methods are compared on the held-out trials by the same simulation.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FIRST = 0.05
 
 
 def _attribute(name: str) -> Callable[[str, Any], Callable[[Any, Any], None]]:
-    """Add to a number of a joint."""
+    """Return a factory of functions that add a value to an attribute of a joint."""
 
     def of(joint: str, declared: Any) -> Callable[[Any, Any], None]:
         first = np.atleast_1d(getattr(declared.joint(joint), name)).copy()
@@ -54,7 +54,7 @@ def _attribute(name: str) -> Callable[[str, Any], Callable[[Any, Any], None]]:
 
 
 def _body(name: str) -> Callable[[str, Any], Callable[[Any, Any], None]]:
-    """Scale the declared mass of the link that a joint moves, with its inertia, or the inertia alone."""
+    """Return a factory of functions that scale the declared mass and inertia of the link of a joint, or its inertia only."""
 
     def of(joint: str, declared: Any) -> Callable[[Any, Any], None]:
         own = declared.joint(joint).parent
@@ -73,7 +73,7 @@ def _body(name: str) -> Callable[[str, Any], Callable[[Any, Any], None]]:
 
 
 def _gear(joint: str, _: Any) -> Callable[[Any, Any], None]:
-    """Scale the torque of a motor."""
+    """Return a function that scales the torque of a motor."""
     return lambda spec, number: setattr(spec.actuator(joint), "gear", [1 + number.value[0], 0, 0, 0, 0, 0])
 
 
@@ -89,7 +89,7 @@ NUMBERS = {
 
 
 def specification(recordings: RobotRecordings) -> Any:
-    """The robot for MuJoCo: no damping or friction but what is fitted, a motor and an encoder at each joint."""
+    """Return the MuJoCo specification of the robot: damping and friction only as fitted, a motor and an encoder at each joint."""
     spec = mujoco.MjSpec.from_string(recordings.robot.urdf)
     spec.option.timestep, spec.option.integrator = STEP, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.gravity = recordings.robot.gravity
@@ -105,7 +105,7 @@ def specification(recordings: RobotRecordings) -> Any:
 
 
 def fitted(recordings: RobotRecordings, names: Sequence[str], optimizer: str) -> dict[str, float]:
-    """Values of these causes (``cause.joint``) that mujoco.sysid fits to recordings."""
+    """Return the values of causes (``cause.joint``) that mujoco.sysid fits to recordings."""
     joints = recordings.robot.joints
     spec, opened = specification(recordings), sysid.ParameterDict()
     for name in names:
@@ -129,7 +129,7 @@ def fitted(recordings: RobotRecordings, names: Sequence[str], optimizer: str) ->
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, float]:
-    """Print the error that each way leaves, and the time that it takes."""
+    """Print the held-out error and the run time of each method, and return the errors."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     chosen = parser.parse_args(arguments)

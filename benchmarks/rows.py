@@ -1,4 +1,4 @@
-"""Lines of the table: what is compared, both results, and how many times as long the peer takes."""
+"""Lines of the benchmark table: the task, both results, and the ratio of the peer's result to that of hsr_pin."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ NOTHING = "-"
 
 @dataclass(frozen=True)
 class Title:
-    """What a line compares.
+    """Definition of one comparison.
 
     Attributes:
-        task: what both do.
-        peer: its name.
-        module: that must be installed for it; empty: none.
-        reach: what the last number of the line should be at least.
+        task: task that both carry out.
+        peer: name of the peer.
+        module: module that must be installed for the peer; empty: none.
+        reach: smallest ratio of the results that is the target; None: no target.
     """
 
     task: str
@@ -27,19 +27,19 @@ class Title:
 
     @property
     def installed(self) -> bool:
-        """Whether the peer is there."""
+        """Whether the module of the peer is installed."""
         return not self.module or find_spec(self.module) is not None
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line, measured.
+    """One measured line.
 
     Attributes:
-        title: what it compares.
-        ours, theirs: results in words.
-        ratio: of theirs to ours.
-        above: the true ratio is larger: the peer was stopped.
+        title: definition of the comparison.
+        ours, theirs: results as text.
+        ratio: ratio of theirs to ours.
+        above: whether the true ratio is larger, because the peer was stopped.
     """
 
     title: Title
@@ -67,7 +67,7 @@ class Row:
 
 
 def seconds(value: float) -> str:
-    """A time [s] in a unit that suits it."""
+    """Return a time [s] as text in a suitable unit."""
     for factor, unit in ((1, "s"), (1e3, "ms"), (1e6, "µs")):
         if value * factor >= 1:
             return f"{value * factor:.3g} {unit}"

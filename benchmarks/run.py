@@ -1,12 +1,12 @@
-"""Measure hsr_pin beside its peers, and write the table that README.md shows.
+"""Measure hsr_pin and its peers, and write the table that README.md shows.
 
     python benchmarks/run.py                 everything, into benchmarks/results.md (some 20 minutes on an idle machine)
-    python benchmarks/run.py --quick         a little of everything, printed only
+    python benchmarks/run.py --quick         a small part of everything, printed only
     python benchmarks/run.py --only growth   one measurement, printed only
     python benchmarks/run.py --renew growth  one measurement, in place of its lines in results.md (same day, same machine)
-    python benchmarks/run.py --show          print what was written last
+    python benchmarks/run.py --show          print the table that was written last
 
-Then: python scripts/readme.py --only benchmarks. Peers: python3 scripts/install.py bench; those that are absent are left out.
+Then: python scripts/readme.py --only benchmarks. Peers: python3 scripts/install.py bench; absent peers are left out.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _LIBRARIES = ("pin", "numpy", "numba", "scipy", "mujoco", "pybullet")
 
 
 def main() -> None:
-    """Entry point."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a little of everything")
     parser.add_argument("--only", choices=MEASUREMENTS, help="one measurement")
@@ -55,12 +55,12 @@ def main() -> None:
 
 
 def document(rows: list[Row]) -> str:
-    """The table, and where and with what it was measured."""
+    """Return the table with the conditions of the measurement."""
     return f"{HEADER}{''.join(map(str, rows))}\n{conditions()}\n"
 
 
 def renewed(name: str, rows: list[Row]) -> str:
-    """What was written last, with the lines of one measurement in place of its own."""
+    """Return the table that was written last, with the lines of one measurement replaced."""
     table, _, told = RESULTS.read_text(encoding="utf-8").partition("\n\n")
     if told.strip() != conditions():
         raise SystemExit(f"cannot renew {name}: the other lines were measured elsewhere or on another day; run everything")
@@ -73,7 +73,7 @@ def renewed(name: str, rows: list[Row]) -> str:
 
 
 def conditions() -> str:
-    """One sentence."""
+    """Return one sentence on method, date, machine and versions of the measurement."""
     libraries = ", ".join(f"{name} {found}" for name in _LIBRARIES if (found := _version(name)))
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     machine = f"{cores} cores ({platform.machine()}), {platform.system()}, Python {platform.python_version()}"

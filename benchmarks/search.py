@@ -1,4 +1,4 @@
-"""For each solver the cheapest of its settings that is accurate, and times taken side by side."""
+"""Search for the cheapest accurate setting of each solver, and measurement of run times in turns."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ Make: TypeAlias = Callable[[Any], Solver]
 
 
 def cheapest(families: Iterable[Make], ladder: Sequence[float], accurate: Callable[[Array], bool]) -> Solver | None:
-    """The quickest of the coarsest accurate settings of several families; None if none is accurate within ``PATIENCE``.
+    """Return the fastest of the coarsest accurate settings of several families; None if none is accurate within ``PATIENCE``.
 
     Args:
-        families: such as differ in the integrator.
-        ladder: from coarse to fine.
-        accurate: whether joint angles (T, B, N) are.
+        families: functions that make a solver from a setting, such as one for each integrator.
+        ladder: settings from coarse to fine.
+        accurate: function that returns whether joint angles (T, B, N) are accurate.
     """
     best, quickest = None, PATIENCE
     for make in families:
@@ -44,10 +44,11 @@ def cheapest(families: Iterable[Make], ladder: Sequence[float], accurate: Callab
 
 
 def medians(runs: Mapping[str, Callable[[], object]], repeats: int = 21, budget: float = 12.0) -> dict[str, float]:
-    """Median time [s] of each of several runs, taken in turns: ``repeats`` times, or (at least 3) what ``budget`` [s] allows.
+    """Return the median time [s] of each of several runs, measured in turns.
 
-    A turn is as many runs as ``TURN`` [s] holds, at least one, and counts with their mean: single runs of some 0.1 ms would be
-    timed in caches that the solver before them has filled.
+    There are ``repeats`` turns, or as many as ``budget`` [s] allows, but at least 3. A turn contains as many runs as ``TURN`` [s]
+    allows, at least one, and counts with their mean. Single runs of some 0.1 ms would depend on the caches that the solver before
+    them has filled.
     """
     times: dict[str, list[float]] = {name: [] for name in runs}
     begin = perf_counter()
@@ -60,7 +61,7 @@ def medians(runs: Mapping[str, Callable[[], object]], repeats: int = 21, budget:
 
 
 def _coarsest(make: Make, ladder: Sequence[float], accurate: Callable[[Array], bool], limit: float) -> Solver | None:
-    """By strides that grow, then by bisection; gives up where a run takes longer than ``limit`` [s]."""
+    """Return the coarsest accurate solver, by growing strides and bisection; None if a run takes longer than ``limit`` [s]."""
     low, high, stride = -1, 0, 1
     while True:
         solver = make(ladder[high])
@@ -83,7 +84,7 @@ def _coarsest(make: Make, ladder: Sequence[float], accurate: Callable[[Array], b
 
 
 def _seconds_each(run: Callable[[], object]) -> float:
-    """Mean of as many as a turn holds."""
+    """Return the mean time [s] of the runs in one turn."""
     count, elapsed = 0, 0.0
     while elapsed < TURN:
         elapsed += _seconds(run)

@@ -1,7 +1,7 @@
-"""The published solutions of two rods in space, by SoroSim, and the arms that are to meet them.
+"""Published solutions of two rods in space by SoroSim, and the arms that are compared with them.
 
-Half of the set that OpenCR-MuJoCo publishes (ContinuumRoboticsLab/opencr-mujoco, commit 17fff8b, MIT licence); the folder
-``shared`` beside the repository has it, with a description.
+This is half of the data set that OpenCR-MuJoCo publishes (ContinuumRoboticsLab/opencr-mujoco, commit 17fff8b, MIT licence). The
+folder ``shared`` next to the repository contains it, with a description.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ class Rod:
     density: float
 
     def arm(self, links: int, gravity: Array, lag: float = 0.1, placement: Placement = "shifted") -> ArmSpecification:
-        """The arm with this rod's stiffness, hung so that gravity (3,) [m/s^2] has this direction in its base.
+        """Return the arm with this rod's stiffness, mounted such that gravity (3,) [m/s^2] has the given direction in its base.
 
         Args:
-            links: elements.
-            gravity: in the axes of the base.
+            links: number of elements.
+            gravity: gravity in the axes of the base.
             lag: damping over stiffness [s].
-            placement: of the joints.
+            placement: placement of the joints.
         """
         keq = self.modulus * pi * self.radius**4 / 4 / self.length
         down = gravity / np.linalg.norm(gravity)
@@ -74,13 +74,13 @@ RODS = {
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A rod that is held by a wrench at mid length and one at the tip, in its base's axes, and where its points then are.
+    """One solution: a rod with a wrench at mid length and one at the tip, in its base's axes, and the places of its points.
 
     Attributes:
         gravity: (3,) [m/s^2].
         wrenches: (2, 6) force [N], moment [N m].
-        time: (T,) [s]; a single one: a shape at rest.
-        places: (T, 2, 3) [m] of mid and tip.
+        time: (T,) [s]; a single time: a shape at rest.
+        places: (T, 2, 3) places of mid and tip [m].
         lag: damping over stiffness [s].
     """
 
@@ -91,7 +91,7 @@ class Case:
     lag: float = 0.1
 
     def scenario(self, rod: Rod, links: int, placement: Placement = "shifted") -> Scenario:
-        """As the arm is to do it: held, and released at time zero where the file goes on."""
+        """Return the scenario of the arm: held by the wrenches, and released at time zero if the file continues."""
         arm = rod.arm(links, self.gravity, self.lag, placement)
         axes = base_rotations(Arms.of([arm]))[0]
         held = (self.wrenches.reshape(2, 2, 3) @ axes.T).reshape(2, 6)
@@ -105,13 +105,13 @@ class Case:
         return Scenario(arm, time, np.zeros((len(time), 2)), Settled(), markers=markers, loads=loads)
 
     def errors(self, rod: Rod, positions: Array) -> Array:
-        """(T, 2) [% of the length] distances of simulated markers (T, 2, 3), in the world frame, from the places."""
+        """Return distances (T, 2) [% of the length] of simulated markers (T, 2, 3) in the world from the published places."""
         axes = base_rotations(Arms.of([rod.arm(1, self.gravity)]))[0]
         return np.asarray(100 / rod.length * np.linalg.norm(positions[: len(self.time)] @ axes - self.places, axis=2))
 
 
 def shapes(rod: Rod) -> list[Case]:
-    """All shapes at rest."""
+    """Return all shapes at rest of a rod."""
     with (FOLDER / f"statics_{rod.name}.csv").open(encoding="utf-8") as file:
         rows = list(csv.reader(file))[2:]
     table = np.array([[float(cell) for cell in row[1:]] for row in rows]).reshape(-1, 6, 17)
@@ -123,7 +123,7 @@ def shapes(rod: Rod) -> list[Case]:
 
 
 def releases(rod: Rod) -> list[Case]:
-    """All releases."""
+    """Return all releases of a rod."""
     found = []
     for path in sorted(FOLDER.glob(f"dynamics_{rod.name}_*.txt")):
         table = np.loadtxt(path)

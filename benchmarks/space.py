@@ -1,8 +1,8 @@
-"""Two rods in space beside their published solutions, and beside the chain that was published with them.
+"""Two rods in space, compared with their published solutions and with the chain that was published with them.
 
-The reference is a Cosserat rod solved by SoroSim; errors are the mean distance of the tip from it, in % of the rod's length, over
-all shapes at rest, and over 10 s of the releases. The peer is a chain in MuJoCo, whose makers print its errors and its speed on
-their machine; it is not run here.
+The reference is a Cosserat rod solved by SoroSim. Errors are the mean distance of the tip from it, in % of the rod's length, over
+all shapes at rest, and over 10 s of the releases. The peer is a chain in MuJoCo, whose authors publish its errors and its speed
+on their machine; it is not run here.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ _TURNS = 5
 
 
 def absent() -> str:
-    """Why nothing can be measured; empty if it can."""
+    """Return why nothing can be measured; empty if it can."""
     return "" if FOLDER.is_dir() else "the folder `shared` with the published solutions is not beside the repository"
 
 
 def titles() -> list[Title]:
-    """The lines of this measurement."""
+    """Return the lines of this measurement."""
     found = []
     for name in RODS:
         for placement, links in _CHAINS:
@@ -61,7 +61,7 @@ def titles() -> list[Title]:
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Measure them; with ``quick`` a few shapes and one release."""
+    """Yield the measured lines; quick: a few shapes and one release."""
     if reason := absent():
         yield from (Row(title, reason) for title in titles())
         return
@@ -79,21 +79,21 @@ def measure(quick: bool) -> Iterator[Row]:
 
 
 def tip_error_at_rest(rod: Rod, links: int, placement: Placement = "shifted", count: int | None = None) -> float:
-    """Mean over the shapes [% of the length]; one that is not found is infinitely far."""
+    """Return the mean tip error over the shapes [% of the length]; a shape that is not found counts as infinite."""
     cases = shapes(rod)[:count]
     results = simulate_batch([case.scenario(rod, links, placement) for case in cases])
     return float(np.mean([_tip_error(rod, case, result) for case, result in zip(cases, results, strict=True)]))
 
 
 def tip_error_released(rod: Rod, links: int, placement: Placement = "shifted", count: int | None = None) -> float:
-    """Mean over all samples of all releases [% of the length]."""
+    """Return the mean tip error over all samples of all releases [% of the length]."""
     cases = releases(rod)[:count]
     results = simulate_batch([case.scenario(rod, links, placement) for case in cases], **_METHOD)
     return float(np.mean([_tip_error(rod, case, result) for case, result in zip(cases, results, strict=True)]))
 
 
 def times_real_time(rod: Rod, links: int, count: int | None = None) -> float:
-    """Simulated time over the median time of calls that simulate one release after the other, poses and markers included."""
+    """Return simulated time over median run time of calls that simulate one release each, including poses and markers."""
     cases = releases(rod)[:count]
     scenarios = [case.scenario(rod, links) for case in cases]
     times = []

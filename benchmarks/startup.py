@@ -1,4 +1,4 @@
-"""A whole run of `hsr-sim`, as a process, beside one that imports Pinocchio and ends."""
+"""Run time of a whole `hsr-sim` process, compared with a process that only imports Pinocchio."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _PEER = [sys.executable, "-c", "import pinocchio"]
 
 
 def titles() -> list[Title]:
-    """The line."""
+    """Return the line of this measurement."""
     return [Title("`hsr-sim --links 4 --keq 1.11` as a process", "`import pinocchio` as a process", reach=0.25)]
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the line."""
+    """Yield the measured line."""
     run = partial(subprocess.run, stdout=subprocess.DEVNULL, check=True)
     times = medians({"ours": partial(run, _OURS), "theirs": partial(run, _PEER)}, 1 if quick else 11)
     (title,) = titles()

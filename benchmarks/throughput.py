@@ -1,8 +1,8 @@
 """Time to simulate 1 s of a thousand different arms on two cores.
 
-Both in two threads; models are set up beforehand, on both sides. Ours takes steps of its own for every arm, and both use one
-setting for all arms, the cheapest that is accurate for the extremes. MuJoCo, whose time is proportional to the arms, is timed on
-every twentieth.
+Both simulators use two threads, and their models are set up beforehand. hsr_pin takes separate steps for every arm. Both use one
+setting for all arms, the cheapest that is accurate for the extreme arms. MuJoCo's time is proportional to the number of arms, and
+is measured on every twentieth.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ _WORDS = {"keq": "stiffness"}
 
 @dataclass(frozen=True)
 class Fleet:
-    """Arms that differ in some of their numbers."""
+    """Arms that differ in some of their parameters."""
 
     numbers: tuple[str, ...]
     reach: float | None = None
 
     def title(self, error: float, count: int = ARMS) -> Title:
-        """The line for an error [mm]."""
+        """Return the line for an error [mm]."""
         *most, last = (_WORDS.get(name, name) for name in self.numbers)
         words = f"{', '.join(most)} and {last}"
         task = f"1 s of {count:,} arms that differ in {words} to {error:g} mm, N = {LINKS}, {CORES} cores"
         return Title(task, "mujoco.rollout", "mujoco", self.reach)
 
     def arms(self, count: int) -> list[ArmSpecification]:
-        """Evenly spread at random, the same at every call."""
+        """Return arms with uniformly distributed parameters, the same at every call."""
         return self._arms(np.random.default_rng(4).uniform(-1, 1, (count, len(self.numbers))))
 
     def extremes(self) -> list[ArmSpecification]:
-        """The corners of what the others lie in."""
+        """Return the arms at the corners of the parameter range."""
         return self._arms(np.array(list(product((-1.0, 1.0), repeat=len(self.numbers)))))
 
     def _arms(self, draws: Array) -> list[ArmSpecification]:
@@ -64,12 +64,12 @@ FLEETS = (Fleet(("keq", "damping"), reach=60.0), Fleet(("keq", "damping", "mass"
 
 
 def titles() -> list[Title]:
-    """The lines."""
+    """Return the lines of this measurement."""
     return [fleet.title(error) for fleet in FLEETS for error in ERRORS]
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: one of them, on 40 arms."""
+    """Yield the measured lines; quick: one of them, with 40 arms."""
     count = 40 if quick else ARMS
     for fleet in FLEETS[:1] if quick else FLEETS:
         for error in ERRORS[:1] if quick else ERRORS:
@@ -99,7 +99,7 @@ def _measured(fleet: Fleet, error: float, arms: list[ArmSpecification]) -> Row:
 
 
 def _rollout(extremes: list[ArmSpecification], arms: list[ArmSpecification], accurate: Callable[[Array], bool]) -> Solver:
-    """MuJoCo's cheapest accurate setting, for these arms."""
+    """Return MuJoCo's cheapest accurate setting for these arms."""
     from peer_mujoco import METHODS, MujocoRollout
 
     best = cheapest([partial(MujocoRollout, extremes, CORES, method) for method in METHODS], SUBSTEPS, accurate)

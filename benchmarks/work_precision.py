@@ -1,4 +1,4 @@
-"""Time to simulate 1 s of one arm to a given error of the tip, every solver at the cheapest of its settings that reaches it."""
+"""Time to simulate 1 s of one arm to a given tip error, each solver with its cheapest setting that reaches the error."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ PEERS = {"MuJoCo": "mujoco", "SciPy Radau": "", "SciPy LSODA": "", "PyBullet": "
 
 @dataclass(frozen=True)
 class Case:
-    """What is asked for.
+    """One comparison.
 
     Attributes:
-        links: of the arm.
-        error: of the tip [mm].
+        links: number of links of the arm.
+        error: error of the tip [mm].
         sample: time between samples [s].
-        peers: who is asked.
-        reach: at least this many times as fast as MuJoCo, and as SciPy's LSODA.
+        peers: names of the peers.
+        reach: target of the speed relative to MuJoCo, and relative to SciPy's LSODA.
     """
 
     links: int
@@ -36,7 +36,7 @@ class Case:
     reach: tuple[float | None, float | None] = (None, None)
 
     def titles(self) -> list[Title]:
-        """The lines."""
+        """Return the lines of this comparison."""
         often = "" if self.sample == SAMPLE else f", a sample every {1e3 * self.sample:g} ms"
         task = f"1 s of the step to {self.error:g} mm, N = {self.links}{often}"
         reach = dict(zip(("MuJoCo", "SciPy LSODA"), self.reach, strict=True))
@@ -57,12 +57,12 @@ CASES = (
 
 
 def titles() -> list[Title]:
-    """The lines."""
+    """Return the lines of this measurement."""
     return [title for case in CASES for title in case.titles()]
 
 
 def measure(quick: bool) -> Iterator[Row]:
-    """Yield the lines; quick: of the first case."""
+    """Yield the measured lines; quick: those of the first case."""
     for case in CASES[:1] if quick else CASES:
         wanted = case.titles()
         names = ["hsr_pin", *(title.peer for title in wanted if title.installed)]
@@ -82,7 +82,7 @@ def measure(quick: bool) -> Iterator[Row]:
 
 @lru_cache(maxsize=64)
 def solver_of(name: str, links: int, error: float, sample: float = SAMPLE) -> Solver | None:
-    """The cheapest solver of one name for ``links`` and an error [mm]; None if none is accurate in reasonable time."""
+    """Return the cheapest accurate solver of one name for ``links`` and an error [mm]; None if there is none."""
     arm, exact = ArmSpecification(links=links), exact_motion(links, sample)
     ladder: Sequence[float] = SUBSTEPS
     families: list[Make]

@@ -51,7 +51,7 @@ def diagnose(case: Path) -> None:
 
 
 def background(answer: dict[str, Any]) -> set[str]:
-    """Return the names of slight nuisances, which may be named."""
+    """Return the names of slight nuisances, which may be named without a mistake."""
     slight = answer["nuisance"]
     names = {name for name in KINDS if slight.get(name)}
     return names | ({"link_mass", "link_inertia", "centre_of_mass"} if slight.get("nominal_numbers") else set())
@@ -74,7 +74,7 @@ def grade(answer: dict[str, Any], verdict: dict[str, Any]) -> str:
 
 
 def show(answers: dict[str, Any], verdicts: dict[str, Any]) -> None:
-    """Print the table of grades, and every case that is not right."""
+    """Print the table of grades, and every case whose verdict is not right."""
     rows: dict[str, Counter[str]] = {}
     for name, answer in answers.items():
         if name in verdicts:
@@ -93,7 +93,7 @@ def show(answers: dict[str, Any], verdicts: dict[str, Any]) -> None:
 
 
 def load(place: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return answers and verdicts of a folder, or of the file that was written of folders."""
+    """Return answers and verdicts from the folder of a check, or from a file that ``show -o`` wrote."""
     if place.is_file():
         whole = json.loads(place.read_text(encoding="utf-8"))
         return whole["answers"], whole["verdicts"]
@@ -103,7 +103,7 @@ def load(place: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Entry point."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("make", "run", "show"))
     parser.add_argument("places", nargs="+")

@@ -1,11 +1,11 @@
-"""Fit the few numbers of the judgement to diagnoses of cases whose answers are known.
+"""Fit the few constants of the decision rules to diagnoses of cases whose answers are known.
 
-python scripts/calibrate.py RESULTS ANSWERS [RESULTS ANSWERS ...] judges every case anew for many values of the numbers, prints
-how the answers come out, and writes ``hsr_pin/inference/calibration.json`` with ``--write``. RESULTS is the folder of verdicts of
-a check (``hsr-blind run``), ANSWERS the file of its answers (``hsr-blind make``) or the folder of their drafts. A check that
-served here is not reported as a result.
+python scripts/calibrate.py RESULTS ANSWERS [RESULTS ANSWERS ...] evaluates every case again for many values of the constants,
+prints how the answers come out, and writes ``hsr_pin/inference/calibration.json`` with ``--write``. RESULTS is the folder of
+verdicts of a check (``hsr-blind run``). ANSWERS is the file of its answers (``hsr-blind make``) or the folder of their drafts. A
+check that is used here is not reported as a result.
 
-The numbers chosen are the coarsest within one standard error of the best: the fewest samples whose mean log score is no worse
+The chosen constants are the coarsest within one standard error of the best: the fewest samples whose mean log score is no worse
 than the best by more than the standard error of the difference over cases.
 """
 
@@ -31,11 +31,11 @@ from hsr_pin.trajectory import Array
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "hsr_pin" / "inference" / "calibration.json"
-#: Values that are tried: of the number of samples, of the price of a cause, of a flexible law's.
+#: Values that are tried: number of samples, prior penalty of a cause, and additional penalty of a flexible law.
 SAMPLES = (6.0, 8.0, 10.0, 12.0, 14.0, 17.0, 20.0, 25.0, 30.0)
 CAUSES = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0)
 FLEXIBLES = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-#: No probability of the truth counts as smaller than this: one case must not decide.
+#: Lower bound of the probability of the truth, so that no single case dominates.
 LEAST = 0.01
 
 
@@ -44,8 +44,11 @@ class Case:
     """One diagnosed case with its answer.
 
     Attributes:
-        models: of the judgement. special: pairs (k, n), model k being a special case of model n.
-        data: their scale. answer: the truth. status: of the verdict that was written.
+        models: models of the diagnosis.
+        special: pairs (k, n) such that model k is a special case of model n.
+        data: scale of the data.
+        answer: the truth.
+        status: status of the verdict that was written.
     """
 
     models: tuple[Model, ...]
@@ -55,30 +58,30 @@ class Case:
     status: str
 
     def judged(self, numbers: Calibration) -> Posterior:
-        """The posterior with other numbers."""
+        """Return the posterior with other constants."""
         place = {id(model): k for k, model in enumerate(self.models)}
         return posterior(self.models, self.data, numbers, lambda one, other: (place[id(one)], place[id(other)]) in self.special)
 
     def right(self, names: Sequence[str]) -> bool:
-        """Whether a set of causes is the truth; that it is of the right kind, for laws that stand for theirs."""
-        said = [kinds_of(name)[:1] if name in FLEXIBLE or name not in self.known else (name,) for name in names]
+        """Return whether a set of causes is the truth; a flexible law is right if its kind is."""
+        claims = [kinds_of(name)[:1] if name in FLEXIBLE or name not in self.known else (name,) for name in names]
         kinds = {kind for kinds in self.answer.kinds for kind in kinds}
         if self.answer.kind in RIGHT:
-            return all(name in kinds for each in said for name in each) if self.answer.kind == "outside" else not names
-        own = {name for each in said for name in each}
+            return all(name in kinds for each in claims for name in each) if self.answer.kind == "outside" else not names
+        own = {name for each in claims for name in each}
         found = all(own & {*names, *kinds} for names, kinds in zip(self.answer.names, self.answer.kinds, strict=True))
         return found and own <= {name for each in self.answer.names for name in each} | set(self.answer.background) | kinds
 
     @property
     def known(self) -> set[str]:
-        """Names of causes that are no stand-ins."""
+        """Names of causes that are not flexible laws."""
         return {cause.name for model in self.models for cause in model.causes if not cause.flexible}
 
 
 def cases(results: Path, answers: Path) -> Iterator[Case]:
-    """Every case of a check that was searched."""
-    told = sorted(answers.glob("case_*.json")) if answers.is_dir() else []
-    entries = [json.loads(file.read_text(encoding="utf-8")) for file in told]
+    """Yield every case of a check with a posterior."""
+    drafts = sorted(answers.glob("case_*.json")) if answers.is_dir() else []
+    entries = [json.loads(file.read_text(encoding="utf-8")) for file in drafts]
     entries = entries or json.loads(answers.read_text(encoding="utf-8"))["cases"]
     known = {entry["name"]: Answer.of(entry) for entry in entries}
     for file in sorted(results.glob("case_*.json")):
@@ -88,7 +91,7 @@ def cases(results: Path, answers: Path) -> Iterator[Case]:
 
 
 def case_of(document: dict[str, Any], answer: Answer) -> Case:
-    """From the JSON of a diagnosis."""
+    """Return the case from the JSON document of a diagnosis."""
     fitted, rest = document["candidates"], document["posterior"].get("unfitted", [])
     models = tuple(
         Model(
@@ -104,7 +107,7 @@ def case_of(document: dict[str, Any], answer: Answer) -> Case:
 
 
 def scores(found: Sequence[Case], numbers: Calibration) -> Array:
-    """(n,) log of the probability that each case gives to the truth [nats]."""
+    """Return the log probability that each case gives to the truth, (n,) [nats]."""
     return np.log(np.maximum([_of_truth(case, case.judged(numbers)) for case in found], LEAST))
 
 
@@ -113,14 +116,14 @@ def _of_truth(case: Case, judged: Posterior) -> float:
 
 
 def outcome(case: Case, report: Decision) -> str:
-    """How a report comes out, as the blind check grades it, but for statuses that no number here decides."""
-    said = {name for names in report.sets for name in names} or set(report.names)
+    """Return the grade of a decision as in the blind check, except for statuses that do not depend on the constants here."""
+    named = {name for names in report.sets for name in names} or set(report.names)
     if not report.sets and not report.kinds:
         return "right" if case.answer.kind in RIGHT else "silent"
     if report.sets and any(case.right(names) for names in report.sets):
         return "exact" if len(report.sets) == 1 else "alternatives"
     kinds = {kind for each in case.answer.kinds for kind in each}
-    if not said - set(PLAIN_PARAMETERS):
+    if not named - set(PLAIN_PARAMETERS):
         return "kind" if kinds and set(report.kinds) <= kinds else "wrong kind"
     true = {name for each in case.answer.names for name in each} | set(case.answer.background)
     sets = report.sets or (report.names,)
@@ -128,7 +131,7 @@ def outcome(case: Case, report: Decision) -> str:
 
 
 def main() -> None:
-    """Print what comes of the numbers in use, of all that are tried, and of the chosen ones."""
+    """Print the outcomes with the constants in use, the best ones and the chosen ones."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pairs", nargs="+", type=Path, metavar="RESULTS ANSWERS")
     parser.add_argument("--write", action="store_true", help="write the chosen numbers")
@@ -155,13 +158,13 @@ def main() -> None:
 
 
 def _near(own: Array, best: Array) -> bool:
-    """Whether a mean score is no worse than the best by more than the standard error of the difference."""
+    """Return whether a mean score is worse than the best by at most the standard error of the difference."""
     difference = best - own
     return float(difference.mean()) <= float(difference.std(ddof=1)) / len(own) ** 0.5 + 1e-12
 
 
 def document(chosen: Calibration, near: Sequence[Calibration], count: int) -> dict[str, Any]:
-    """What is written: each number, and the range of it that the cases do not tell apart."""
+    """Return the document to write: each constant, and the range of values that the cases do not distinguish."""
     fitted = ("samples", "cause", "flexible")
     numbers: dict[str, Any] = {name: {"value": value} for name, value in vars(chosen).items()}
     for name in fitted:
@@ -171,7 +174,7 @@ def document(chosen: Calibration, near: Sequence[Calibration], count: int) -> di
 
 
 def report(title: str, found: Sequence[Case], numbers: Calibration) -> None:
-    """Print what comes of some numbers."""
+    """Print the mean score, the grades of all cases, and the reliability of stated names for given constants."""
     log_scores = scores(found, numbers)
     print(f"{title}: {numbers}: log score {log_scores.mean():.3f}")
     rows: dict[tuple[str, str], Counter[str]] = {}
@@ -188,7 +191,7 @@ def report(title: str, found: Sequence[Case], numbers: Calibration) -> None:
     for low, high in ((0.0, 0.2), (0.2, 0.5), (0.5, 0.85), (0.85, 0.95), (0.95, 1.01)):
         own = [(p, so) for p, so in claims if low <= p < high]
         if own:
-            print(f"  names stated {np.mean([p for p, _ in own]):.2f}: right {sum(so for _, so in own)} of {len(own)}")
+            print(f"  names stated with {np.mean([p for p, _ in own]):.2f}: {sum(so for _, so in own)} of {len(own)} are right")
 
 
 def _names(judged: Posterior) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Print the catalogue of effects as Markdown tables: of any arm, and of arms in space alone."""
+"""Print the catalogue of effects as Markdown tables: effects of any arm, and effects of arms in space only."""
 
 from collections.abc import Iterable
 
@@ -9,7 +9,7 @@ HEADER = "| name | what the nominal model lacks | typical cause | parameters |\n
 
 
 def row(effect: type[Effect]) -> str:
-    """One line: amplitudes with their bounds first, then shapes, then options."""
+    """Return one row of the table: amplitudes with their bounds first, then shapes, then options."""
     facts = sorted(effect.parameters(), key=lambda fact: not fact.amplitude)
     units = {fact.name: "" if fact.unit == "1" else f" {fact.unit}" for fact in facts}
     words = [f"`{fact.name}` {fact.lower:g} to {fact.upper:g}{units[fact.name]}" for fact in facts]
@@ -18,7 +18,7 @@ def row(effect: type[Effect]) -> str:
 
 
 def table(effects: Iterable[type[Effect]]) -> str:
-    """A whole table, in the order of the catalogue."""
+    """Return a whole table, in the order of the catalogue."""
     return HEADER + "".join(map(row, effects))
 
 

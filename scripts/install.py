@@ -1,7 +1,7 @@
-"""Install hsr_pin from this checkout into .venv: uv and every dependency as pinned in constraints.txt, their hashes verified.
+"""Install hsr_pin from this checkout into .venv, with uv and every dependency as pinned in constraints.txt, hashes verified.
 
-The inner loops of the simulation are compiled too, once for this machine. Needs a Python with pip, or uv. Names of dependency
-groups may follow: python3 scripts/install.py test. With --no-compile the first simulation compiles.
+The inner loops of the simulation are compiled too, once for this machine. A Python with pip, or uv, is needed. Names of
+dependency groups may follow: python3 scripts/install.py test. With --no-compile the first simulation compiles the loops.
 """
 
 import os
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def find_uv() -> str:
-    """Return the path of uv; where it is missing, pip fetches the pinned one into .uv, which no system's rules forbid."""
+    """Return the path of uv; if it is missing, pip installs the pinned version into .uv, which no system policy forbids."""
     local = ROOT / ".uv" / "bin" / "uv"
     if not local.exists() and not shutil.which("uv"):
         quiet = {"PIP_ROOT_USER_ACTION": "ignore", "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_USER": "0"}
@@ -34,7 +34,7 @@ def pin(package: str) -> str:
     return re.search(rf"^{package}==.*(\n .*)*", pins, re.MULTILINE)[0]
 
 
-#: What is compiled side by side.
+#: Programs that compile the loops, run in parallel.
 LOOPS = (
     "from hsr_pin.simulation.compiled import loops; loops()",
     "from hsr_pin.simulation.compiled import marker_projector, precompile_laws; "
@@ -44,7 +44,7 @@ LOOPS = (
 
 
 def compile_loops() -> None:
-    """Compile the inner loops into numba's cache; where that fails, the first simulation does it, and says why it cannot."""
+    """Compile the inner loops into numba's cache; if this fails, the first simulation compiles them, and reports an error."""
     python = ROOT / ".venv" / ("Scripts" if os.name == "nt" else "bin") / "python"
     started = [subprocess.Popen([python, "-c", code], cwd=ROOT, stderr=subprocess.DEVNULL) for code in LOOPS]
     for process in started:
@@ -52,7 +52,7 @@ def compile_loops() -> None:
 
 
 def main() -> None:
-    """Create .venv where it is missing, and bring what is in it up to date."""
+    """Create .venv if it is missing, and update its packages."""
     asked = sys.argv[1:]
     uv, groups = find_uv(), ",".join(word for word in asked if word != "--no-compile")
     pins = ["--constraints", "constraints.txt", "--build-constraints", "constraints.txt"]
@@ -70,4 +70,4 @@ if __name__ == "__main__":
     try:
         main()
     except subprocess.CalledProcessError as error:
-        sys.exit(error.returncode)  # pip or uv has said why
+        sys.exit(error.returncode)  # pip or uv has printed the reason

@@ -1,7 +1,7 @@
-"""Draw the README's moving picture: a trial that no model was fitted to, beside the declared model and beside the corrected one.
+"""Draw the animation of the README: a held-out trial, compared with the declared model and with the corrected model.
 
-The recordings are diagnosed without that trial, and it is simulated with what was found. An animated SVG, without a script, at a
-quarter of the speed; where nothing moves it shows the end.
+The recordings are diagnosed without that trial, and the trial is simulated with the most probable model. The output is an
+animated SVG without a script, at a quarter of the speed; viewers without animation show the end.
 
     python scripts/moving_picture.py ../shared/recordings/sample-steps --trial trial_06 -o docs/moving.svg
 """
@@ -20,21 +20,23 @@ from hsr_pin.trajectory import Array, Dataset
 from hsr_pin.view.session import Answer, Session
 from hsr_pin.view.settings import Settings
 
-#: Seconds of the recording that are shown, every so many seconds; times slower; a pause at the end [s].
+#: Start and end of the shown part [s], time between frames [s], slow-motion factor, and pause at the end [s].
 START, END, EVERY, SLOWER, PAUSE = 0.2, 1.2, 0.02, 4.0, 1.5
-#: Pixels: of a panel, from its left edge, and the height of its curve of errors.
+#: Width and height of a panel, its margin, and the height of its error curve [pixels].
 WIDTH, HEIGHT, MARGIN, ERRORS = 400, 350, 14, 90
-#: Simulated and measured: Okabe and Ito's blue and vermilion.
+#: Colours of simulated and measured motion: Okabe and Ito's blue and vermilion.
 SIMULATED, MEASURED = "#0072B2", "#D55E00"
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What one panel shows.
+    """Content of one panel.
 
     Attributes:
-        title, about: in large and in small letters.
-        arm: (T, P, 2) [mm] simulated. markers: (T, M, 2) [mm] measured. error: (T,) [mm].
+        title, about: title and subtitle.
+        arm: (T, P, 2) simulated points of the arm [mm].
+        markers: (T, M, 2) measured marker points [mm].
+        error: (T,) distance of the markers [mm].
     """
 
     title: str
@@ -45,7 +47,7 @@ class Motion:
 
 
 def motions(dataset: Dataset, trial: str, frames: int) -> list[Motion]:
-    """The trial beside the model as declared, and beside what a diagnosis of the other trials found."""
+    """Return the panels of a trial: with the declared model, and with the model that a diagnosis of the other trials found."""
     found = diagnose(dataset, test=[trial])
     if found.search is None:
         raise SystemExit(f"{dataset.name}: {found.verdict.sentence}")
@@ -67,7 +69,7 @@ def motions(dataset: Dataset, trial: str, frames: int) -> list[Motion]:
 
 
 def picture(drawn: list[Motion]) -> str:
-    """The SVG."""
+    """Return the SVG text of the panels."""
     every = np.concatenate([np.concatenate([m.arm.reshape(-1, 2), m.markers.reshape(-1, 2)]) for m in drawn])
     low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
     scale = min((WIDTH - 2 * MARGIN - 20) / (high[0] - low[0]), (HEIGHT - 90) / (high[1] - low[1]))
@@ -132,7 +134,7 @@ def _panel(motion: Motion, left: float, low: Array, high: Array, scale: float, m
 
 
 def _moving(attribute: str, values: list[str]) -> str:
-    """An attribute that goes through its values, and waits at the last."""
+    """Return an SVG animation of an attribute through its values, with a pause at the last one."""
     move = SLOWER * (END - START)
     times = [*(f"{t:.4f}".rstrip("0") for t in np.linspace(0, move / (move + PAUSE), len(values))), "1"]
     return (
@@ -142,7 +144,7 @@ def _moving(attribute: str, values: list[str]) -> str:
 
 
 def main() -> None:
-    """Entry point."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dataset")
     parser.add_argument("--trial", required=True)

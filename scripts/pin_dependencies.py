@@ -1,7 +1,7 @@
 """Write constraints.txt: every dependency of every group, for Python 3.10 to 3.13, pinned by version and hash.
 
-What is pinned already stays as long as pyproject.toml allows it; --upgrade takes the newest of everything. Arguments go to uv.
-Only the public index is asked, whatever this machine is set up for, and its address is not written down.
+Existing pins are kept as long as pyproject.toml allows them; --upgrade takes the newest version of everything. Arguments are
+passed to uv. Only the public index is used, whatever this machine is configured for, and its address is not written.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ COMPILE = (
 
 
 def main() -> None:
-    """Run uv, which must be installed (group test), then set the header."""
+    """Run uv, which must be installed (group test), then write the header."""
     target = ROOT / "constraints.txt"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("UV_")}
     subprocess.run([sys.executable, *shlex.split(COMPILE), *sys.argv[1:]], check=True, cwd=ROOT, env=environment)
     pins = target.read_text(encoding="utf-8").removeprefix(HEADER)
     if "://" in pins:
-        sys.exit("constraints.txt holds an address: a dependency is pinned by where it lies instead of by version")
+        sys.exit("constraints.txt contains an address: a dependency is pinned by a URL instead of by a version")
     target.write_text(HEADER + pins, encoding="utf-8")
 
 

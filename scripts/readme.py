@@ -1,11 +1,11 @@
-"""Bring the outputs that README.md and the pages in docs/ show up to date, or check that they are.
+"""Update the command outputs in README.md and on the pages in docs/, or check that they are current.
 
-There, a block of output stands between two lines::
+A block of output stands between two lines::
 
     <!-- output of: hsr-sim --links 4 --keq 1.11 -->
     <!-- end of output -->
 
-A command that reads ``../shared`` needs that folder; it is left alone where the folder is absent.
+A command that reads ``../shared`` needs that folder; its block is left unchanged if the folder is absent.
 
     python scripts/readme.py            rewrite every block (about a quarter of an hour)
     python scripts/readme.py --quick    rewrite the blocks of quick commands (a minute)
@@ -29,13 +29,13 @@ SHARED = "../shared"
 
 
 def is_slow(command: str) -> bool:
-    """Diagnoses take minutes, examples are run by tests of their own; everything else takes a second."""
+    """Return whether a command takes more than about a second, or is run by tests of its own, such as diagnoses and examples."""
     diagnoses = command.startswith("hsr-diagnose") and "--help" not in command
     return diagnoses or any(word in command for word in (SHARED, "examples/", "self_test", "benchmarks/"))
 
 
 def output_of(command: str) -> str:
-    """What a command prints in a pipe 100 columns wide, run from the root of the repository."""
+    """Return the output of a command in a pipe 100 columns wide, run from the root of the repository."""
     words = shlex.split(command)
     if words[0] == "python":
         words[0] = sys.executable
@@ -47,17 +47,17 @@ def output_of(command: str) -> str:
 
 
 def block_of(command: str) -> str:
-    """The block as it should stand on a page: a table as it is, anything else fenced."""
+    """Return the content of a block: a table unchanged, other output in a fenced block."""
     text = output_of(command)
     return text if text.startswith("|") else f"```text\n{text}```\n"
 
 
 def main() -> int:
-    """Entry point."""
+    """Run the command line, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="compare the quick blocks instead of rewriting all")
-    parser.add_argument("--quick", action="store_true", help="rewrite the blocks of quick commands alone")
-    parser.add_argument("--only", default="", metavar="TEXT", help="only the commands with this text in them")
+    parser.add_argument("--quick", action="store_true", help="rewrite the blocks of quick commands only")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only the commands that contain this text")
     chosen = parser.parse_args()
     checking, wanted = chosen.check, chosen.only
     stale = []

@@ -1,8 +1,8 @@
-"""What has changed between recordings of real arms, where it is known: payloads not declared, sessions repeated, files edited.
+"""Diagnose known changes between recordings of real arms: undeclared payloads, repeated sessions, edited files.
 
     python scripts/real_changes.py ../shared/recordings [NAME ...]
 
-Takes minutes. One line for each: what was done, what was said.
+This takes minutes. One line is printed for each change: the change, and the verdict.
 """
 
 from __future__ import annotations
@@ -24,28 +24,29 @@ from hsr_pin.trajectory import Trial
 
 
 def chosen(dataset: Dataset, wanted: Callable[[Trial], bool]) -> Dataset:
-    """Some trials of a recording."""
+    """Return the dataset with selected trials only."""
     return replace(dataset, trials=tuple(filter(wanted, dataset.trials)))
 
 
 def trunk(recordings: Path, mass: float, first: int = 0, arm: float | None = None) -> Dataset:
-    """Six releases, every other one, with this payload [kg]; of an arm of another mass [kg] than the one that is declared."""
+    """Return six releases, every second one, with a payload [kg]; ``arm`` replaces the declared mass of the arm [kg]."""
     dataset = chosen(read_dataset(recordings / "real-trunk"), lambda trial: abs(trial.tip_mass - mass) < 0.01)
     return replace(dataset, trials=dataset.trials[first::2][:6], mass=arm or dataset.mass)
 
 
 def beam(recordings: Path, mass: float) -> Dataset:
-    """Two releases with this payload [kg]."""
+    """Return two releases with a payload [kg]."""
     return chosen(read_dataset(recordings / "real-beam"), lambda trial: abs(trial.tip_mass - mass) < 0.001)
 
 
 def day(recordings: Path, number: int) -> Dataset:
-    """Three trials that repeat one command: Jan 10-3, 10-4 or 10-5."""
+    """Return three trials that repeat one command on one day: Jan 10-3, 10-4 or 10-5."""
     dataset = read_dataset(recordings / "real-pneumatic")
     return replace(dataset, trials=dataset.trials[3 * number - 9 : 3 * number - 6])
 
 
-#: Name -> what was done, NEW, OLD, from when releases are followed [s]: a hand may still touch the trunk for a while.
+#: Change, later dataset, earlier dataset, and time after a release from which samples are used [s]; before, a hand may still
+#: touch the trunk.
 Case = tuple[str, Callable[[Path], Dataset], Callable[[Path], Dataset], float]
 CASES: dict[str, Case] = {
     "trunk": ("300 g declared as 200 g", lambda at: declare_payload(trunk(at, 0.3), 0.1), partial(trunk, mass=0.2), 0.1),
@@ -70,7 +71,7 @@ CASES: dict[str, Case] = {
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Entry point."""
+    """Diagnose the named changes, or all of them, and return the exit code."""
     recordings, *names = arguments
     for name in names or CASES:
         done, new, old, delay = CASES[name]

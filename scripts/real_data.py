@@ -1,6 +1,6 @@
-"""Print, as Markdown, how well fitted arms predict real recordings that they were not fitted to.
+"""Print, as Markdown, how well fitted arms predict held-out real recordings.
 
-Usage: scripts/real_data.py [folder of recordings]. Default: ../shared/recordings beside the repository. Takes about a minute.
+Usage: scripts/real_data.py [folder of recordings]. Default: ../shared/recordings next to the repository. Takes about a minute.
 """
 
 import sys
@@ -20,7 +20,7 @@ HEADER = (
     "| dataset | fitted to | predicted | parameters | tip RMS fitted | tip RMS predicted | as declared | "
     "all markers, predicted | scatter of rests taken out |\n" + "|---" * 9 + "|\n"
 )
-#: Samples at the end of a release in which it is at rest.
+#: Number of samples at the end of a release in which the arm is at rest.
 REST = 30
 
 
@@ -29,11 +29,11 @@ class Case:
     """One prediction.
 
     Attributes:
-        dataset: its folder's name.
+        dataset: name of the folder.
         train: patterns of the trials that are fitted; all others are predicted.
-        fitted, predicted: what these are, in words.
-        free: parameters.
-        delay: [s] after the declared start.
+        fitted, predicted: description of the fitted and of the predicted trials.
+        free: names of the fitted parameters.
+        delay: time after the declared start from which samples are used [s].
     """
 
     dataset: str
@@ -56,18 +56,18 @@ CASES = (
 
 
 def found_in(folder: Path, case: Case) -> Identification:
-    """Carry out one case."""
+    """Return the identification of one case."""
     return identify(read_dataset(folder / case.dataset), free=case.free, train=case.train, delay=case.delay)
 
 
 def aligned(missed: Sequence[Array]) -> list[Array]:
-    """For each trial (T, M, A) [m] what is missed apart from where it rests in place of where all of them do in the mean."""
+    """Return the errors of each trial, (T, M, A) [m], minus the deviation of its rest error from the mean over trials."""
     rests = [np.nanmean(each[-REST:], axis=0) for each in missed]
     return [each - (rest - np.mean(rests, axis=0)) for each, rest in zip(missed, rests, strict=True)]
 
 
 def row(case: Case, found: Identification) -> str:
-    """One line of the table."""
+    """Return one row of the table."""
     length = found.experiment.dataset.length
     values = ", ".join(f"{name} {value:.3g}" for name, value in found.fit.named.items())
     start = f", from {case.delay:g} s on" if case.delay else ""
@@ -78,7 +78,7 @@ def row(case: Case, found: Identification) -> str:
 
 
 def limits(found: Identification) -> str:
-    """What no planar model with one rest pose can predict: motion out of the plane, and a rest pose that differs each time."""
+    """Return the limits of a planar model with one rest pose: motion out of the plane, and scatter of the rest pose."""
     runs = [run.measured[:, found.tip] for run in found.heldout_experiment.runs]
     out = 1e3 * np.sqrt(np.nanmean(np.concatenate([tip[:, 1] ** 2 for tip in runs])))
     rest = 1e3 * np.array([np.nanmean(tip[-30:], axis=0) for tip in runs])

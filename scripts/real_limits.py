@@ -1,10 +1,10 @@
-"""Print what two real recordings show without a model of the arm, and what a model is therefore not to be asked.
+"""Print what two real recordings show without a model of the arm, and thus what a model cannot be expected to predict.
 
-Usage: scripts/real_limits.py [folder of recordings]. Default: ../shared/recordings beside the repository. Takes a few seconds.
+Usage: scripts/real_limits.py [folder of recordings]. Default: ../shared/recordings next to the repository. Takes a few seconds.
 
-Of the beam: how it swings, with a payload and without, as a report tells it among its fingerprints. Of the pneumatic arm: how
-late its supply is, by pressures that were measured beside those that were commanded, as a delay with a time constant for filling
-and one for venting (the law of ``unequal_lag``).
+For the beam: the decay of its oscillation, with and without a payload, as in the model-free indicators of a report. For the
+pneumatic arm: the lag of its supply, from measured and commanded pressures, as a delay with one time constant for filling and one
+for venting (the law of ``unequal_lag``).
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
-#: Of the supply: step of its simulation [s], chambers that bend the arm in its plane, and where a fit starts (rise, fall, delay).
+#: Supply: step of its simulation [s], chambers that bend the arm in its plane, initial rise, fall and delay of the fit [s].
 STEP, CHAMBERS, START = 0.01, ("1A", "1B", "2A", "2B"), (0.3, 1.0, 0.2)
 
 
 def supplied(time: np.ndarray, command: np.ndarray, rise: float, fall: float, delay: float) -> np.ndarray:
-    """(T,) what becomes of a command that comes late, with a time constant for each way."""
+    """Return the response (T,) to a command after a delay and a first-order lag with time constants for rise and fall."""
     grid = np.arange(time[0], time[-1] + STEP, STEP)
     wanted = np.interp(grid - delay, time, command)
     here, values = wanted[0], np.empty_like(wanted)
@@ -38,7 +38,7 @@ def supplied(time: np.ndarray, command: np.ndarray, rise: float, fall: float, de
 
 
 def supply(trials: list[dict[str, np.ndarray]]) -> tuple[float, float, float, float, float]:
-    """Rise, fall, delay [s], and the RMS [bar] that they leave of the measured pressures and that a supply without them would."""
+    """Return rise, fall and delay [s], and the RMS error of the pressures [bar] with and without this response."""
 
     def missed(values: np.ndarray) -> np.ndarray:
         rows = []
@@ -46,7 +46,7 @@ def supply(trials: list[dict[str, np.ndarray]]) -> tuple[float, float, float, fl
             for chamber in CHAMBERS:
                 model = supplied(trial["t"], trial[f"command{chamber}"], *values)
                 seen = trial[f"measured{chamber}"]
-                columns = np.stack([np.ones_like(model), model], axis=1)  # sensors are off by a constant and a factor
+                columns = np.stack([np.ones_like(model), model], axis=1)  # sensors have an offset and a gain error
                 rows.append(seen - columns @ np.linalg.lstsq(columns, seen, rcond=None)[0])
         return np.concatenate(rows)
 
@@ -57,7 +57,7 @@ def supply(trials: list[dict[str, np.ndarray]]) -> tuple[float, float, float, fl
 
 
 def pressures(folder: Path) -> list[dict[str, np.ndarray]]:
-    """Of each trial the columns of its pressures [bar], and its times [s]."""
+    """Return the columns of the pressures [bar] and times [s] of each trial."""
     trials = []
     for file in sorted(folder.glob("*.csv")):
         with file.open(encoding="utf-8") as text:
@@ -67,7 +67,7 @@ def pressures(folder: Path) -> list[dict[str, np.ndarray]]:
 
 
 def main() -> None:
-    """Print both."""
+    """Print both results."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT.parent / "shared" / "recordings"
     swings = decay(prepare(read_dataset(folder / "real-beam")))
     print(swings.sentence if swings else "The beam does not swing.")

@@ -1,9 +1,9 @@
-"""Simulate each effect of the catalogue with hsr-sim as it is, diagnose the recording, and print what is found.
+"""Simulate each effect of the catalogue with hsr-sim, diagnose the recording, and print the result.
 
     python scripts/self_test.py [EFFECT ...]
 
-This is no evidence: simulation and diagnosis are the same model. It shows what the default experiment, three steps from rest at
-one stiffness, can tell apart when all else is exact. About ten minutes of two cores.
+This is no evidence of accuracy, because simulation and diagnosis use the same model. It shows what the default experiment, three
+steps from rest at one stiffness, can distinguish if everything else is exact. It takes about ten minutes on two cores.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.effects.catalogue import parse_effect
 from hsr_pin.inference.uncertainty import uncertainty
 
-#: Every effect, as large as one would notice.
+#: Every effect, with a size that is clearly visible.
 CASES = (
     "stiffness_gradient:slope=-0.9",
     "soft_spot:depth=0.7,centre=0.35,width=0.08",
@@ -58,14 +58,14 @@ CASES = (
 
 
 def recorded(effect: str, folder: Path) -> Path:
-    """The dataset that hsr-sim writes with an effect."""
+    """Return the dataset that hsr-sim writes with an effect."""
     command = [Path(sys.executable).parent / "hsr-sim", "--effect", effect, "--csv", folder / "made"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return folder / "made"
 
 
 def told(found: Diagnosis, effect: str) -> str:
-    """What the diagnosis says of an effect that is there: named, among how many alternatives, another answer; and its size."""
+    """Return how the diagnosis reports the true effect: named, among alternatives or not found, and with which values."""
     law, verdict = parse_effect(effect), found.verdict
     sets = verdict.alternatives or (verdict.effects,)
     special = [names[0] for names in sets if len(names) == 1 and names[0] in law.contains]
@@ -83,7 +83,7 @@ def told(found: Diagnosis, effect: str) -> str:
 
 
 def main() -> None:
-    """Print a line for each effect."""
+    """Print one line for each effect."""
     for effect in [each for each in CASES if not sys.argv[1:] or each.partition(":")[0] in sys.argv[1:]]:
         with TemporaryDirectory() as folder:
             found = diagnose(recorded(effect, Path(folder)))

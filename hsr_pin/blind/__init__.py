@@ -1,1 +1,1 @@
-"""The blind check: recordings from plants that share nothing with the model, whose effect is withheld."""
+"""Blind check of the diagnosis on recordings from independent simulators, whose effect is withheld until the score."""

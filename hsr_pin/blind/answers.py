@@ -1,4 +1,4 @@
-"""The answers of a blind check: one file, sealed by its hash, kept apart from the recordings."""
+"""Answers of a blind check: one file, sealed by its hash and kept apart from the recordings."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ _HASH = "SHA-256 of the answers: "
 
 @dataclass(frozen=True)
 class Answer:
-    """What is in one case.
+    """True content of one case.
 
     Attributes:
         name, kind, tier: as in :class:`~hsr_pin.blind.cases.Case`.
-        effects: names, those of the catalogue where it holds them.
-        size: the named size that was reached, of a single effect or a law outside the catalogue; else empty.
-        names: for each effect, those that are right for it; kinds: for each effect, those that describe it.
-        background: names of small effects that are there too and may be noticed.
-        facts: everything else, for people: laws with parameters, gaps, plant, program, nuisances, seed.
+        effects: names of the effects, as in the catalogue if it contains them.
+        size: named size of the marker gap of a single effect or of a law outside the catalogue; else empty.
+        names: for each effect, the names that are right answers.
+        kinds: for each effect, the kinds of physics that describe it.
+        background: names of small additional effects that may be named without a mistake.
+        facts: all other facts, for people: laws with parameters, gaps, plant, program, nuisances, seed.
     """
 
     name: str
@@ -49,14 +50,14 @@ class Answer:
             object.__setattr__(self, "kinds", tuple(map(kinds_of, self.effects)))
 
     def document(self) -> dict[str, Any]:
-        """As it stands in the file."""
-        told = {"name": self.name, "tier": self.tier, "kind": self.kind, "effects": list(self.effects), "size": self.size}
+        """Return the answer as a JSON document."""
+        fields = {"name": self.name, "tier": self.tier, "kind": self.kind, "effects": list(self.effects), "size": self.size}
         truth = {"names": [*map(list, self.names)], "kinds": [*map(list, self.kinds)], "background": list(self.background)}
-        return {**told, **truth, **self.facts}
+        return {**fields, **truth, **self.facts}
 
     @classmethod
     def of(cls, document: dict[str, Any]) -> Answer:
-        """From what `document` gave."""
+        """Return the answer from a document that :meth:`document` returned."""
         facts = dict(document)
         name, kind, effects, size = (facts.pop(key) for key in ("name", "kind", "effects", "size"))
         tier = facts.pop("tier", "clean")
@@ -65,7 +66,7 @@ class Answer:
 
 
 def seal(folder: Path, file: Path, seed: int, answers: list[Answer]) -> None:
-    """Write the answers to ``file`` and their hash into ``folder``."""
+    """Write the answers to ``file``, and their hash into ``folder``."""
     document = {"format": FORMAT, "seed": seed, "cases": [answer.document() for answer in answers]}
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     write_text(file, text)
@@ -73,10 +74,10 @@ def seal(folder: Path, file: Path, seed: int, answers: list[Answer]) -> None:
 
 
 def unseal(folder: Path, file: Path) -> list[Answer]:
-    """The answers, if they are those that were sealed.
+    """Return the answers, after comparing them with the hash in the folder.
 
     Raises:
-        InputError: they are not, or there are none.
+        InputError: the answers are missing, or they differ from the sealed ones.
     """
     try:
         sealed = read_text(folder / SEAL, LARGEST_RESULT)
@@ -85,11 +86,11 @@ def unseal(folder: Path, file: Path) -> list[Answer]:
         expected, received = f"{SEAL} in the folder, and the file", error.received or error.subject
         raise InputError("answers", expected=expected, received=received, file=error.file) from error
     if f"{_HASH}{_digest(content)}\n" not in sealed:
-        raise InputError("answers", expected=f"the hash that {SEAL} gives", received=_digest(content), file=file)
+        raise InputError("answers", expected=f"the hash in {SEAL}", received=_digest(content), file=file)
     try:
         return [Answer.of(case) for case in json.loads(content)["cases"]]
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError("answers", expected="what hsr-blind make wrote", received=repr(error), file=file) from error
+        raise InputError("answers", expected="answers written by hsr-blind make", received=repr(error), file=file) from error
 
 
 def _digest(content: bytes) -> str:

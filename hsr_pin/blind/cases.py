@@ -1,4 +1,4 @@
-"""The plan of a blind check: which case holds which effects, how large, recorded how. All follows from a seed."""
+"""Plan of a blind check: effects, sizes, plant and program of each case, all derived from one seed."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from hsr_pin.blind.plants.scaling import SIZES
 from hsr_pin.errors import InputError
 
 T = TypeVar("T")
-#: Kind of case, its effects, their sizes.
+#: Kind of case, its effects, and their sizes.
 Content = tuple[str, tuple[str, ...], tuple[str, ...]]
 
-#: Kind of case -> its share of the clean tier. 57 of 100: each of the nineteen effects at its three sizes.
+#: Kind of case -> its share of the clean tier; 57 of 100 cases are nineteen effects at three sizes each.
 SHARES: dict[str, float] = {"single": 0.57, "pair": 0.15, "none": 0.12, "outside": 0.16}
-#: Sizes of each effect of a pair, and wherever else of barely visible ones nobody could tell.
+#: Sizes of effects in pairs, and in all other cases in which barely visible effects could not be diagnosed.
 PAIR_SIZES = ("medium", "large")
-#: Mixtures of what is done to the arm.
+#: Programs: combinations of kinds of trials.
 PROGRAMS = (
     "steps",
     "steps+releases",
@@ -34,20 +34,26 @@ PROGRAMS = (
 )
 MOUNTS = ("hanging", "upright")
 INPUTS = ("pressures", "tau")
-#: Every so many cases one is recorded on the rod, which takes longer: only where its program is short and it knows the law.
-ROD_EVERY, ROD_PROGRAMS, ROD_LACKS = 8, ("steps", "steps+releases"), ("wall",)
+#: One of so many cases is recorded on the rod, which takes longer, with short programs and supported laws only.
+ROD_EVERY, ROD_PROGRAMS, ROD_UNSUPPORTED = 8, ("steps", "steps+releases"), ("wall",)
 
 
 @dataclass(frozen=True)
 class Case:
-    """One case.
+    """Plan of one case.
 
     Attributes:
-        name: of its folder. kind: a key of the shares of its tier.
-        effects: names of laws, or ``name:variant``; sizes: names of `SIZES`, one for each effect.
-        plant: "chain" or "rod", in space "balls" or "space_rod"; mount, program, given: what is recorded.
-        seed: of everything that is random in it.
-        tier: where it belongs. later: of a pair of recordings, the program of the second.
+        name: name of the folder.
+        kind: kind of case, a key of the shares of its tier.
+        effects: names of laws, or ``name:variant``.
+        sizes: names of `SIZES`, one for each effect.
+        plant: "chain" or "rod"; in space "balls" or "space_rod".
+        mount: mounting of the arm.
+        program: trials that are recorded.
+        given: recorded input, "pressures" or "tau".
+        seed: seed of all random numbers of the case.
+        tier: tier to which the case belongs.
+        later: program of the second recording, for a pair of recordings.
     """
 
     name: str
@@ -64,7 +70,7 @@ class Case:
 
 
 def plan_clean(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
-    """The cases of the clean tier, in an order that tells nothing; balanced for any count."""
+    """Return the cases of the clean tier, balanced for any count, in random order."""
     if count < 1:
         raise InputError("cases", expected="one or more", received=count)
     rng = np.random.default_rng(seed)
@@ -73,7 +79,7 @@ def plan_clean(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tup
     rods = rng.integers(ROD_EVERY)
     cases = []
     for k, ((kind, effects, sizes), (program, mount, given)) in enumerate(zip(contents, recordings, strict=True)):
-        rod = k % ROD_EVERY == rods and not set(effects) & set(ROD_LACKS)
+        rod = k % ROD_EVERY == rods and not set(effects) & set(ROD_UNSUPPORTED)
         if rod and program not in ROD_PROGRAMS:
             program = ROD_PROGRAMS[k // ROD_EVERY % 2] if set(ROD_PROGRAMS) <= set(programs) else programs[0]
         own = int(rng.integers(1 << 31))
@@ -96,11 +102,11 @@ def _contents(rng: np.random.Generator, count: int) -> list[Content]:
 
 
 def quotas(count: int, shares: Mapping[str, float]) -> dict[str, int]:
-    """How many cases of each kind: rounded down, the rest to those that lost most."""
+    """Return the number of cases of each kind: shares rounded down, the remainder given to those that lost most."""
     exact = {kind: share * count for kind, share in shares.items()}
     number = {kind: int(share + 1e-9) for kind, share in exact.items()}
-    losers = sorted(shares, key=lambda kind: number[kind] - exact[kind])
-    for kind in losers[: count - sum(number.values())]:
+    rounded_down = sorted(shares, key=lambda kind: number[kind] - exact[kind])
+    for kind in rounded_down[: count - sum(number.values())]:
         number[kind] += 1
     return number
 
@@ -108,12 +114,12 @@ def quotas(count: int, shares: Mapping[str, float]) -> dict[str, int]:
 def crossed(
     rng: np.random.Generator, names: Sequence[str], count: int, among: Sequence[str] = tuple(SIZES)
 ) -> list[tuple[str, str]]:
-    """Names with sizes: in each round every name once, and after as many rounds as there are sizes at every size."""
+    """Return pairs of name and size: each round has every name once, and after one round per size each name had every size."""
     order, sizes = rng.permutation(names), rng.permutation(list(among))
     size = len(names)
     return [(str(order[k % size]), str(sizes[(k % size + k // size) % len(sizes)])) for k in range(count)]
 
 
 def balanced(rng: np.random.Generator, choices: Sequence[T], count: int) -> list[T]:
-    """Each choice as often as the others, in random order."""
+    """Return choices in random order, each as often as the others."""
     return [choices[k % len(choices)] for k in rng.permutation(count)]

@@ -1,9 +1,9 @@
-"""How often it was told rightly what has changed between two recordings.
+"""Score of diagnosed changes between two recordings: their names and their sizes.
 
-The size of a change, from what to what, as ``verdict.changes`` has it: a list of ``name``, ``parameter``, ``from``, ``to`` and
-``intervals`` (95 %: of ``from``, of ``to``, perhaps of the ``step``). Small effects that are in both recordings shift both ends
-alike, so what is judged is the step between them: of plain parameters the ratio, of effects the difference. Its interval follows
-from those of the ends (the recordings are independent, so half widths add in squares), unless one is stated for the step.
+``verdict.changes`` contains the size of each change: a list of ``name``, ``parameter``, ``from``, ``to`` and ``intervals`` (95 %
+intervals of ``from``, of ``to`` and optionally of the ``step``). Small effects in both recordings shift both ends equally.
+Therefore the step between the ends is judged: for plain parameters the ratio, for effects the difference. If no interval of the
+step is stated, it follows from those of the ends: the recordings are independent, so half widths add in squares.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from math import hypot, log
 from typing import Any
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.kinds import PLAIN
+from hsr_pin.blind.kinds import PLAIN_PARAMETERS
 from hsr_pin.blind.outcome import Outcome, outcome_of, readable
 from hsr_pin.blind.rate import Rate
 from hsr_pin.blind.scoring import document_of, outcome_from
 from hsr_pin.errors import InputError
 
-#: Name -> the parameter of the catalogue that is the same quantity as the strength of the plants' law. Others are told by the
-#: laws in ways of their own, and are not judged.
+#: Name -> parameter of the catalogue that is the same quantity as the strength of the plants' law. Other names have no such
+#: parameter, and their sizes are not judged.
 SAME: dict[str, str] = {
     "actuator_lag": "time_constant",
     "added_mass": "mass",
@@ -40,11 +40,12 @@ SAME: dict[str, str] = {
 
 @dataclass(frozen=True)
 class ChangeScore:
-    """What came of a check of pairs.
+    """Score of a check with pairs of recordings.
 
     Attributes:
-        outcomes: of all pairs that were diagnosed. sizes: whether the size of the change was right, None if it is not judged.
-        missing: names of those that were not diagnosed.
+        outcomes: outcomes of all diagnosed pairs.
+        sizes: for each outcome whether the size of the change was right; None if it is not judged.
+        missing: names of the pairs without a diagnosis.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -53,7 +54,7 @@ class ChangeScore:
 
     @property
     def rates(self) -> dict[str, Rate]:
-        """By what they say."""
+        """Rates of right answers, by their description."""
         changed = [o for o in self.outcomes if o.answer.kind != "nothing"]
         same = [o for o in self.outcomes if o.answer.kind == "nothing"]
         judged = [right for right in self.sizes if right is not None]
@@ -67,7 +68,7 @@ class ChangeScore:
         }
 
     def document(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the score as a JSON document."""
         return {
             "pairs": len(self.outcomes),
             "missing": list(self.missing),
@@ -82,34 +83,34 @@ _KINDS = ("appears", "grows", "parameter")
 
 
 def score_changes(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, Any]]) -> ChangeScore:
-    """Hold verdicts on pairs against answers.
+    """Compare verdicts on pairs of recordings with the answers.
 
     Raises:
-        InputError: a verdict is none.
+        InputError: a verdict has the wrong format.
     """
-    told = [answer for answer in answers if answer.name in verdicts]
+    diagnosed = [answer for answer in answers if answer.name in verdicts]
     return ChangeScore(
-        tuple(outcome_of(answer, verdicts[answer.name], None) for answer in told),
-        tuple(size_right(answer, verdicts[answer.name]) for answer in told),
+        tuple(outcome_of(answer, verdicts[answer.name], None) for answer in diagnosed),
+        tuple(size_right(answer, verdicts[answer.name]) for answer in diagnosed),
         tuple(answer.name for answer in answers if answer.name not in verdicts),
     )
 
 
 def scored_changes(document: dict[str, Any]) -> ChangeScore:
-    """The score that :meth:`ChangeScore.document` was written from.
+    """Return the score from a document that :meth:`ChangeScore.document` returned.
 
     Raises:
-        InputError: it is none.
+        InputError: the document has the wrong format.
     """
     try:
         outcomes, sizes = zip(*((outcome_from(each), each["size_right"]) for each in document["outcomes"]), strict=True)
         return ChangeScore(outcomes, sizes, tuple(document["missing"]))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
+        raise InputError("score", expected="a document written by hsr-blind score --json", received=repr(error)) from error
 
 
 def size_right(answer: Answer, verdict: Mapping[str, Any]) -> bool | None:
-    """Whether the step lies in its interval; None if the change was not named, or cannot be judged."""
+    """Return whether the true step lies in its interval; None if the change was not named, or cannot be judged."""
     with readable(answer):
         return _size_right(answer, verdict)
 
@@ -117,28 +118,28 @@ def size_right(answer: Answer, verdict: Mapping[str, Any]) -> bool | None:
 def _size_right(answer: Answer, verdict: Mapping[str, Any]) -> bool | None:
     truth = answer.facts.get("change") or {}
     name = truth.get("name", "")
-    said = [
+    reported = [
         each
         for each in verdict.get("verdict", {}).get("changes") or ()
         if each.get("name") == name and str(each.get("parameter")).rpartition(".")[2] == SAME.get(name)
     ]
-    if not said:
+    if not reported:
         return None
-    low, high = _step_interval(said[0], ratio=name in PLAIN)
-    true = log(truth["to"] / truth["from"]) if name in PLAIN else truth["to"] - truth["from"]
+    low, high = _step_interval(reported[0], ratio=name in PLAIN_PARAMETERS)
+    true = log(truth["to"] / truth["from"]) if name in PLAIN_PARAMETERS else truth["to"] - truth["from"]
     return low <= true <= high
 
 
-def _step_interval(said: Mapping[str, Any], ratio: bool) -> tuple[float, float]:
-    """95 % interval of the step; of a ratio, of its logarithm."""
-    before, after = float(said["from"]), float(said["to"])
-    intervals = said.get("intervals") or {}
+def _step_interval(reported: Mapping[str, Any], ratio: bool) -> tuple[float, float]:
+    """Return the 95 % interval of the step; for a ratio, of its logarithm."""
+    before, after = float(reported["from"]), float(reported["to"])
+    intervals = reported.get("intervals") or {}
     if "step" in intervals:
         low, high = (float(value) for value in intervals["step"])
         return (log(low), log(high)) if ratio else (low, high)
     ends = []
     for place, value in (("from", before), ("to", after)):
-        low, high = (float(end) for end in intervals.get(place) or (value, value))  # what was not fitted has no width
+        low, high = (float(end) for end in intervals.get(place) or (value, value))  # an unfitted value has no width
         ends.append((log(low / value), log(high / value)) if ratio else (low - value, high - value))
     step = log(after / before) if ratio else after - before
     (a, b), (c, d) = ends

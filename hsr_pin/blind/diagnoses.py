@@ -1,4 +1,4 @@
-"""Diagnose every recording of a check, from its folder alone."""
+"""Diagnosis of every recording of a check, from its folder alone."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hsr_pin.blind.pairs import NEW, OLD
-from hsr_pin.blind.state import read_state, stands
+from hsr_pin.blind.pairs import CURRENT, REFERENCE
+from hsr_pin.blind.state import is_intact, read_state
 from hsr_pin.errors import InputError
 from hsr_pin.output import check_folder_writable, write_text
 from hsr_pin.parallel import for_each
 
 
 def recordings(folder: Path) -> list[Path]:
-    """The folders of a check's cases, sorted; of a pair, the one that holds both recordings.
+    """Return the sorted folders of a check's cases; for a pair, the folder that contains both recordings.
 
     Raises:
-        InputError: there are none.
+        InputError: the folder contains no recordings.
     """
     single = {path.parent for path in folder.glob("case_*/dataset.toml")}
-    found = sorted(single | {path.parents[1] for path in folder.glob(f"case_*/{NEW}/dataset.toml")})
+    found = sorted(single | {path.parents[1] for path in folder.glob(f"case_*/{CURRENT}/dataset.toml")})
     if not found:
-        raise InputError("folder", expected="recordings that hsr-blind make wrote", received="none", file=folder)
+        raise InputError("folder", expected="recordings written by hsr-blind make", received="none", file=folder)
     return found
 
 
@@ -38,7 +38,7 @@ def diagnose_all(
     seed: int = 0,
     advance: Callable[[], None] = lambda: None,
 ) -> None:
-    """Write a verdict for each case that has none yet; a case that failed before, or whose verdict is damaged, is tried again."""
+    """Write a verdict for each case without one; cases that failed before, or whose verdict is damaged, are diagnosed again."""
     check_folder_writable(verdicts)
     verdicts.mkdir(parents=True, exist_ok=True)
     work = partial(diagnose_case, verdicts=verdicts.resolve(), seed=seed)
@@ -46,14 +46,14 @@ def diagnose_all(
 
 
 def diagnose_case(recording: Path, verdicts: Path, seed: int) -> None:
-    """Write what ``hsr-diagnose`` would, or the error that came of it; nothing where a verdict stands (another run wrote it)."""
+    """Write the document of ``hsr-diagnose``, or the error that occurred, unless another run has written a verdict."""
     file = verdicts / f"{recording.name}.json"
     if _is_done(file):
         return
     document: dict[str, Any]
     try:
-        document = _of_pair(recording, seed) if (recording / NEW).exists() else _of_one(recording, seed)
-    except Exception as error:  # whatever it is: one case must not end a check of hundreds
+        document = _of_pair(recording, seed) if (recording / CURRENT).exists() else _of_one(recording, seed)
+    except Exception as error:  # any error is recorded, because one case must not end a check of hundreds
         trace = traceback.format_exc()
         document = {"dataset": recording.name, "error": f"{type(error).__name__}: {error}", "traceback": trace}
     write_text(file, json.dumps(document, indent=1, allow_nan=False) + "\n")
@@ -72,11 +72,11 @@ def _of_pair(recording: Path, seed: int) -> dict[str, Any]:
     from hsr_pin.diagnosis.change.document import to_json
     from hsr_pin.recordings.read import read_dataset
 
-    return to_json(diagnose_change(read_dataset(recording / NEW), read_dataset(recording / OLD), jobs=1, seed=seed))
+    return to_json(diagnose_change(read_dataset(recording / CURRENT), read_dataset(recording / REFERENCE), jobs=1, seed=seed))
 
 
 def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:
-    """Name of the case -> what was written for it.
+    """Return the document that was written for each case, by the name of the case.
 
     Raises:
         InputError: a file is damaged.
@@ -86,9 +86,9 @@ def read_verdicts(verdicts: Path) -> dict[str, dict[str, Any]]:
 
 
 def failed(verdicts: Path) -> dict[str, str]:
-    """Name of the case -> the error that came of it, for those that have no verdict."""
-    return {name: str(said["error"]) for name, said in read_verdicts(verdicts).items() if "error" in said}
+    """Return the error of each case without a verdict, by the name of the case."""
+    return {name: str(reported["error"]) for name, reported in read_verdicts(verdicts).items() if "error" in reported}
 
 
 def _is_done(file: Path) -> bool:
-    return stands(file) and "error" not in read_state(file, "")
+    return is_intact(file) and "error" not in read_state(file, "")

@@ -1,4 +1,4 @@
-"""Cases of arms in space: planned and made as those of the clean tier are, on the chain of ball joints or on the rod."""
+"""Cases of arms in space, recorded on the chain of ball joints or on the rod, and planned like those of the clean tier."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from hsr_pin.blind.cases import MOUNTS, Case, Content, balanced, crossed, quotas
 from hsr_pin.blind.plants.laws.law import Law
 from hsr_pin.blind.plants.plant import nuisance_of
 from hsr_pin.blind.plants.program import LEVELS
-from hsr_pin.blind.plants.scaling import Yardstick, target
+from hsr_pin.blind.plants.scaling import GapSimulator, target
 from hsr_pin.blind.plants.space.laws import CATALOGUE, OUTSIDE
 from hsr_pin.blind.plants.space.program import program
 from hsr_pin.blind.plants.space.writing import MARKERS
-from hsr_pin.blind.workshop import Workshop, answer_of, strong_enough
+from hsr_pin.blind.workshop import Workshop, answer_of, scaled_to_size
 from hsr_pin.errors import EffectError
 
 #: Kind of case -> its share of the tier.
 SHARES: dict[str, float] = {"single": 0.7, "none": 0.13, "outside": 0.17}
-#: Mixtures of what is done to the arm.
+#: Programs: combinations of kinds of trials.
 PROGRAMS = ("steps", "steps+releases", "steps+circle", "circle+releases", "steps+payload", "chirp+releases")
-#: Every so many cases one is recorded on the rod, which takes longer: only where its program is short. It holds every law.
+#: One of so many cases is recorded on the rod, which takes longer, with short programs only; it supports every law.
 ROD_EVERY, ROD_PROGRAMS = 6, ("steps", "steps+releases", "steps+payload")
 
 
 def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
-    """So many cases, balanced."""
+    """Return a number of balanced cases."""
     number = quotas(count, SHARES)
     contents: list[Content] = [("none", (), ())] * number["none"]
     for kind, laws in (("single", CATALOGUE), ("outside", OUTSIDE)):
@@ -44,13 +44,13 @@ def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
 
 
 def build_in_space(case: Case, folder: Path, workshop: Workshop, attempt: int) -> Answer:
-    """Write the recording of a case into a new folder."""
+    """Write the recording of a case into a new folder, and return its answer."""
     nuisance = nuisance_of(case.seed)
     keq = float(np.random.default_rng([case.seed, 7]).choice(sorted(LEVELS)))
     trials = program(case.program, case.mount, keq)
-    yardstick = Yardstick(trials, nuisance, workshop.measured_in_space)
+    gap_simulator = GapSimulator(trials, nuisance, workshop.measured_in_space)
     chosen = [
-        strong_enough(case, place, target(size, nuisance.noise, axes=3), yardstick, attempt, drawn=draw)
+        scaled_to_size(case, place, target(size, nuisance.noise, axes=3), gap_simulator, attempt, draw_law=draw)
         for place, size in enumerate(case.sizes)
     ]
     workshop.plants[case.plant].run(trials, [scaled.law for scaled in chosen], case.seed, folder, nuisance, MARKERS)
@@ -58,7 +58,7 @@ def build_in_space(case: Case, folder: Path, workshop: Workshop, attempt: int) -
 
 
 def draw(name: str, rng: np.random.Generator) -> Law:
-    """A law in space by its name, with random secondary parameters and moderate strength."""
+    """Return a law in space by its name, with random secondary parameters and moderate strength."""
     laws = CATALOGUE | OUTSIDE
     if name not in laws:
         raise EffectError("law", expected=" or ".join(sorted(laws)), received=name)

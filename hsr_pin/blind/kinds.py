@@ -1,34 +1,34 @@
-"""What kind of physics a name stands for, and which names are as good as another: data, in one place.
+"""Kinds of physics of each name, and names that are equivalent answers.
 
-A law that is not in the catalogue's own form need not carry the catalogue's name, but it is of a kind, and that can be told.
+A law that differs from the catalogue's form need not carry the catalogue's name, but its kind of physics can be diagnosed.
 """
 
 from __future__ import annotations
 
-#: Kinds: what happens, not where it comes from.
+#: Kinds of physics, each with a short description of the phenomenon, not of its origin.
 KINDS: dict[str, str] = {
-    "elastic": "how the arm resists bending, the same whether it comes or goes, soon or late",
+    "elastic": "resistance to bending that depends on neither rate, history nor time",
     "damping": "resistance to the rate of bending",
-    "friction": "memory that knows no rate: friction, hysteresis",
-    "creep": "memory that fades: relaxation, warming, softening",
-    "actuation_time": "the torque comes when it was not commanded",
-    "actuation_map": "the torque is not what was commanded, or not where",
-    "mass_gravity": "what is heavy, and which way is down",
-    "contact": "the world pushes",
-    "measurement": "what the cameras see is not where the arm is",
+    "friction": "rate-independent memory: friction, hysteresis",
+    "creep": "fading memory: relaxation, warming, softening",
+    "actuation_time": "a torque that acts at another time than commanded",
+    "actuation_map": "a torque of another size or at another place than commanded",
+    "mass_gravity": "masses, and the direction of gravity",
+    "contact": "forces from the environment",
+    "measurement": "differences between the measured and the true place of the arm",
 }
 
-#: Name -> its kind, and after it others that describe it as well. Every law of the plants has one; so have names that a
-#: catalogue may come to hold. A form of a law, ``name:variant``, is here if it differs from its name.
-_OF: dict[str, tuple[str, ...]] = {
+#: Name -> its main kind, then other kinds that describe it as well. There is an entry for every law of the plants, and for names
+#: that a catalogue may contain later. A form of a law, ``name:variant``, has an entry if its kinds differ from those of its name.
+_KINDS_OF: dict[str, tuple[str, ...]] = {
     "actuator_lag": ("actuation_time",),
     "added_mass": ("mass_gravity",),
     "backlash": ("elastic",),
     "base_rotation": ("mass_gravity", "measurement"),
     "base_tilt": ("mass_gravity", "measurement"),
-    "bend_at_rest": ("elastic", "actuation_map"),  # a shape, or a moment that is always there
-    "base_shake": ("measurement", "mass_gravity", "contact"),  # seen by the base markers, felt as inertia
-    "bending_stop": ("elastic", "contact"),  # a stop inside of the arm
+    "bend_at_rest": ("elastic", "actuation_map"),  # a shape, or a permanent moment
+    "base_shake": ("measurement", "mass_gravity", "contact"),  # visible in the base markers, acting through inertia
+    "bending_stop": ("elastic", "contact"),  # a stop inside the arm
     "camera_scale": ("measurement",),
     "cross_coupling": ("elastic", "actuation_map"),
     "damping_gradient": ("damping",),
@@ -36,23 +36,23 @@ _OF: dict[str, tuple[str, ...]] = {
     "dry_friction": ("friction",),
     "frame_rotation": ("measurement",),
     "frame_turn": ("measurement",),
-    "follower_thrust": ("actuation_map", "contact"),  # a force that goes with the command
-    "gravity_tilt": ("mass_gravity", "measurement"),  # the base is turned; the cameras see it turned
+    "follower_thrust": ("actuation_map", "contact"),  # a force that depends on the command
+    "gravity_tilt": ("mass_gravity", "measurement"),  # the base is tilted, and the cameras see the tilt
     "hysteresis": ("friction",),
     "length_change": ("measurement", "elastic"),
     "marker_offset": ("measurement",),
     "markers_beside": ("measurement",),
     "marker_slip": ("measurement",),
     "partial_lag": ("actuation_time",),
-    "partial_bias": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
-    "preset_bend": ("actuation_map", "elastic"),  # a moment that is always there, or a shape
+    "partial_bias": ("actuation_map", "elastic"),  # a permanent moment, or a shape
+    "preset_bend": ("actuation_map", "elastic"),  # a permanent moment, or a shape
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
     "restraint": ("contact",),
     "ringing_drive": ("actuation_time",),
     "side_force": ("contact",),
     "resting_place": ("actuation_map", "friction"),
-    "skew_plane": ("measurement", "actuation_map"),  # leaves the plane: muscles askew, or cameras
+    "skew_plane": ("measurement", "actuation_map"),  # motion out of the plane, by skewed actuators or cameras
     "soft_spot": ("elastic",),
     "stiffening": ("elastic",),
     "stiffness_gradient": ("elastic",),
@@ -73,8 +73,8 @@ _OF: dict[str, tuple[str, ...]] = {
     "unequal_lag": ("actuation_time",),
     "viscoelastic": ("creep",),
     "wall": ("contact",),
-    "warming_arm": ("creep", "elastic"),  # stiffness falls, with time
-    # Flexible laws: they stand for their kind, and are no names of causes.
+    "warming_arm": ("creep", "elastic"),  # stiffness that falls with time
+    # Flexible laws, which stand for their kind and are not named as causes.
     "creep_spectrum": ("creep",),
     "damping_curve": ("damping",),
     "damping_profile": ("damping",),
@@ -93,23 +93,23 @@ _OF: dict[str, tuple[str, ...]] = {
     "mass_scale": ("mass_gravity",),
 }
 
-#: Name or form -> other names that say the same of it.
-_AS_GOOD: dict[str, tuple[str, ...]] = {
+#: Name or form -> other names that are equivalent answers.
+_EQUIVALENT: dict[str, tuple[str, ...]] = {
     "actuator_lag:choked": ("unequal_lag",),
     "actuator_lag:unequal": ("unequal_lag",),
-    "added_mass": ("mass_scale",),  # evenly spread, it is a heavier arm
+    "added_mass": ("mass_scale",),  # an evenly spread mass equals a heavier arm
     "mass_scale": ("added_mass",),
     "torque_bias:drifting": ("preset_bend",),
     "torque_bias:partial": ("preset_bend", "partial_bias"),
     "torque_bias": ("preset_bend",),
-    "bend_at_rest": ("torque_offset",),  # at one stiffness
+    "bend_at_rest": ("torque_offset",),  # equivalent at a single stiffness
     "torque_offset": ("bend_at_rest",),
     "tether": ("restraint",),
     "wall": ("restraint",),
     "warming_arm": ("keq_drift",),  # a stiffness that changes over the session
 }
 
-#: Laws that stand for their kind.
+#: Flexible laws, which stand for their kind.
 FLEXIBLE = (
     "creep_spectrum",
     "damping_curve",
@@ -123,15 +123,15 @@ FLEXIBLE = (
     "torque_profile",
 )
 
-#: Of the arm itself: not effects, and no names in a verdict on one recording.
-PLAIN = ("damping_scale", "gain_drift", "keq_drift", "keq_scale", "mass_scale", "torque_gain")
+#: Plain parameters of the arm, which are not effects and are not named in a verdict on one recording.
+PLAIN_PARAMETERS = ("damping_scale", "gain_drift", "keq_drift", "keq_scale", "mass_scale", "torque_gain")
 
 
 def kinds_of(law: str) -> tuple[str, ...]:
-    """Kinds that describe a name or form, the best first; none for a name that nobody here knows."""
-    return _OF.get(law) or _OF.get(law.partition(":")[0], ())
+    """Return the kinds that describe a name or form, the best first; none for an unknown name."""
+    return _KINDS_OF.get(law) or _KINDS_OF.get(law.partition(":")[0], ())
 
 
 def names_of(law: str) -> tuple[str, ...]:
-    """Names that are right for a law of the catalogue in some form, its own first."""
-    return (law.partition(":")[0], *_AS_GOOD.get(law, ()))
+    """Return the right names for a law of the catalogue in some form, its own name first."""
+    return (law.partition(":")[0], *_EQUIVALENT.get(law, ()))

@@ -1,4 +1,4 @@
-"""Recordings without labels, from a plan; whole or not at all, one case after the other."""
+"""Recordings without labels from a plan, written case by case; an interrupted check can be continued."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hsr_pin.blind.answers import SEAL, Answer, seal
 from hsr_pin.blind.cases import Case
-from hsr_pin.blind.state import stands
+from hsr_pin.blind.state import is_intact
 from hsr_pin.blind.workshop import DRAWS, Workshop, build
 from hsr_pin.errors import InputError, OutputError, SimulationFailure
 from hsr_pin.output import check_folder_writable, check_writable, write_text
@@ -21,15 +21,15 @@ from hsr_pin.parallel import for_each
 
 
 def default_answers(folder: Path) -> Path:
-    """Beside the folder, not in it."""
+    """Return the default file for the answers, next to the folder of the recordings."""
     return folder.with_name(f"{folder.name}-answers.json")
 
 
 def check_answers(folder: Path, answers: Path | None, force: bool) -> None:
-    """Refuse to write answers over a file, unless told to, or it is of this check, interrupted while it was sealed.
+    """Refuse to replace a file of answers, unless ``force`` is set or the file belongs to this interrupted check.
 
     Raises:
-        OutputError: saying which file is in the way.
+        OutputError: the file exists.
     """
     file = answers or default_answers(folder.resolve())
     if file.exists() and not (force or _drafts(file).exists()):
@@ -51,24 +51,24 @@ def make(
     workshop: Workshop | None = None,
     advance: Callable[[], None] = lambda: None,
 ) -> Path:
-    """Make the recordings of a check from its plan, or go on where it was left, and return the file of its answers.
+    """Make the recordings of a check from its plan, or continue an interrupted check, and return the file of its answers.
 
-    Until all are made, what is known of the answers stands in a folder beside that file.
+    Until all recordings are made, the answers are drafts in a folder next to that file.
 
     Raises:
-        InputError: the folder holds another check, or the answers would lie in it.
+        InputError: the folder contains another check, or the answers would lie in it.
     """
     workshop, folder = workshop or Workshop(), folder.resolve()
     file = (answers or default_answers(folder)).resolve()
     if folder in file.parents:
-        raise InputError("answers", expected=f"a file outside of {folder.name}", received=file)
+        raise InputError("answers", expected=f"a file outside {folder.name}", received=file)
     if (folder / SEAL).exists():
-        raise InputError("folder", expected="one without a finished check", received=folder)
+        raise InputError("folder", expected="a folder without a finished check", received=folder)
     check_folder_writable(folder)
     check_writable(file)
     drafts = _drafts(file)
     _begin(folder, drafts, cases)
-    open_cases = [case for case in cases if not ((folder / case.name).exists() and stands(_draft(drafts, case)))]
+    open_cases = [case for case in cases if not ((folder / case.name).exists() and is_intact(_draft(drafts, case)))]
     for _ in range(len(cases) - len(open_cases)):
         advance()
     for_each(partial(make_case, folder=folder, drafts=drafts, workshop=workshop), open_cases, jobs=jobs, advance=advance)
@@ -78,11 +78,11 @@ def make(
 
 
 def _begin(folder: Path, drafts: Path, cases: Sequence[Case]) -> None:
-    """Folders for the recordings and for drafts, which remember what they are drafts of."""
+    """Create the folders for recordings and drafts, and store the plan, so that only the same check is continued."""
     note, wanted = drafts / "plan.json", json.dumps([asdict(case) for case in cases], indent=1)
     if note.exists():
         if note.read_text(encoding="utf-8", errors="replace") != wanted:
-            hint = "give the seed and the cases it was begun with, and the same version"
+            hint = "give the seed and the cases with which it was begun, and use the same version of hsr_pin"
             raise InputError("folder", expected="the check begun in it", hint=hint, file=folder)
     elif folder.exists() and any(folder.iterdir()):
         raise InputError("folder", expected="a new or empty folder", received=folder)
@@ -92,7 +92,7 @@ def _begin(folder: Path, drafts: Path, cases: Sequence[Case]) -> None:
 
 
 def make_case(case: Case, folder: Path, drafts: Path, workshop: Workshop) -> None:
-    """Record one case: its answer among the drafts first, then the whole recording into the folder."""
+    """Record one case: first the draft of its answer is written, then the whole recording is moved into the folder."""
     for attempt in range(DRAWS):
         shutil.rmtree(drafts / case.name, ignore_errors=True)
         try:
@@ -106,8 +106,8 @@ def make_case(case: Case, folder: Path, drafts: Path, workshop: Workshop) -> Non
 
 
 def _move(recording: Path, place: Path) -> None:
-    """Put a recording into its place in one step, from another file system too."""
-    shutil.rmtree(place, ignore_errors=True)  # one whose answer was lost
+    """Move a recording into its place in one step, also from another file system."""
+    shutil.rmtree(place, ignore_errors=True)  # a recording whose draft answer was lost
     try:
         os.replace(recording, place)
     except OSError as error:

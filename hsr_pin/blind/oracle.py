@@ -1,4 +1,4 @@
-"""How far the gap would shrink if one knew: the true law, its parameters fitted like any other's."""
+"""Oracle: reduction of the gap by the true law, whose parameters are fitted like those of any other law."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from math import sqrt
 from pathlib import Path
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.state import read_state, stands
+from hsr_pin.blind.state import is_intact, read_state
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.output import write_text
 from hsr_pin.parallel import for_each
@@ -28,7 +28,7 @@ def consult(
     """Write the held-out RMS distance of the true law for each case with effects of the catalogue that has none yet."""
     cache.mkdir(parents=True, exist_ok=True)
     asked = [(answer.name, answer.effects) for answer in answers if answer.kind in ("single", "pair")]
-    open_cases = [case for case in asked if not stands(cache / f"{case[0]}.json")]
+    open_cases = [case for case in asked if not is_intact(cache / f"{case[0]}.json")]
     for _ in range(len(asked) - len(open_cases)):
         advance()
     work = partial(_consult, folder=folder.resolve(), cache=cache.resolve())
@@ -36,7 +36,7 @@ def consult(
 
 
 def read_oracle(cache: Path) -> dict[str, float]:
-    """Name of the case -> held-out RMS distance [mm] of the true law.
+    """Return the held-out RMS distance of the true law [mm] by the name of the case.
 
     Raises:
         InputError: a file is damaged.
@@ -57,7 +57,7 @@ def _consult(case: tuple[str, tuple[str, ...]], folder: Path, cache: Path) -> No
 
 
 def heldout_rms(recording: Path, names: Sequence[str]) -> float:
-    """[m] with these effects; of their readings, and of the orders in which they are added, the best."""
+    """Return the smallest held-out RMS distance with these effects [m], over their variants and the orders of adding them."""
     from hsr_pin.effects import effect_named
     from hsr_pin.identification.experiment import prepare
     from hsr_pin.identification.hypothesis import Hypothesis
@@ -74,7 +74,7 @@ def heldout_rms(recording: Path, names: Sequence[str]) -> float:
         for parts in product(*(part_variants(effect_named(name)) for name in order)):
             last = nothing
             for part in parts:
-                for proposal in proposals(experiment, last.fit, [part]):  # one, or none that can be simulated
+                for proposal in proposals(experiment, last.fit, [part]):  # at most one; none if it cannot be simulated
                     last = full_fit(experiment, quick_fit(experiment, last.fit, proposal), {})
             found.append(last.heldout_square)
     return sqrt(min(found))

@@ -1,4 +1,4 @@
-"""Cases of plants by other authors: planned as those of the clean tier are, recorded by each plant in its own way."""
+"""Cases of plants by other authors, planned like those of the clean tier and recorded by each plant with its own functions."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from hsr_pin.errors import SimulationFailure
 
 #: Kind of case -> its share of the cases of a plant.
 SHARES: dict[str, float] = {"single": 0.56, "pair": 0.12, "none": 0.14, "outside": 0.18}
-#: Every so many cases the tracks are smoothed, as exports of motion capture are.
+#: In one of so many cases the tracks are smoothed, as in exports of motion capture software.
 SMOOTHED = 4
 
 
 def plan_others(rng: np.random.Generator, count: int) -> list[Case]:
-    """So many cases, as many of each plant."""
+    """Return a number of cases, equally many for each plant."""
     cases: list[Case] = []
     for name, share in zip(NAMES, quotas(count, dict.fromkeys(NAMES, 1 / len(NAMES))).values(), strict=True):
         for content, smooth in zip(_contents(rng, name, share), balanced(rng, range(SMOOTHED), share), strict=True):
@@ -43,13 +43,13 @@ def _contents(rng: np.random.Generator, name: str, count: int) -> list[Content]:
 
 
 def build_other(case: Case, folder: Path, attempt: int) -> Answer:
-    """Write the recording of a case into a new folder.
+    """Write the recording of a case into a new folder, and return its answer.
 
-    A law that cannot be as strong as it should is smaller at later attempts; of two laws one is left out then, and at the last
-    attempt the arm has none.
+    If a law cannot reach its size, later attempts ask for a smaller size; the last but one attempt uses one law only, and the
+    last attempt none.
 
     Raises:
-        SimulationFailure: a law cannot be as strong as it should, or the arm collapses.
+        SimulationFailure: a law cannot reach its size, or the arm collapses.
     """
     own, steps = plant(case.plant), list(SIZES)
     count = {DRAWS - 2: 1, DRAWS - 1: 0}.get(attempt, len(case.effects))

@@ -1,18 +1,18 @@
-"""One case, answered: what was said, and whether it is right.
+"""Outcome of one case: what the verdict reports, and whether it is right.
 
-A verdict offers sets of names: one if it is identified, several if it is ambiguous. It may be certain of kinds without a name.
-One that identifies in part claims no more than its certain names and kinds; where they are not the truth but one of its
-alternatives is, these are what it offers, as an ambiguous one does. The flexible law of a kind stands for that kind. What is
-right, by tier:
+A verdict offers sets of names: one if it is identified, several if it is ambiguous. It may report a kind of physics without a
+name. A verdict that identifies in part claims only its reported names and kinds. If these are not the truth, but one of its
+alternatives is, its alternatives are what it offers, as in an ambiguous verdict. The flexible law of a kind stands for that kind.
+What is right depends on the tier:
 
-- A set is right if it has a right name for every effect, and beside them none but small effects that are truly there and may
-  be noticed. Kinds are held against the main effect alone.
-- ``forms``: a name of the right kind is no wrong name, though not the right one either: friction in another form may well look
-  more like hysteresis than like the catalogue's friction.
-- ``real``: other names beside the right one do not count (`hsr_pin.blind.real.recipes` says why).
-- Nothing there: to name nothing is right; of a messy arm also to say that something is left, for so it is.
-- ``outside``: laws that the catalogue did not hold when the plants were written. To name nothing is right; so is a name
-  that says the same, where the catalogue has come to hold one.
+- A set is right if it has a right name for every effect, and no further names except small effects that are truly present and
+  may be noticed. Kinds are compared with the main effect only.
+- ``forms``: a name of the right kind is neither wrong nor the right name: friction in another form may resemble hysteresis more
+  than the catalogue's friction.
+- ``real``: further names besides the right one do not count (`hsr_pin.blind.real.recipes` gives the reason).
+- No effect: to name nothing is right; for a messy arm it is also right to report an unexplained gap, because there is one.
+- ``outside``: laws that the catalogue did not contain when the plants were written. To name nothing is right; so is an equivalent
+  name, if the catalogue now contains one.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.kinds import FLEXIBLE, KINDS, PLAIN, kinds_of
+from hsr_pin.blind.kinds import FLEXIBLE, KINDS, PLAIN_PARAMETERS, kinds_of
 from hsr_pin.errors import InputError
 
-#: Kind of case -> verdicts that are right where no effect of the catalogue is at work.
+#: Kind of case -> statuses that are right if no effect of the catalogue is present.
 RIGHT = {"none": ("parameters", "no_gap"), "outside": ("unexplained",), "nothing": ("unchanged",)}
-#: Grades of an outcome, the best first: as it should be where nothing is to be named; the truth alone; among alternatives; its
-#: kind only; a part of it; nothing; and what is not so.
+#: Grades of an outcome, the best first: right where nothing is to be named; the truth alone; the truth among alternatives; its
+#: kind only; a part of it; nothing reported; something untrue.
 GRADES = ("right", "exact", "alternatives", "kind", "part", "silent", "wrong")
 #: Columns of the confusion matrix for verdicts that name several effects, together or as alternatives.
 ALL, SOME, WRONG, IN, NOT_IN = SEVERAL = (
@@ -40,23 +40,23 @@ ALL, SOME, WRONG, IN, NOT_IN = SEVERAL = (
     "alternatives, truth not in",
 )
 
-#: Rungs at the ladder's foot, which are no models, begin with these.
+#: Beginnings of the names of the last stages of the error budget, which are no models.
 FLOORS = ("not repeatable", "noise floor")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One case, answered.
+    """Outcome of one case.
 
     Attributes:
         answer: the truth.
-        status: of the verdict; "error" where the diagnosis failed.
-        sets: of names that the verdict offers: one if identified, several if ambiguous, either or none if partly identified,
-            none otherwise.
+        status: status of the verdict; "error" if the diagnosis failed.
+        sets: sets of names that the verdict offers: one if identified, several if ambiguous, one, several or none if partly
+            identified, otherwise none.
         sentence: the verdict in words.
-        shrinkage: share of the RMS distance left by stiffness and damping that is gone, on held-out trials; None if unknown.
+        shrinkage: relative reduction of the RMS distance that stiffness and damping leave on held-out trials; None if unknown.
         oracle: the same for the true law; None without one.
-        kinds: of which the verdict is certain, those of certain names among them.
+        kinds: kinds of physics that the verdict reports, including those of reported names.
         confidence: names and kinds with the probability that the verdict gives them.
     """
 
@@ -71,38 +71,42 @@ class Outcome:
 
     @property
     def exact(self) -> bool:
-        """Whether the truth is what was named, or among the alternatives stated; whether nothing was named where nothing is."""
+        """Whether the truth was named, alone or among the alternatives; where there is no effect, whether none was named."""
         answer = self.answer
         if answer.kind in RIGHT and not (answer.kind == "outside" and self.sets):
             left = answer.tier == "messy" and answer.kind == "none" and self.status == "unexplained"
-            return (left or self.status in RIGHT[answer.kind]) and all(map(self.is_so, self.kinds))
+            return (left or self.status in RIGHT[answer.kind]) and all(map(self.is_true, self.kinds))
         return any(_is_truth(answer, names) for names in self.sets)
 
     @property
     def wrong_name(self) -> bool:
-        """Whether every set of names on offer has one in it that is not so."""
-        return bool(self.sets) and all(any(not self.is_so(name) for name in names) for names in self.sets) and not self._at_it
+        """Whether every offered set of names contains a name that is not true."""
+        return (
+            bool(self.sets)
+            and all(any(not self.is_true(name) for name in names) for names in self.sets)
+            and not self._names_cause_or_kind
+        )
 
     @property
     def wrong_kind(self) -> bool:
-        """Whether no name is given, and every kind that is given is not so."""
-        return not self.sets and bool(self.kinds) and not any(self.is_so(kind) for kind in self.kinds)
+        """Whether no name is given, and every given kind is not true."""
+        return not self.sets and bool(self.kinds) and not any(self.is_true(kind) for kind in self.kinds)
 
     @property
     def kind_right(self) -> bool:
-        """Whether each effect was named rightly, or its kind is certain (and none that is not so), or is in an alternative."""
+        """Whether the kind of each effect is reported: by a name, by kinds none of which is false, or in an alternative."""
         if not self.answer.kinds:
             return False
         if self.answer.kind not in RIGHT and self.exact:
             return True
-        certain = all(self.is_so(kind) for kind in self.kinds) or self.answer.tier == "real"
+        certain = all(self.is_true(kind) for kind in self.kinds) or self.answer.tier == "real"
         return (certain and self._covers(self.kinds)) or (
             len(self.sets) > 1 and any(self._covers(main_kind(name) for name in names) for names in self.sets)
         )
 
     @property
     def grade(self) -> str:
-        """One of `GRADES`."""
+        """Grade of the outcome, one of `GRADES`."""
         if self.exact:
             return "right" if self.answer.kind in RIGHT else "exact" if len(self.sets) == 1 else "alternatives"
         if self.wrong_name or self.wrong_kind:
@@ -113,12 +117,12 @@ class Outcome:
 
     @property
     def row(self) -> str:
-        """In the confusion matrix."""
+        """Row in the confusion matrix."""
         return self.answer.effects[0] if self.answer.kind in ("single", "form") else self.answer.kind
 
     @property
     def column(self) -> str:
-        """In the confusion matrix."""
+        """Column in the confusion matrix."""
         if not self.sets:
             return self.status
         if len(self.sets) > 1:
@@ -130,12 +134,12 @@ class Outcome:
             return ALL if self.exact else WRONG
         return next(iter(names), self.status)
 
-    def is_so(self, claim: str) -> bool:
-        """Whether a name or a kind is true of the case; of a real arm, whether it may be."""
+    def is_true(self, claim: str) -> bool:
+        """Return whether a name or a kind is true of the case; for a real arm, whether it may be true."""
         answer = self.answer
         own = answer.facts.get("own", ())
         claim = main_kind(claim) if claim in FLEXIBLE else claim
-        if claim in KINDS:  # not those of small effects: among so many, nearly every kind would be so
+        if claim in KINDS:  # kinds of small effects do not count: among so many effects, nearly every kind would be true
             return claim in own or any(claim in kinds for kinds in answer.kinds)
         if claim in answer.background or any(claim in names for names in answer.names):
             return True
@@ -144,20 +148,20 @@ class Outcome:
         return answer.tier == "real" and (main_kind(claim) in own or main_kind(claim) in answer.kinds[0])
 
     @property
-    def _at_it(self) -> bool:
-        """Whether a real cause is named, or its kind is: then other names are not counted."""
+    def _names_cause_or_kind(self) -> bool:
+        """Whether the withheld cause of a real case, or its kind, is reported; further names then do not count."""
         return self.answer.tier == "real" and (self.exact or self._covers(self.kinds))
 
     def _covers(self, kinds: Iterable[str]) -> bool:
-        said = set(kinds)
-        return bool(self.answer.kinds) and all(said & set(right) for right in self.answer.kinds)
+        reported = set(kinds)
+        return bool(self.answer.kinds) and all(reported & set(right) for right in self.answer.kinds)
 
 
 def outcome_of(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None) -> Outcome:
-    """From what ``hsr-diagnose`` wrote; older verdicts have neither kinds nor confidence.
+    """Return the outcome from a document of ``hsr-diagnose``; older documents have neither kinds nor confidence.
 
     Raises:
-        InputError: it wrote something else.
+        InputError: the document has the wrong format.
     """
     with readable(answer):
         return _outcome(answer, verdict, oracle_mm)
@@ -165,51 +169,51 @@ def outcome_of(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None)
 
 @contextmanager
 def readable(answer: Answer) -> Iterator[None]:
-    """Within this what is not as a verdict should be ends in one line.
+    """Convert errors from reading a verdict into one line that names the verdict.
 
     Raises:
-        InputError: saying which verdict it is.
+        InputError: the verdict has the wrong format.
     """
     try:
         yield
     except InputError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        wanted, hint = "what hsr-blind run wrote", "delete it, and hsr-blind run diagnoses this case again"
+        wanted, hint = "a document written by hsr-blind run", "delete it, and hsr-blind run diagnoses this case again"
         raise InputError(f"verdict of {answer.name}", expected=wanted, received=repr(error), hint=hint) from error
 
 
 def _outcome(answer: Answer, verdict: dict[str, Any], oracle_mm: float | None) -> Outcome:
     if "error" in verdict:
         return Outcome(answer, "error", (), verdict["error"], None, None)
-    said = verdict["verdict"]
-    sets = _sets(answer, said)
-    before, after = _left(verdict.get("ladder", ()))
+    reported = verdict["verdict"]
+    sets = _sets(answer, reported)
+    before, after = _remaining_rms(verdict.get("ladder", ()))
     return Outcome(
         answer,
-        said["status"],
+        reported["status"],
         sets,
-        said.get("sentence", ""),
+        reported.get("sentence", ""),
         None if before is None or after is None else 1 - after / before,
         None if before is None or oracle_mm is None else 1 - oracle_mm / before,
-        _kinds(said.get("kinds") or (), sets),
-        _confidence(answer, said.get("confidence") or {}),
+        _kinds(reported.get("kinds") or (), sets),
+        _confidence(answer, reported.get("confidence") or {}),
     )
 
 
 def main_kind(name: str) -> str:
-    """What a name says first and foremost; of an unknown one, its name."""
+    """Return the main kind of physics of a name; for an unknown name, the name itself."""
     return next(iter(kinds_of(name)), name)
 
 
-def _sets(answer: Answer, said: dict[str, Any]) -> tuple[frozenset[str], ...]:
-    status, certain = said["status"], frozenset(said.get("effects") or ())
-    alternatives = tuple(frozenset(names) for names in said.get("alternatives") or ())
+def _sets(answer: Answer, reported: dict[str, Any]) -> tuple[frozenset[str], ...]:
+    status, certain = reported["status"], frozenset(reported.get("effects") or ())
+    alternatives = tuple(frozenset(names) for names in reported.get("alternatives") or ())
     if status == "ambiguous" and alternatives:
         return alternatives
     truth_in = any(certain <= names and _is_truth(answer, names) for names in alternatives)
     if status == "partly_identified" and alternatives and (truth_in or not certain) and not _is_truth(answer, certain):
-        return alternatives  # names on offer, though a kind alone is certain
+        return alternatives  # names are offered, although only a kind is reported
     named = status in ("identified", "partly_identified", "ambiguous") and certain
     return (certain,) if named else ()
 
@@ -221,7 +225,7 @@ def _is_truth(answer: Answer, names: frozenset[str]) -> bool:
 
 
 def _kinds(stated: Iterable[str], sets: tuple[frozenset[str], ...]) -> tuple[str, ...]:
-    """Those stated, and those that follow from the names: what all sets have in common."""
+    """Return the stated kinds, and the kinds that all sets of names have in common."""
     implied = set.intersection(*({main_kind(name) for name in names} for names in sets)) if sets else set()
     return tuple(sorted(set(stated) | implied))
 
@@ -230,12 +234,12 @@ def _confidence(answer: Answer, stated: dict[str, Any]) -> tuple[tuple[str, floa
     for claim, value in stated.items():
         if not (isinstance(value, (int, float)) and 0 <= value <= 1):
             raise InputError(f"{answer.name}: confidence in {claim}", expected="a number from 0 to 1", received=value)
-    counted = {claim: float(value) for claim, value in stated.items() if claim not in PLAIN or answer.tier == "change"}
+    counted = {claim: float(value) for claim, value in stated.items() if claim not in PLAIN_PARAMETERS or answer.tier == "change"}
     return tuple(sorted(counted.items()))
 
 
-def _left(ladder: Iterable[dict[str, Any]]) -> tuple[float | None, float | None]:
-    """Held-out RMS distance [mm] with stiffness and damping, and with all that was found."""
+def _remaining_rms(ladder: Iterable[dict[str, Any]]) -> tuple[float | None, float | None]:
+    """Return the held-out RMS distance [mm] with stiffness and damping, and with all that was found."""
     rungs = {rung["rung"]: rung["heldout_rms_mm"] for rung in ladder if not rung["rung"].startswith(FLOORS)}
     before = rungs.get("stiffness and damping")
     return (None, None) if before is None else (before, list(rungs.values())[-1])

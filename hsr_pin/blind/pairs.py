@@ -1,4 +1,4 @@
-"""Two recordings of one messy arm, of which something is another in the second, or nothing is."""
+"""Pairs of recordings of one messy arm, with or without a change between them."""
 
 from __future__ import annotations
 
@@ -16,20 +16,27 @@ from hsr_pin.blind.plants.laws.law import Law
 from hsr_pin.blind.plants.nuisance import Nuisance
 from hsr_pin.blind.plants.program import program
 from hsr_pin.blind.plants.scaling import Scaled, scale_to_gap
-from hsr_pin.blind.workshop import BELIEVABLE, MessyArm, Workshop, answer_of, quieter, strong_enough
+from hsr_pin.blind.workshop import LARGEST_GAP, MessyArm, Workshop, answer_of, quieter, scaled_to_size
 from hsr_pin.errors import SimulationFailure
 
-#: Folders of the two recordings.
-OLD, NEW = "old", "new"
-#: By how much an effect grows.
+#: Folders of the earlier and the later recording.
+REFERENCE, CURRENT = "old", "new"
+#: Factor by which an effect grows.
 GROWTH = 1.5
-#: Share of the arms that have a clear effect already, which stays as it is.
-STANDING = 0.3
+#: Share of the arms with a clear effect that is present in both recordings.
+PERSISTENT_SHARE = 0.3
 
 
 @dataclass(frozen=True)
 class Change:
-    """What happens between the two recordings: the laws before and after it, and the gap that it makes [mm]."""
+    """Change between the two recordings of a pair.
+
+    Attributes:
+        before: laws before the change.
+        after: laws after the change.
+        gap: marker gap of the change [mm].
+        reached: whether the gap is the one asked for.
+    """
 
     before: tuple[Law, ...] = ()
     after: tuple[Law, ...] = ()
@@ -38,59 +45,61 @@ class Change:
 
 
 def build_pair(case: Case, folder: Path, workshop: Workshop, attempt: int) -> Answer:
-    """Write both recordings into folders of their own."""
+    """Write both recordings of a pair into their own folders, and return the answer."""
     arm = MessyArm.of(replace(case, sizes=()), workshop, attempt)
-    arm = replace(arm, program=arm.mess.staged(program(case.later, case.mount, case.given)))  # it shows in the second
-    standing = _standing(case, arm, attempt)
-    change = _change(case, arm, standing, attempt)
+    arm = replace(
+        arm, program=arm.artefacts.with_release_errors(program(case.later, case.mount, case.given))
+    )  # gaps are simulated in the second recording's program
+    persistent = _persistent(case, arm, attempt)
+    change = _change(case, arm, persistent, attempt)
     if change.after:
         arm = replace(arm, nuisance=quieter(arm.nuisance, change.gap))
-    small = arm.background([*case.effects, *(law.name for law in standing)])
+    small = arm.background([*case.effects, *(law.name for law in persistent)])
     rng = np.random.default_rng([case.seed, 8])
     sessions = [
-        (OLD, case.program, arm.mess, change.before),
-        (NEW, case.later, replace(arm.mess, seed=int(rng.integers(1 << 31))), change.after),
+        (REFERENCE, case.program, arm.artefacts, change.before),
+        (CURRENT, case.later, replace(arm.artefacts, seed=int(rng.integers(1 << 31))), change.after),
     ]
-    for session, (name, kinds, mess, laws) in enumerate(sessions):
-        others = [_anew(law, rng) if session else law for law in small.laws]
-        trials = mess.staged(program(kinds, case.mount, case.given))
+    for session, (name, kinds, artefacts, laws) in enumerate(sessions):
+        others = [_redrawn(law, rng) if session else law for law in small.laws]
+        trials = artefacts.with_release_errors(program(kinds, case.mount, case.given))
         workshop.messy.run(
-            trials, (*laws, *standing, *others), case.seed, folder / name, arm.nuisance, mess=mess, session=session
+            trials, (*laws, *persistent, *others), case.seed, folder / name, arm.nuisance, artefacts=artefacts, session=session
         )
     chosen = [Scaled(law, change.gap, change.reached) for law in change.after]
-    answer = answer_of(case, chosen, [change.gap] * len(chosen), arm.nuisance, small, arm.mess)
-    facts = {**answer.facts, "standing": [law.describe() for law in standing], "change": _told(change, arm.nuisance)}
-    return replace(answer, facts=facts, background=())  # what is in both recordings is no change
+    answer = answer_of(case, chosen, [change.gap] * len(chosen), arm.nuisance, small, arm.artefacts)
+    facts = {**answer.facts, "standing": [law.describe() for law in persistent], "change": _change_facts(change, arm.nuisance)}
+    return replace(answer, facts=facts, background=())  # effects in both recordings are no change
 
 
-def _standing(case: Case, arm: MessyArm, attempt: int) -> tuple[Law, ...]:
-    """A clear effect that was there and stays, or none."""
+def _persistent(case: Case, arm: MessyArm, attempt: int) -> tuple[Law, ...]:
+    """Return a clear effect that is present in both recordings, or none."""
     rng = np.random.default_rng([case.seed, 7, attempt])
-    if case.kind == "grows" or rng.random() > STANDING:
+    if case.kind == "grows" or rng.random() > PERSISTENT_SHARE:
         return ()
     name = str(rng.choice([name for name in CATALOGUE if name not in case.effects]))
-    return (scale_to_gap(draw(name, rng), arm.wanted("medium"), arm.yardstick(), refit=True, tolerance=0.3, steps=6).law,)
+    return (scale_to_gap(draw(name, rng), arm.wanted("medium"), arm.gap_simulator(), refit=True, tolerance=0.3, steps=6).law,)
 
 
-def _change(case: Case, arm: MessyArm, standing: tuple[Law, ...], attempt: int) -> Change:
+def _change(case: Case, arm: MessyArm, persistent: tuple[Law, ...], attempt: int) -> Change:
     if not case.effects:
         return Change()
-    wanted, yardstick = arm.wanted(case.sizes[0]), arm.yardstick(standing)
+    wanted, gap_simulator = arm.wanted(case.sizes[0]), arm.gap_simulator(persistent)
     if case.kind != "grows":
-        plain = case.kind == "parameter"  # stiffness and damping must not be refitted: they are what changes
-        found = strong_enough(case, 0, wanted, yardstick, attempt, refit=not plain)
+        plain = case.kind == "parameter"  # stiffness and damping are not refitted, because they may be what changes
+        found = scaled_to_size(case, 0, wanted, gap_simulator, attempt, refit=not plain)
         return Change((), (found.law,), found.gap, found.reached)
-    share = GROWTH / (GROWTH - 1)  # of what grows by half, a third is new
-    law = strong_enough(case, 0, min(share * wanted, 2 * BELIEVABLE), yardstick, attempt).law
+    share = GROWTH / (GROWTH - 1)  # a third of an effect that grows by half is the change
+    law = scaled_to_size(case, 0, min(share * wanted, 2 * LARGEST_GAP), gap_simulator, attempt).law
     before = law.scaled(1 / GROWTH)
-    gap = yardstick.refitted_step(before, law)
+    gap = gap_simulator.refitted_step(before, law)
     if not gap > 0:
         raise SimulationFailure(f"{law.name} does not show in {case.name}", None)
     return Change((before,), (law,), gap, bool(abs(gap / wanted - 1) < 0.5))
 
 
-def _told(change: Change, nuisance: Nuisance) -> dict[str, Any]:
-    """What changed, by the field that says how strong its law is; a plain parameter over its declared value."""
+def _change_facts(change: Change, nuisance: Nuisance) -> dict[str, Any]:
+    """Return the change of the parameter that gives the strength of the law; a plain parameter relative to its declared value."""
     if not change.after:
         return {}
     law = change.after[0]
@@ -102,8 +111,8 @@ def _told(change: Change, nuisance: Nuisance) -> dict[str, Any]:
     return {"name": law.name, "strength": law.strength, "from": was, "to": size}
 
 
-def _anew(law: Law, rng: np.random.Generator) -> Law:
-    """The same law on another day: gusts and pulses do not repeat themselves."""
+def _redrawn(law: Law, rng: np.random.Generator) -> Law:
+    """Return the law for another session: the random phases of gusts and pulses are drawn again."""
     own: dict[str, Any] = {}
     names: Sequence[str] = [field.name for field in fields(law)]  # type: ignore[arg-type]
     if "seed" in names:

@@ -1,4 +1,4 @@
-"""The confusion matrix, and the reliability of stated confidence, as pictures."""
+"""Pictures of the confusion matrix and of the reliability of stated confidences."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from hsr_pin.blind.reliability import Reliability
 from hsr_pin.blind.scoring import Score
 from hsr_pin.replay.plots import save
 
-#: Of verdicts: Okabe and Ito's green and vermilion, which colour-blind readers can tell apart, and grey.
+#: Colours of verdicts: Okabe and Ito's green and vermilion, which colour-blind readers can distinguish, and grey.
 COLOURS = {"right": "#009E73", "nameless": "#888888", "wrong": "#D55E00"}
-#: What tells them in grey.
+#: Hatches of verdicts, which distinguish them in greyscale.
 HATCHES = {"right": "", "nameless": "....", "wrong": "xxxx"}
 
 
 def draw(score: Score, path: str | Path) -> None:
-    """Write it to a .png, .pdf or .svg file: a row for each truth, a column for each verdict."""
+    """Write the confusion matrix to a .png, .pdf or .svg file: one row for each truth, one column for each verdict."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch, Rectangle
 
@@ -47,19 +47,19 @@ def draw(score: Score, path: str | Path) -> None:
     axes.grid(which="minor", color="#DDDDDD", linewidth=0.6)
     axes.tick_params(which="minor", length=0)
     axes.set_ylabel("truth (cases)")
-    labels = {"right": "right", "nameless": "too little said", "wrong": "wrong"}
+    labels = {"right": "right", "nameless": "incomplete or none", "wrong": "wrong"}
     handles = [Patch(facecolor=COLOURS[key], hatch=HATCHES[key], edgecolor="#666666", label=text) for key, text in labels.items()]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncols=3, frameon=False, fontsize=8)
     save(figure, path)
 
 
 def meaning(grade: str) -> str:
-    """What a grade comes down to: a key of `COLOURS`."""
+    """Return whether a grade counts as right, wrong or without a name: a key of `COLOURS`."""
     return {"right": "right", "exact": "right", "alternatives": "right", "wrong": "wrong"}.get(grade, "nameless")
 
 
 def draw_reliability(found: Reliability, path: str | Path) -> None:
-    """Write it to a .png, .pdf or .svg file: how often claims were right, over the confidence that was stated."""
+    """Write the reliability diagram to a .png, .pdf or .svg file: share of right claims over stated confidence."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(4.6, 4.4), layout="constrained")

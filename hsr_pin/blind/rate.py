@@ -1,4 +1,4 @@
-"""So many of so many, with an honest interval."""
+"""Rate of hits with its confidence interval."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Rate:
-    """So many of so many, with the exact 95 % interval of the probability (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
+    """Number of hits out of a total, with the exact 95 % interval (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934)."""
 
     hits: int
     of: int
 
     @property
     def share(self) -> float:
-        """0 to 1; nan of nothing."""
+        """Share of hits, 0 to 1; NaN if there is no case."""
         return self.hits / self.of if self.of else float("nan")
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 %."""
+        """Exact 95 % confidence interval of the share."""
         from scipy.stats import binomtest
 
         if not self.of:

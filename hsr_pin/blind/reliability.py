@@ -1,10 +1,10 @@
-"""Stated confidence against how often it was right.
+"""Reliability of stated confidences: how often claims were right.
 
 The reliability diagram and the expected calibration error: A. H. Murphy, R. L. Winkler, Reliability of Subjective Probability
 Forecasts of Precipitation and Temperature, Appl. Statist. 26, 1977; M. P. Naeini et al., Obtaining Well Calibrated Probabilities
-Using Bayesian Binning, AAAI 2015. Claims of one case stand and fall together, so cases are resampled, not claims (A. C. Davison,
-D. V. Hinkley, Bootstrap Methods and their Application, 1997, ch. 3). A few claims scatter about any calibration: what a perfectly
-calibrated source would come to with the same claims is told beside it.
+Using Bayesian Binning, AAAI 2015. The claims of one case are correlated, so cases are resampled, not claims (A. C. Davison,
+D. V. Hinkley, Bootstrap Methods and their Application, 1997, ch. 3). A small number of claims scatters about perfect calibration;
+therefore the error of a perfectly calibrated source with the same claims is reported as well.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.blind.rate import Rate
 
-#: Bins of equal width.
+#: Number of bins of equal width.
 BINS = 10
 RESAMPLES = 2000
 
@@ -28,7 +28,9 @@ class Bin:
     """Claims whose confidence lies between `low` and `high`.
 
     Attributes:
-        stated: their mean confidence. right: how many were.
+        low, high: edges of the bin.
+        stated: mean confidence of the claims.
+        right: rate of right claims.
     """
 
     low: float
@@ -39,12 +41,13 @@ class Bin:
 
 @dataclass(frozen=True)
 class Reliability:
-    """Of all claims.
+    """Reliability of all claims.
 
     Attributes:
-        bins: those that hold claims.
-        error: expected calibration error, the mean distance between stated and true over the claims.
-        interval: of it, 95 %, over cases. by_chance: its mean and its 95 % quantile, were every confidence right.
+        bins: bins with at least one claim.
+        error: expected calibration error, the mean distance between stated and true rate over the claims.
+        interval: its 95 % interval over cases.
+        by_chance: its mean and its 95 % quantile if every confidence were right.
     """
 
     bins: tuple[Bin, ...]
@@ -53,7 +56,7 @@ class Reliability:
     by_chance: tuple[float, float]
 
     def document(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the reliability as a JSON document."""
         return {
             "error": self.error,
             "ci95": list(self.interval),
@@ -66,7 +69,7 @@ class Reliability:
 
 
 def reliability(cases: Sequence[Sequence[tuple[float, bool]]], seed: int = 0) -> Reliability:
-    """From the claims of each case: confidence, 0 to 1, and whether it was so. At least one claim."""
+    """Return the reliability for the claims of each case, pairs of confidence (0 to 1) and truth; at least one claim."""
     owner = np.repeat(np.arange(len(cases)), [len(claims) for claims in cases])
     stated = np.array([value for claims in cases for value, _ in claims], dtype=float)
     true = np.array([so for claims in cases for _, so in claims], dtype=float)
@@ -87,6 +90,6 @@ def reliability(cases: Sequence[Sequence[tuple[float, bool]]], seed: int = 0) ->
 
 
 def _error(place: NDArray[np.int64], excess: NDArray[np.float64], times: NDArray[np.float64]) -> float:
-    """Of claims in these bins, with the excess of their confidence, each counted so many times."""
+    """Return the calibration error from the bin of each claim, its confidence minus its truth, and its multiplicity."""
     sums = np.bincount(place, weights=excess * times, minlength=BINS)
     return float(np.abs(sums).sum() / times.sum())

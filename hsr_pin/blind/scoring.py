@@ -1,4 +1,4 @@
-"""How often the diagnosis was right: verdicts against answers."""
+"""Score of a blind check: verdicts compared with answers."""
 
 from __future__ import annotations
 
@@ -15,25 +15,27 @@ from hsr_pin.blind.rate import Rate
 from hsr_pin.blind.reliability import Reliability, reliability
 from hsr_pin.errors import InputError
 
-#: Verdicts that name nothing, and one that never came.
+#: Statuses of verdicts without names, and of failed diagnoses.
 NAMELESS = ("parameters", "no_gap", "unexplained", "insufficient", "error")
-#: What else a score tells of a case.
+#: Further facts of a case in a score.
 FACTS = ("program", "mount", "plant")
-#: What of a case's facts decides whether a verdict is right.
+#: Facts of a case that decide whether a verdict is right.
 DECIDING = ("own",)
-#: A shrinkage this share of the oracle's is as good as it gets.
-CLOSE = 0.9
+#: Share of the oracle's shrinkage from which a shrinkage counts as equal to it.
+NEAR_ORACLE = 0.9
 
 
 @dataclass(frozen=True)
 class Score:
-    """What came of a check.
+    """Score of a check.
 
     Attributes:
-        outcomes: of all cases that were diagnosed.
-        missing: names of those that were not.
-        rates: by what they say.
-        rows, columns: of the confusion matrix; counts: [row][column].
+        outcomes: outcomes of all diagnosed cases.
+        missing: names of the cases without a diagnosis.
+        rates: rates by their description.
+        rows: rows of the confusion matrix.
+        columns: columns of the confusion matrix.
+        counts: entries of the confusion matrix, [row][column].
     """
 
     outcomes: tuple[Outcome, ...]
@@ -45,26 +47,26 @@ class Score:
 
     @property
     def misses(self) -> tuple[Outcome, ...]:
-        """Every case that was not answered exactly."""
+        """Outcomes of all cases that were not answered exactly."""
         return tuple(outcome for outcome in self.outcomes if not outcome.exact)
 
     @property
     def tiers(self) -> tuple[str, ...]:
-        """Those that there are cases of."""
+        """Names of the tiers with at least one case."""
         return tuple(dict.fromkeys(outcome.answer.tier for outcome in self.outcomes))
 
     def grades(self, tier: str, kind: str) -> dict[str, int]:
-        """Grade -> how many cases of this tier and kind came out so."""
+        """Return the number of cases of a tier and kind for each grade."""
         found = Counter(o.grade for o in self.outcomes if (o.answer.tier, o.answer.kind) == (tier, kind))
         return {grade: found[grade] for grade in GRADES}
 
     def reliability(self) -> Reliability | None:
-        """Stated confidence against how often it was right; None where none was stated."""
-        claims = [[(value, outcome.is_so(claim)) for claim, value in outcome.confidence] for outcome in self.outcomes]
+        """Return the reliability of the stated confidences; None if none was stated."""
+        claims = [[(value, outcome.is_true(claim)) for claim, value in outcome.confidence] for outcome in self.outcomes]
         return reliability(claims) if any(claims) else None
 
     def document(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the score as a JSON document."""
         trust = self.reliability()
         more = {} if trust is None else {"reliability": trust.document()}
         return {
@@ -78,15 +80,15 @@ class Score:
 
 
 def score(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, Any]], oracle: Mapping[str, float] | None = None) -> Score:
-    """Hold verdicts against answers.
+    """Compare verdicts with answers.
 
     Args:
-        answers: of all cases.
-        verdicts: name of the case -> what ``hsr-diagnose`` wrote.
-        oracle: name of the case -> RMS distance [mm] that the true law leaves on held-out trials.
+        answers: answers of all cases.
+        verdicts: document of ``hsr-diagnose`` for each name of a case.
+        oracle: held-out RMS distance of the true law [mm] for each name of a case.
 
     Raises:
-        InputError: a verdict is none.
+        InputError: a verdict has the wrong format.
     """
     known = oracle or {}
     found = tuple(outcome_of(each, verdicts[each.name], known.get(each.name)) for each in answers if each.name in verdicts)
@@ -94,15 +96,15 @@ def score(answers: Sequence[Answer], verdicts: Mapping[str, dict[str, Any]], ora
 
 
 def scored(document: dict[str, Any]) -> Score:
-    """The score that :meth:`Score.document` was written from.
+    """Return the score from a document that :meth:`Score.document` returned.
 
     Raises:
-        InputError: it is none.
+        InputError: the document has the wrong format.
     """
     try:
         return _tally(tuple(map(outcome_from, document["outcomes"])), tuple(document["missing"]))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise InputError("score", expected="what hsr-blind score --json wrote", received=repr(error)) from error
+        raise InputError("score", expected="a document written by hsr-blind score --json", received=repr(error)) from error
 
 
 def _tally(found: tuple[Outcome, ...], missing: tuple[str, ...]) -> Score:
@@ -132,12 +134,12 @@ def _rates(found: Sequence[Outcome]) -> dict[str, Rate]:
         "wrong names, all cases": Rate(sum(o.wrong_name for o in found), len(found)),
         "any name, none and outside": Rate(sum(bool(o.sets) and not o.exact for o in unnamed), len(unnamed)),
         "truth among the alternatives, ambiguous verdicts": _exact(named),
-        "shrinkage within 10 % of the oracle's": Rate(sum(map(_as_good, judged)), len(judged)),
+        "shrinkage within 10 % of the oracle's": Rate(sum(map(_near_oracle, judged)), len(judged)),
     }
 
 
 def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
-    """Those of tiers other than the clean one, if there are any."""
+    """Return the rates of the tiers other than the clean one, for tiers with cases."""
     by = {
         tier: [o for o in found if o.answer.tier == tier and o.answer.kind not in RIGHT]
         for tier in ("messy", "forms", "space", "others", "real")
@@ -167,12 +169,12 @@ def _exact(among: Sequence[Outcome]) -> Rate:
     return Rate(sum(o.exact for o in among), len(among))
 
 
-def _as_good(outcome: Outcome) -> bool:
-    return outcome.shrinkage is not None and outcome.oracle is not None and outcome.shrinkage >= CLOSE * outcome.oracle
+def _near_oracle(outcome: Outcome) -> bool:
+    return outcome.shrinkage is not None and outcome.oracle is not None and outcome.shrinkage >= NEAR_ORACLE * outcome.oracle
 
 
 def document_of(outcome: Outcome) -> dict[str, Any]:
-    """For programs."""
+    """Return an outcome as a JSON document."""
     answer = outcome.answer
     return {
         "name": answer.name,
@@ -198,7 +200,7 @@ def document_of(outcome: Outcome) -> dict[str, Any]:
 
 
 def outcome_from(document: dict[str, Any]) -> Outcome:
-    """What :func:`document_of` gave."""
+    """Return the outcome from a document that :func:`document_of` returned."""
     answer = Answer(
         document["name"],
         document["kind"],
@@ -210,7 +212,7 @@ def outcome_from(document: dict[str, Any]) -> Outcome:
         tuple(map(tuple, document["right_kinds"])),
         tuple(document["background"]),
     )
-    said = {name: document[name] for name in ("status", "sentence", "shrinkage", "oracle")}
+    reported = {name: document[name] for name in ("status", "sentence", "shrinkage", "oracle")}
     sets = tuple(frozenset(names) for names in document["sets"])
     confidence = tuple(sorted(document["confidence"].items()))
-    return Outcome(answer, sets=sets, kinds=tuple(document["kinds"]), confidence=confidence, **said)
+    return Outcome(answer, sets=sets, kinds=tuple(document["kinds"]), confidence=confidence, **reported)

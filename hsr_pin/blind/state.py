@@ -1,4 +1,4 @@
-"""What a check has written so far, read back: it may have been damaged meanwhile."""
+"""Reader for intermediate files of a check, which may be damaged."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from hsr_pin.recordings.text import read_text
 
 
 def read_state(file: Path, hint: str) -> dict[str, Any]:
-    """A JSON object that `hsr-blind` wrote.
+    """Return a JSON object that `hsr-blind` wrote.
 
     Raises:
-        InputError: it is none, with ``hint`` for what to do about it.
+        InputError: the file contains no JSON object; the message ends with ``hint``.
     """
     try:
         document = json.loads(read_text(file, LARGEST_RESULT))
     except (ValueError, RecursionError) as error:
         reason = getattr(error, "received", None) or str(error)
-        raise InputError("damaged", expected="what hsr-blind wrote", received=reason, hint=hint, file=file) from error
+        raise InputError("damaged", expected="a document of hsr-blind", received=reason, hint=hint, file=file) from error
     if not isinstance(document, dict):
         kind = type(document).__name__
-        raise InputError("damaged", expected="what hsr-blind wrote", received=f"a {kind}", hint=hint, file=file)
+        raise InputError("damaged", expected="a document of hsr-blind", received=f"a {kind}", hint=hint, file=file)
     return document
 
 
-def stands(file: Path) -> bool:
-    """Whether a file is there, and whole."""
+def is_intact(file: Path) -> bool:
+    """Return whether a file exists and contains a whole JSON object."""
     try:
         read_state(file, "")
     except InputError:

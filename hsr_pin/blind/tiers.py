@@ -1,12 +1,12 @@
-"""The tiers of a check: what each is made of.
+"""Tiers of a check, each with its own kind of cases.
 
-- ``clean``: an arm with one effect or two, or none, or one from outside; tiny nuisances
-- ``messy``: the same with one effect at most, four to eight small ones beside it, and a bad recording
-- ``forms``: a law in another form than the catalogue's, as clean as the first
-- ``space``: arms that bend about two axes, with one effect, or none, or one from outside
-- ``others``: plants by other authors, clean, with one effect or two, or none, or one from outside (`hsr_pin.blind.others`)
-- ``real``: recordings of hardware with a cause withheld (`hsr_pin.blind.real`)
-- ``change``: two recordings of one messy arm, of which something is another in the second, or nothing
+- ``clean``: an arm with one or two effects, none, or one outside the catalogue; tiny nuisances
+- ``messy``: the same with at most one main effect, four to eight small effects, and recording artefacts
+- ``forms``: a law in another form than the catalogue's, as clean as the first tier
+- ``space``: arms that bend about two axes, with one effect, none, or one outside the catalogue
+- ``others``: plants by other authors, clean, with one or two effects, none, or one outside (`hsr_pin.blind.others`)
+- ``real``: recordings of hardware with a withheld cause (`hsr_pin.blind.real`)
+- ``change``: two recordings of one messy arm, with or without a change between them
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from hsr_pin.blind.cases import INPUTS, MOUNTS, PAIR_SIZES, PROGRAMS, Case, Cont
 from hsr_pin.blind.plants.laws import CATALOGUE, FORMS, OUTSIDE, PARAMETERS
 from hsr_pin.errors import InputError
 
-#: Tiers that the plants record -> share of a check; the last two only where they are asked for.
+#: Simulated tiers -> share of a check; the last two are recorded on request only.
 TIERS: dict[str, float] = {"clean": 0.27, "messy": 0.53, "forms": 0.20, "space": 0.0, "others": 0.0}
 #: Kind of case -> share of its tier.
 MESSY_SHARES: dict[str, float] = {"single": 0.625, "none": 0.2, "outside": 0.175}
 CHANGE_SHARES: dict[str, float] = {"appears": 0.35, "grows": 0.2, "parameter": 0.2, "nothing": 0.25}
-#: Share of pairs whose two recordings have unlike programs.
-UNLIKE = 0.4
+#: Share of pairs whose two recordings have different programs.
+DIFFERENT_PROGRAMS = 0.4
 
 
 def plan(seed: int, counts: Mapping[str, int], programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
-    """The cases of a check that the plants record, in an order that tells nothing.
+    """Return the simulated cases of a check, tier by tier.
 
     Args:
-        seed: of all of it.
-        counts: tier -> number of cases.
-        programs: that may be recorded.
+        seed: seed of the whole plan.
+        counts: number of cases of each tier.
+        programs: programs that may be recorded.
     """
     if unknown := set(counts) - set(TIERS):
         raise InputError("tier", expected=" or ".join(TIERS), received=min(unknown))
@@ -61,34 +61,34 @@ def plan(seed: int, counts: Mapping[str, int], programs: Sequence[str] = PROGRAM
 
 
 def plan_changes(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tuple[Case, ...]:
-    """Pairs of recordings, some of them with unlike programs."""
+    """Return a plan of pairs of recordings, some of them with different programs."""
     if count < 1:
         raise InputError("pairs", expected="one or more", received=count)
     rng = np.random.default_rng([seed, 10])
     cases = _recorded(rng, "change", _changes(rng, count), programs)
-    unlike = rng.permutation(count) < UNLIKE * count
+    different = rng.permutation(count) < DIFFERENT_PROGRAMS * count
     return tuple(
         replace(case, later=_other(rng, case.program, programs) if other else case.program)
-        for case, other in zip(cases, unlike, strict=True)
+        for case, other in zip(cases, different, strict=True)
     )
 
 
 def by_shares(count: int) -> dict[str, int]:
-    """Tier -> number of cases, of so many in all."""
+    """Return the number of cases of each tier for a total number of cases."""
     if count < 1:
         raise InputError("cases", expected="one or more", received=count)
     return quotas(count, TIERS)
 
 
 def shuffled(seed: int, cases: Iterable[Case]) -> tuple[Case, ...]:
-    """In an order that tells nothing, and named by it."""
+    """Return the cases in random order, named by their place in it."""
     found = list(cases)
     order = np.random.default_rng([seed, 20]).permutation(len(found))
     return tuple(replace(found[k], name=f"case_{place:03d}") for place, k in enumerate(order, start=1))
 
 
 def _recorded(rng: np.random.Generator, tier: str, contents: Sequence[Content], programs: Sequence[str]) -> list[Case]:
-    """On the chain, which knows every law."""
+    """Return cases recorded on the chain plant, which supports every law."""
     recordings = zip(*(balanced(rng, choices, len(contents)) for choices in (programs, MOUNTS, INPUTS)), strict=True)
     return [
         Case("", *content, "chain", mount, program, given, int(rng.integers(1 << 31)), tier)

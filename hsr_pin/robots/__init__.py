@@ -1,15 +1,15 @@
-"""Robots of rigid links from their URDF, with encoders and commands as recordings: what their model lacks at the joints.
+"""Explanation of model errors at the joints of rigid-link robots, from a URDF, encoder angles and recorded commands.
 
-- ``cause``: the interface of one cause
-- ``causes``: the catalogue, one file each
+- ``cause``: interface of one cause
+- ``causes``: catalogue of causes, one file each
 - ``explain``: explain_robot and explain_robot_change
-- ``friction``: friction that can be integrated
-- ``model``: a robot as a model of its own causes; recordings cut into stretches
+- ``friction``: regularised friction that can be integrated
+- ``model``: prediction model with its causes; recordings cut into stretches
 - ``read``: recordings from a folder with ``robot.toml``
-- ``robot``: a robot as its URDF declares it
-- ``servo``: motors that pull joints to commanded angles
-- ``simulation``: many simulations side by side
-- ``transmission``: motors that turn beside their joints
+- ``robot``: the robot as its URDF declares it
+- ``servo``: position servos at the joints
+- ``simulation``: batch simulation of many cases
+- ``transmission``: motors connected to their joints by elastic or loose transmissions
 """
 
 from hsr_pin.robots.explain import explain_robot, explain_robot_change

@@ -1,4 +1,4 @@
-"""What may be missing at the joints of a robot: the interface of one cause."""
+"""Interface of one cause: physics at the joints of a robot that the declared model may lack."""
 
 from __future__ import annotations
 
@@ -16,112 +16,112 @@ from hsr_pin.trajectory import Array
 if TYPE_CHECKING:
     import pinocchio as pin
 
-#: Kind of physics -> what it says, in a few words.
+#: Kind of physics -> short description, which a verdict quotes.
 KINDS = {
-    "friction": "a torque that opposes the motion of a joint, and hardly depends on its speed",
-    "damping": "a torque that grows with the speed of a joint",
-    "elastic": "a torque that grows with the angle of a joint",
-    "contact": "an end of the way of a joint",
-    "mass_gravity": "masses, inertias and gravity",
-    "transmission": "what lies between the motors and the joints",
-    "actuation_map": "the map from the recorded torque to the torque that acts",
-    "actuation_time": "the torque comes late",
-    "measurement": "what the encoders show",
+    "friction": "a torque that opposes the motion of a joint and hardly depends on its speed",
+    "damping": "a resisting torque that grows with the speed of a joint",
+    "elastic": "a torque that depends on the angle of a joint",
+    "contact": "contact with a stop at the end of the range of a joint",
+    "mass_gravity": "masses, moments of inertia and gravity",
+    "transmission": "play or elasticity between the motors and the joints",
+    "actuation_map": "the relation between the recorded torque and the acting torque",
+    "actuation_time": "a delay or lag of the command",
+    "measurement": "the relation between the true angle and the shown angle",
 }
 
 
 @dataclass(frozen=True, eq=False)
-class Sizes:
-    """What is usual in the recordings: it sets the scales of what may be missing.
+class Scales:
+    """Typical magnitudes in the recordings, from which the scales of the causes follow.
 
     Attributes:
-        torque: (n,) [N m] RMS of each joint.
-        largest: (n,) [N m] recorded of each.
-        speed: (n,) [rad/s] RMS of each.
-        lowest: (n,) [rad] angle of each.
-        highest: (n,) [rad] likewise.
-        mass: [kg] of all that moves.
-        inertia: (n,) [kg m^2] seen at each joint.
-        alone: (n,) [kg m^2] likewise, while the other joints yield.
-        rotor: (n,) [kg m^2] declared of each motor.
-        encoders: what they sit on, "joint" or "motor"; empty: nobody said it.
+        torque: (n,) RMS torque of each joint [N m].
+        max_torque: (n,) largest recorded torque of each joint [N m].
+        speed: (n,) RMS speed of each joint [rad/s].
+        min_angle: (n,) smallest angle of each joint [rad].
+        max_angle: (n,) largest angle of each joint [rad].
+        mass: total mass of the moving links [kg].
+        inertia: (n,) inertia at each joint while the other joints are fixed [kg m^2].
+        free_inertia: (n,) inertia at each joint while the other joints are free [kg m^2].
+        rotor_inertia: (n,) declared inertia of each motor [kg m^2].
+        encoders: part on which the encoders are mounted, "joint" or "motor"; empty: unknown.
     """
 
     torque: Array
-    largest: Array
+    max_torque: Array
     speed: Array
-    lowest: Array
-    highest: Array
+    min_angle: Array
+    max_angle: Array
     mass: float
     inertia: Array
-    alone: Array
-    rotor: Array
+    free_inertia: Array
+    rotor_inertia: Array
     encoders: str = ""
 
     @property
     def angle(self) -> Array:
-        """(n,) [rad] half the range of each joint."""
-        return np.maximum(self.highest - self.lowest, 2e-3) / 2
+        """(n,) half the range of each joint [rad]."""
+        return np.maximum(self.max_angle - self.min_angle, 2e-3) / 2
 
 
 class Values:
-    """Values of one cause for B simulations side by side, as arrays (B, n) or (B, 1)."""
+    """Parameter values of one cause for a batch of B simulations, as arrays (B, n) or (B, 1)."""
 
-    def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]], sizes: Sizes) -> None:
-        self._cause, self._joints, self._values, self.sizes = cause, joints, values, sizes
-        self._made: dict[str, Array] = {}
+    def __init__(self, cause: JointCause, joints: Sequence[str], values: Sequence[Mapping[str, float]], scales: Scales) -> None:
+        self._cause, self._joints, self._values, self.scales = cause, joints, values, scales
+        self._cache: dict[str, Array] = {}
 
     def __len__(self) -> int:
-        """How many simulations."""
+        """Return the number of simulations."""
         return len(self._values)
 
     def of_joints(self, name: str = "") -> Array:
-        """(B, n) of each joint."""
-        return self._array(name, [of(name, joint) for joint in self._joints])
+        """Return the values of a parameter that each joint has, (B, n)."""
+        return self._array(name, [joint_parameter(name, joint) for joint in self._joints])
 
     def shared(self, name: str) -> Array:
-        """(B, 1) of all joints."""
+        """Return the values of a parameter that all joints share, (B, 1)."""
         return self._array(name, [name])
 
-    def _array(self, made: str, names: Sequence[str]) -> Array:
-        """(B, K) of these names; made once."""
-        if made not in self._made:
+    def _array(self, cache_key: str, names: Sequence[str]) -> Array:
+        """Return the values of K parameters, (B, K); the array is cached."""
+        if cache_key not in self._cache:
             keys = [f"{self._cause.name}.{name}" for name in names]
-            self._made[made] = np.array([[each[key] for key in keys] for each in self._values])
-        return self._made[made]
+            self._cache[cache_key] = np.array([[each[key] for key in keys] for each in self._values])
+        return self._cache[cache_key]
 
 
 @dataclass(frozen=True, eq=False)
-class Now:
-    """B simulations at the start of a step.
+class StepStart:
+    """State of a batch of B simulations at the start of a step.
 
     Attributes:
-        q: (B, n) [rad].
-        v: (B, n) [rad/s].
-        driven: (B, n) [N m] torque of the motors.
-        slope: (B, n) [N m s/rad] by how much that falls with the speed at the end of the step.
-        h: (B, 1) [s] length of the step.
-        state: of the cause that is asked, as :meth:`JointCause.after` left it.
+        q: (B, n) angles [rad].
+        v: (B, n) speeds [rad/s].
+        motor_torque: (B, n) torque of the motors [N m].
+        slope: (B, n) decrease of the motor torque per speed at the end of the step [N m s/rad].
+        h: (B, 1) length of the step [s].
+        state: internal state of the cause that is called, as returned by :meth:`JointCause.next_state`.
     """
 
     q: Array
     v: Array
-    driven: Array
+    motor_torque: Array
     slope: Array
     h: Array
     state: Any = None
 
 
-def of(name: str, joint: str) -> str:
-    """What a number of a joint is called: by the joint alone where a cause has one number for each."""
+def joint_parameter(name: str, joint: str) -> str:
+    """Return the name of a parameter of a joint: the joint's name alone if a cause has one parameter for each joint."""
     return f"{name}:{joint}" if name else joint
 
 
 class JointCause(ABC):
-    """One thing that the declared model of a robot may lack.
+    """One piece of physics that the declared model of a robot may lack.
 
-    A subclass overrides the method where it acts; the others leave the model as it is. B simulations run side by side, each with
-    values of its own; amplitudes that are 0 give back the declared model.
+    A subclass overrides the methods through which it acts; the other methods leave the model unchanged. B simulations run as a
+    batch, each with its own values; if all amplitudes are 0, the result is the declared model.
     """
 
     name: ClassVar[str]
@@ -129,27 +129,27 @@ class JointCause(ABC):
     kind: ClassVar[str]
     description: ClassVar[str]
     citation: ClassVar[str] = ""
-    #: Names of causes that are special cases of this one.
+    #: Names of the causes that are special cases of this one.
     contains: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """Those of a robot with these joints: of each of them, named by :func:`of`; then what they share."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the parameters for a robot: those of each joint, named by :func:`joint_parameter`, then shared ones."""
 
-    def as_cause(self, joints: Sequence[str], sizes: Sizes) -> Cause:
-        """It as a search takes it: at all joints, or at any one of them."""
-        facts = self.parameters(joints, sizes)
+    def as_cause(self, joints: Sequence[str], scales: Scales) -> Cause:
+        """Return the cause in the form that the search needs, with variants for all joints and for each single joint."""
+        facts = self.parameters(joints, scales)
         shared = tuple(fact.name for fact in facts if fact.name.rpartition(":")[2] not in joints)
         own = {joint: tuple(fact.name for fact in facts if fact.name.rpartition(":")[2] == joint) for joint in joints}
         single = tuple((*names, *shared) for names in own.values() if names) if len(joints) > 1 else ()
         return Cause(self.name, self.kind, facts, self.description, apart=single, contains=self.contains)
 
     def armature(self, values: Values) -> Array | None:
-        """(B, n) [kg m^2] that is added at the joints."""
+        """Return the inertia added at the joints, (B, n) [kg m^2], or None."""
         return None
 
     def bodies(self, values: Values) -> Array | None:
-        """(B, K) numbers that change masses or gravity; simulations that have the same share a model."""
+        """Return K numbers that change masses or gravity, (B, K), or None; simulations with equal numbers share a model."""
         return None
 
     def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
@@ -157,33 +157,33 @@ class JointCause(ABC):
         raise NotImplementedError
 
     def command(self, values: Values, time: Array, command: Array) -> Array:
-        """(B, N, n) the command that acts (a torque, or the target of a servo), of what was recorded at times (N,) [s]."""
+        """Return the acting command (a torque, or the target of a servo), (B, N, n), for the one recorded at times (N,) [s]."""
         return command
 
     def drive(self, values: Values, torque: Array) -> tuple[Array, Array] | None:
-        """(B, n) [N m] the torque of the motors where (B, n) is commanded, and its derivative."""
+        """Return the torque of the motors for a commanded torque (B, n) [N m], and its derivative, or None."""
         return None
 
-    def start(self, values: Values, now: Now, a: Array) -> Any:
-        """Its state at the start of a simulation in which the encoders show accelerations a (B, n); None: it has none."""
+    def initial_state(self, values: Values, now: StepStart, a: Array) -> Any:
+        """Return the internal state at the start with joint accelerations a (B, n) [rad/s^2]; None: the cause has no state."""
         return None
 
-    def torque(self, values: Values, now: Now) -> tuple[Array, Array] | None:
-        """(B, n) [N m] added at the joints, and (B, n) [N m s/rad] by how much it falls with the speed."""
+    def torque(self, values: Values, now: StepStart) -> tuple[Array, Array] | None:
+        """Return the torque added at the joints, (B, n) [N m], and its decrease per speed, (B, n) [N m s/rad], or None."""
         return None
 
-    def after(self, values: Values, now: Now, a: Array) -> Any:
-        """Its state at the end of a step in which the joints accelerate by a (B, n) [rad/s^2]."""
+    def next_state(self, values: Values, now: StepStart, a: Array) -> Any:
+        """Return the internal state at the end of a step with joint accelerations a (B, n) [rad/s^2]."""
         return now.state
 
-    def beside(self, values: Values, state: Any) -> tuple[Array, Array] | None:
-        """(B, n) [rad] by which what the encoders sit on is ahead of the joints, and (B, n) [rad/s] motors of their speeds."""
+    def encoder_lead(self, values: Values, state: Any) -> tuple[Array, Array] | None:
+        """Return the lead of the encoders over the joints [rad], and the relative motor speed [rad/s], each (B, n), or None."""
         return None
 
-    def shown(self, values: Values, q: Array) -> Array:
-        """(B, ..., n) what the encoders show of angles (B, ..., n)."""
+    def encoder_reading(self, values: Values, q: Array) -> Array:
+        """Return the angles that the encoders show, (B, ..., n) [rad], for true angles (B, ..., n)."""
         return q
 
-    def read(self, values: Values, q: Array) -> Array:
-        """(B, n) the angles of which the encoders show (B, n): the inverse of :meth:`shown`."""
+    def true_angle(self, values: Values, q: Array) -> Array:
+        """Return the true angles, (B, n) [rad], for shown angles (B, n): the inverse of :meth:`encoder_reading`."""
         return q

@@ -1,4 +1,4 @@
-"""Friction that opposes the motion of a joint, smooth enough to be integrated."""
+"""Friction that opposes the motion of a joint, regularised for integration."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from hsr_pin.trajectory import Array
 
-#: Speed [rad/s] from which on a joint slides: below it, it creeps instead of sticking.
-SLIDES = 0.02
+#: Speed above which a joint slides [rad/s]; below it the regularised joint creeps instead of sticking.
+SLIDING_SPEED = 0.02
 
 
-def sliding(level: Array, v: Array) -> tuple[Array, Array]:
-    """(B, n) [N m] of a level at a speed [rad/s], and the slope by which it holds a joint that does not move."""
-    share = np.tanh(v / SLIDES)
-    return -level * share, level / SLIDES * (1 - share**2)
+def sliding_friction(level: Array, v: Array) -> tuple[Array, Array]:
+    """Return the friction torque for a level [N m] at a speed [rad/s], and its decrease per speed [N m s/rad], each (B, n)."""
+    share = np.tanh(v / SLIDING_SPEED)  # of the level
+    return -level * share, level / SLIDING_SPEED * (1 - share**2)

@@ -1,4 +1,4 @@
-"""Recordings of a robot: a folder with ``robot.toml``, the URDF that it names, and one table or bag for each trial."""
+"""Reader for recordings of a robot: a folder with ``robot.toml``, its URDF, and one table or bag for each trial."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hsr_pin.recordings.importers.mapping import TIME_UNITS, TORQUE_UNITS
 from hsr_pin.recordings.importers.rosbag_fields import read_bag_numbers
 from hsr_pin.recordings.samples import robot_folder
 from hsr_pin.robots.robot import Robot
-from hsr_pin.robots.servo import Servo, guess_servo
+from hsr_pin.robots.servo import Servo, estimate_servo
 from hsr_pin.trajectory import Array
 
 if sys.version_info >= (3, 11):
@@ -25,9 +25,9 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib  # type: ignore[import-not-found,unused-ignore]
 
-#: What the folder is known by.
+#: Name of the document that describes the recordings in a folder.
 DOCUMENT = "robot.toml"
-#: Its keys, and those of its table of channels.
+#: Keys of the document, and of its table [servo].
 _KEYS = (
     "name",
     "urdf",
@@ -41,15 +41,15 @@ _KEYS = (
     "torque_held",
     "torque_constant",
 )
-_SERVO = ("stiffness", "damping", "limit", "guessed")
-#: What may be commanded.
+_SERVO_KEYS = ("stiffness", "damping", "limit", "guessed")
+#: Names of the possible command channels.
 _COMMANDS = ("torque", "target")
-#: What its numbers may be in.
+#: Allowed units of the channels, with their factors to s, rad and N m.
 _UNITS = {"time": TIME_UNITS, "position": {"rad": 1.0, "deg": float(np.pi / 180)}, "torque": TORQUE_UNITS}
-#: Trials, by the ending of their files.
+#: File patterns of trials: tables and bags.
 _TABLE, _BAGS = "*.csv", ("*.mcap", "*.bag")
-#: Fewest samples of a trial.
-_FEWEST = 50
+#: Smallest number of samples of a trial.
+_MIN_SAMPLES = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +57,10 @@ class RobotTrial:
     """One recording of a robot.
 
     Attributes:
-        name: of the trial.
-        time: (N,) [s], rising.
-        position: (N, n) [rad] what the encoders show.
-        command: (N, n) recorded: torque [N m], or target of a servo [rad], NaN while the servo is off.
+        name: name of the trial.
+        time: (N,) increasing times [s].
+        position: (N, n) encoder angles [rad].
+        command: (N, n) recorded torque [N m], or target angle of a servo [rad], NaN while the servo is off.
     """
 
     name: str
@@ -71,14 +71,14 @@ class RobotTrial:
 
 @dataclass(frozen=True, eq=False)
 class RobotRecordings:
-    """A robot and what was recorded of it.
+    """A robot and its recordings.
 
     Attributes:
-        name: of the recordings.
-        robot: as declared.
-        trials: in the order of their names.
-        held: whether a command stays as it is until the next sample, as drives hold a command; else it goes straight there.
-        notes: what a reader should know.
+        name: name of the recordings.
+        robot: the robot as declared.
+        trials: trials, sorted by name.
+        held: whether a command is held until the next sample, as drives do; otherwise it is interpolated linearly.
+        notes: notes for the reader of a report.
     """
 
     name: str
@@ -89,24 +89,24 @@ class RobotRecordings:
 
 
 def robot_place(folder: str | Path) -> Path | None:
-    """The folder that holds recordings of a robot: this one, or the sample of this name; None where there are none."""
+    """Return the folder with recordings of a robot: the given folder, or the sample of this name; None if there is none."""
     place = Path(folder)
     return place if (place / DOCUMENT).is_file() else robot_folder(str(folder))
 
 
 def read_robot(folder: str | Path) -> RobotRecordings:
-    """Read recordings of a robot: a folder, or the name of a sample.
+    """Read recordings of a robot from a folder or from the sample of a name.
 
     Raises:
-        InputError: a file that is missing or not as ``robot.toml`` says, with the place of the fault.
-        RecordingError: a bag that cannot be read, or that lacks a channel.
+        InputError: a file is missing or does not match ``robot.toml``; the message gives the place of the fault.
+        RecordingError: a bag cannot be read, or lacks a channel.
     """
     place = (robot_place(folder) or Path(folder)) / DOCUMENT
     try:
         document = tomllib.loads(place.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(str(place), expected="a TOML document", received=str(error)) from error
-    _known(document, _KEYS, str(place))
+    _check_keys(document, _KEYS, str(place))
     joints = _names(document, "joints", place)
     more: dict[str, Any] = {"gravity": tuple(_numbers(document, "gravity", place, 3))} if "gravity" in document else {}
     more["encoders"] = document.get("encoders", "")
@@ -123,19 +123,19 @@ def read_robot(folder: str | Path) -> RobotRecordings:
     if columns.target:
         robot = replace(robot, servo=_servo(document, robot, trials, place))
     elif "servo" in document:
-        raise InputError(f"[channels] of {place}", expected="target, since there is a [servo]", received="torque")
+        raise InputError(f"[channels] of {place}", expected="target, because there is a [servo]", received="torque")
     return RobotRecordings(str(document.get("name", place.parent.name)), robot, trials, held, robot.notes)
 
 
 @dataclass(frozen=True)
 class _Columns:
-    """Where the channels are.
+    """Columns of a table, or fields of a bag, that contain the channels.
 
     Attributes:
-        time: column; None: messages of a bag have times of their own.
-        names: positions of all joints, then commands.
-        factors: (1 + 2 n,) of time, positions and commands, to s, rad and N m.
-        target: whether angles are commanded.
+        time: name of the time column; None: the messages of a bag have their own times.
+        names: columns of the positions of all joints, then of the commands.
+        factors: (1 + 2 n,) factors of time, positions and commands, to s, rad and N m.
+        target: whether the commands are target angles.
     """
 
     time: str | None
@@ -152,12 +152,12 @@ class _Columns:
             expected = "time, position, and either torque or target"
             raise InputError(where, expected=expected, received=", ".join(channels or ()) or "nothing")
         (command,) = given
-        _known(channels, ("time", "position", command), where)
+        _check_keys(channels, ("time", "position", command), where)
         names = [*_names(channels, "position", place), *_names(channels, command, place)]
         if len(names) != 2 * joints:
             expected = f"a position and a {command} for each of the {joints} joints"
             raise InputError(where, expected=expected, received=f"{len(names)} columns")
-        _known(units, _UNITS, f"[units] of {place}")
+        _check_keys(units, _UNITS, f"[units] of {place}")
         factor = {}
         for name, known in _UNITS.items():
             unit = units.get(name, next(iter(known)))
@@ -173,7 +173,7 @@ class _Columns:
         return cls(str(channels["time"]) if "time" in channels else None, tuple(names), factors, target)
 
 
-def _known(table: Any, keys: Iterable[str], where: str) -> None:
+def _check_keys(table: Any, keys: Iterable[str], where: str) -> None:
     unknown = [key for key in table if key not in keys] if isinstance(table, Mapping) else [table]
     if unknown:
         raise InputError(where, expected=f"keys among {', '.join(keys)}", received=quoted(unknown[0]))
@@ -182,34 +182,36 @@ def _known(table: Any, keys: Iterable[str], where: str) -> None:
 def _names(table: Mapping[str, Any], key: str, place: Path) -> list[str]:
     names = table.get(key)
     if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
-        raise InputError(f"{key} of {place}", expected='names, as in ["a", "b"]', received=quoted(names))
+        raise InputError(f"{key} of {place}", expected='names, such as ["a", "b"]', received=quoted(names))
     return list(names)
 
 
 def _numbers(table: Mapping[str, Any], key: str, place: Path, count: int) -> list[float]:
     numbers = table[key]
     if not isinstance(numbers, list) or len(numbers) != count or not all(type(each) in (int, float) for each in numbers):
-        raise InputError(f"{key} of {place}", expected=f"{count} numbers, as in [1.0, 2.0]", received=quoted(numbers))
+        raise InputError(f"{key} of {place}", expected=f"{count} numbers, such as [1.0, 2.0]", received=quoted(numbers))
     return [float(each) for each in numbers]
 
 
 def _servo(document: Mapping[str, Any], robot: Robot, trials: Sequence[RobotTrial], place: Path) -> Servo:
-    """What drives the joints to their targets; what the document does not say is guessed from the trials."""
-    said, where = document.get("servo", {}), f"[servo] of {place}"
-    _known(said, _SERVO, where)
-    numbers = {key: _numbers(said, key, place, len(robot.joints)) for key in ("stiffness", "damping", "limit") if key in said}
-    guessed = said.get("guessed", "stiffness" not in said)
+    """Return the position servos; numbers that the document does not contain are estimated from the trials."""
+    given, where = document.get("servo", {}), f"[servo] of {place}"
+    _check_keys(given, _SERVO_KEYS, where)
+    numbers = {key: _numbers(given, key, place, len(robot.joints)) for key in ("stiffness", "damping", "limit") if key in given}
+    guessed = given.get("guessed", "stiffness" not in given)
     if not isinstance(guessed, bool):
         raise InputError(f"guessed in {where}", expected="true or false", received=quoted(guessed))
-    if "stiffness" not in said:
-        numbers = guess_servo(robot.model, robot.order, [(each.time, each.position, each.command) for each in trials]) | numbers
+    if "stiffness" not in given:
+        numbers = (
+            estimate_servo(robot.model, robot.order, [(each.time, each.position, each.command) for each in trials]) | numbers
+        )
     return Servo.of(len(robot.joints), **numbers, guessed=guessed)
 
 
 def _table(file: Path, columns: _Columns, _held: bool) -> RobotTrial:
-    """The trial in one table."""
+    """Return the trial in one CSV table."""
     if columns.time is None:
-        raise InputError(str(file), expected="time among the [channels], as tables need it", received="none")
+        raise InputError(str(file), expected="time among the [channels], because the trial is a table", received="none")
     wanted = [columns.time, *columns.names]
     empty = [columns.target and k > len(columns.names) // 2 for k in range(len(wanted))]
     with file.open(encoding="utf-8", newline="") as stream:
@@ -225,11 +227,13 @@ def _table(file: Path, columns: _Columns, _held: bool) -> RobotTrial:
             except (ValueError, IndexError) as error:
                 raise InputError(f"{file}:{line}", expected=f"{len(header)} numbers", received=",".join(row)) from error
     table = np.reshape(values, (-1, len(wanted))) * columns.factors
-    return _whole(file, table, len(columns.names) // 2, columns.target, [f"{file}:{line}" for line in range(2, len(values) + 2)])
+    return _checked_trial(
+        file, table, len(columns.names) // 2, columns.target, [f"{file}:{line}" for line in range(2, len(values) + 2)]
+    )
 
 
 def _bag(file: Path, columns: _Columns, held: bool) -> RobotTrial:
-    """The trial in one bag, at the times of the first joint's messages."""
+    """Return the trial in one bag, sampled at the times of the first joint's messages."""
     tracks = read_bag_numbers(file, columns.names)
     joints = len(columns.names) // 2
     time = tracks[0][0]
@@ -238,16 +242,16 @@ def _bag(file: Path, columns: _Columns, held: bool) -> RobotTrial:
     for k, (at, values) in enumerate(tracks):
         found.append(hold(at, values[:, None], time)[:, 0] if held and k >= joints else np.interp(time, at, values))
     table = np.column_stack(found) * (1.0, *columns.factors[1:])
-    return _whole(file, table, joints, columns.target, [f"{file}, message {n}" for n in range(1, len(table) + 1)])
+    return _checked_trial(file, table, joints, columns.target, [f"{file}, message {n}" for n in range(1, len(table) + 1)])
 
 
-def _whole(file: Path, table: Array, joints: int, target: bool, places: Sequence[str]) -> RobotTrial:
-    """A trial of a table (N, 1 + 2 n) of times, positions and commands."""
-    if len(table) < _FEWEST:
-        raise InputError(str(file), expected=f"{_FEWEST} samples or more", received=len(table))
-    sound = np.isfinite(table[:, : 1 + joints] if target else table).all(axis=1) & ~np.isinf(table).any(axis=1)
-    if not sound.all():
-        raise InputError(places[int(np.argmin(sound))], expected="finite numbers", received="others")
+def _checked_trial(file: Path, table: Array, joints: int, target: bool, places: Sequence[str]) -> RobotTrial:
+    """Return the trial in a table (N, 1 + 2 n) of times, positions and commands, after checking its values."""
+    if len(table) < _MIN_SAMPLES:
+        raise InputError(str(file), expected=f"{_MIN_SAMPLES} samples or more", received=len(table))
+    finite = np.isfinite(table[:, : 1 + joints] if target else table).all(axis=1) & ~np.isinf(table).any(axis=1)
+    if not finite.all():
+        raise InputError(places[int(np.argmin(finite))], expected="finite numbers", received="NaN, infinity or an empty cell")
     if not (rises := np.diff(table[:, 0]) > 0).all():
-        raise InputError(places[int(np.argmin(rises)) + 1], expected="times that rise", received="others")
+        raise InputError(places[int(np.argmin(rises)) + 1], expected="increasing times", received="a time that does not increase")
     return RobotTrial(file.stem, table[:, 0], table[:, 1 : 1 + joints], table[:, 1 + joints :])

@@ -1,4 +1,4 @@
-"""Position servos: the torque of a joint that is commanded by an angle."""
+"""Position servos, which convert a commanded angle of a joint into a torque."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from hsr_pin.explain.model import factor
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
-#: Standard deviation of the logarithm of a number that was guessed.
-_GUESSED = 1.0
-#: Samples over which motion is smoothed to guess from it, and the speed [rad/s] from which on friction has its full size.
-_WINDOW, _SLIDES = 21, 0.1
+#: Prior standard deviation of the logarithm of a guessed number.
+_GUESS_WIDTH = 1.0
+#: Smoothing window for the estimate [samples], and the speed at which the regularised friction is nearly complete [rad/s].
+_WINDOW, _SLIDING_SPEED = 21, 0.1
 
 
 @dataclass(frozen=True)
 class Servo:
-    """Motors that pull each joint to its target: torque = stiffness (target - angle) - damping * speed, up to a limit.
+    """Position servos of the joints: torque = stiffness (target - angle) - damping * speed, up to a limit.
 
     Attributes:
         stiffness: (n,) [N m/rad].
         damping: (n,) [N m s/rad].
-        limit: (n,) [N m] that the torque does not exceed.
-        guessed: whether stiffness and damping are fitted in any case, since nobody measured them.
+        limit: (n,) largest torque [N m].
+        guessed: whether stiffness and damping are always fitted, because they were not measured.
     """
 
     stiffness: tuple[float, ...]
@@ -41,30 +41,30 @@ class Servo:
     def of(
         cls, joints: int, stiffness: Sequence[float], damping: Sequence[float] = (), limit: Sequence[float] = (), *, guessed: bool
     ) -> Servo:
-        """With a number for each joint; no damping and no limit unless they are given.
+        """Return servos with one number for each joint; damping defaults to 0 and the limit to infinity.
 
         Raises:
-            InputError: another count of numbers, or numbers that cannot be.
+            InputError: the number of values differs from the number of joints, or a value is negative.
         """
         none = {"damping": (0.0,) * joints, "limit": (np.inf,) * joints}
         given = {"stiffness": stiffness, "damping": damping, "limit": limit}
         given = {name: values if len(values) else none.get(name, ()) for name, values in given.items()}
         for name, values in given.items():
             if len(values) != joints or not all(value >= 0 for value in values):
-                expected = f"{joints} numbers, none negative, one for each joint"
+                expected = f"{joints} numbers of at least 0, one for each joint"
                 raise InputError(f"{name} of the servo", expected=expected, received=str(list(values)))
         return cls(**{name: tuple(float(value) for value in values) for name, values in given.items()}, guessed=guessed)
 
     def parameters(self, joints: Sequence[str]) -> tuple[Parameter, ...]:
-        """Factors on what was guessed."""
+        """Return the factors on guessed stiffness and damping that are fitted."""
         if not self.guessed:
             return ()
         names = [f"servo_stiffness:{joint}" for joint in joints]
         names += [f"servo_damping:{joint}" for joint, damping in zip(joints, self.damping, strict=True) if damping]
-        return tuple(factor(name, _GUESSED, lower=0.05, upper=20.0) for name in names)
+        return tuple(factor(name, _GUESS_WIDTH, lower=0.05, upper=20.0) for name in names)
 
     def numbers(self, joints: Sequence[str], values: Sequence[Mapping[str, float]]) -> tuple[Array, Array]:
-        """(B, n) stiffness and damping with those factors."""
+        """Return stiffness and damping, multiplied by the fitted factors, each (B, n)."""
         factors = [
             np.array([[each.get(f"{name}:{joint}", 1.0) for joint in joints] for each in values])
             for name in ("servo_stiffness", "servo_damping")
@@ -72,21 +72,23 @@ class Servo:
         return factors[0] * np.array(self.stiffness), factors[1] * np.array(self.damping)
 
     def torque(self, target: Array, position: Array) -> Array:
-        """(N, n) [N m] for a joint that is at rest, of targets and angles (N, n) [rad]; 0 where there is no target."""
+        """Return the torque of the servos at rest, (N, n) [N m], for targets and angles (N, n) [rad]; 0 without a target."""
         pulled = np.nan_to_num(np.array(self.stiffness) * (target - position))
         return np.clip(pulled, -np.array(self.limit), np.array(self.limit))
 
 
-def guess_servo(model: pin.Model, order: Sequence[int], trials: Sequence[tuple[Array, Array, Array]]) -> dict[str, list[float]]:
-    """Stiffness and damping by least squares on the torques that recorded motions took.
+def estimate_servo(
+    model: pin.Model, order: Sequence[int], trials: Sequence[tuple[Array, Array, Array]]
+) -> dict[str, list[float]]:
+    """Estimate stiffness and damping by least squares on the inverse-dynamics torques of recorded motions.
 
     Args:
-        model: of the robot as declared.
-        order: which of the recorded joints each of the model's is.
-        trials: of each, (N,) times [s], (N, n) angles and (N, n) targets [rad], NaN while the servo is off.
+        model: model of the robot as declared.
+        order: index of the recorded joint for each joint of the model.
+        trials: for each trial times (N,) [s], angles (N, n) and targets (N, n) [rad], NaN while the servo is off.
 
     Raises:
-        InputError: a joint that does not go where its target is.
+        InputError: a joint does not follow its target.
     """
     data, back = model.createData(), np.argsort(order)
     torques, columns = [], []
@@ -98,7 +100,7 @@ def guess_servo(model: pin.Model, order: Sequence[int], trials: Sequence[tuple[A
         wanted = target[np.clip(np.searchsorted(time, even, side="right") - 1, 0, None)]
         moving = zip(q[:, order], v[:, order], a[:, order], strict=True)
         torques.append(np.array([pin.rnea(model, data, *each)[back] for each in moving]))
-        columns.append(np.stack([wanted - q, -v, -np.tanh(v / _SLIDES)], axis=-1))
+        columns.append(np.stack([wanted - q, -v, -np.tanh(v / _SLIDING_SPEED)], axis=-1))
     torque, column = np.concatenate(torques), np.concatenate(columns)
     stiffness, damping = [], []
     for k in range(torque.shape[1]):
@@ -106,7 +108,8 @@ def guess_servo(model: pin.Model, order: Sequence[int], trials: Sequence[tuple[A
         found = nnls(column[on, k], torque[on, k])[0] if on.any() else np.zeros(3)
         if not found[0] > 0:
             expected = "targets that the joints follow, or [servo] with stiffness = [...] in N m/rad"
-            raise InputError("target", expected=expected, received=f"joint {k + 1}, whose torque does not grow with its error")
+            received = f"joint {k + 1}, whose torque does not grow with its position error"
+            raise InputError("target", expected=expected, received=received)
         stiffness.append(float(found[0]))
         damping.append(float(found[1]))
     return {"stiffness": stiffness, "damping": damping}

@@ -1,4 +1,4 @@
-"""The plan of a check is balanced, follows from its seed, and what is made from it tells nothing until its seal is opened."""
+"""The plan of a check is balanced and follows from its seed, and the recordings reveal nothing until the seal is opened."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hsr_pin.blind.answers import SEAL, unseal
-from hsr_pin.blind.cases import INPUTS, MOUNTS, PROGRAMS, ROD_LACKS, ROD_PROGRAMS, SHARES, plan_clean
+from hsr_pin.blind.cases import INPUTS, MOUNTS, PROGRAMS, ROD_PROGRAMS, ROD_UNSUPPORTED, SHARES, plan_clean
 from hsr_pin.blind.make import default_answers, make
 from hsr_pin.blind.plants.chain import ChainPlant
 from hsr_pin.blind.plants.laws import CATALOGUE, OUTSIDE
@@ -31,7 +31,7 @@ def mujoco():
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """Three cases of each a few links."""
+    """Three cases on chains with a few links."""
     pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")
     folder = tmp_path_factory.mktemp("made") / "check"
     return folder, make(folder, SEED, PLAN, workshop=QUICK)
@@ -64,14 +64,14 @@ def test_the_rod_records_an_eighth_and_only_what_it_can():
     rods = [case for case in plan_clean(7, 200) if case.plant == "rod"]
     assert 20 <= len(rods) <= 26
     assert {case.program for case in rods} <= set(ROD_PROGRAMS) < set(PROGRAMS)
-    assert not any(set(case.effects) & set(ROD_LACKS) for case in rods)
+    assert not any(set(case.effects) & set(ROD_UNSUPPORTED) for case in rods)
 
 
 def test_the_same_seed_gives_the_same_plan_and_another_seed_another():
     assert plan_clean(4, 50) == plan_clean(4, 50) != plan_clean(5, 50)
 
 
-def test_the_order_of_cases_tells_nothing():
+def test_the_order_of_cases_reveals_nothing():
     kinds = [case.kind for case in plan_clean(7, 200)]
     half = Counter(kinds[:100])["single"]
     assert 45 <= half <= 69  # of 114
@@ -83,7 +83,7 @@ def test_no_cases_are_refused():
         plan_clean(1, 0)
 
 
-def test_what_is_made_says_nothing_of_what_is_in_it(made):
+def test_recordings_do_not_reveal_their_content(made):
     folder, answers = made
     assert answers == default_answers(folder)
     assert folder not in answers.parents

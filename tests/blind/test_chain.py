@@ -1,4 +1,4 @@
-"""The MuJoCo plant agrees with closed forms of a clamped rod, converges, and loses no energy but to its dampers."""
+"""The MuJoCo plant agrees with closed forms of a clamped rod, converges, and loses energy to its dampers only."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group 
 
 from hsr_pin.blind.plants.arm import Arm
 from hsr_pin.blind.plants.chain import Chain, ChainPlant
+from hsr_pin.blind.plants.integration import Integration, planar
 from hsr_pin.blind.plants.laws.law import Joints
-from hsr_pin.blind.plants.march import March, planar
 from hsr_pin.blind.plants.program import Trial, program
 from hsr_pin.errors import SimulationFailure
 
@@ -25,7 +25,7 @@ def constant(tau: float, duration: float = 0.0) -> Trial:
 
 
 def tip_rms(a, b) -> float:
-    """[mm]."""
+    """Return the RMS distance of the tips [mm]."""
     return 1e3 * float(np.sqrt(np.mean((a.x[:, -1] - b.x[:, -1]) ** 2 + (a.z[:, -1] - b.z[:, -1]) ** 2)))
 
 
@@ -63,7 +63,7 @@ def test_hanging_still_it_balances_moments_about_every_joint():
     h = 0.24 / n
     bend = n * np.diff(angle)
     joint = x[:-1] + h / 2 * np.sin(angle[:-1])
-    # Links between joints: their masses and the x of their middles, which are the nodes.
+    # Masses of the links between joints, and x of their middles, which are the nodes.
     mass = np.full(n, 0.15 / n)
     mass[-1] /= 2
     middle = x[1:].copy()
@@ -73,7 +73,7 @@ def test_hanging_still_it_balances_moments_about_every_joint():
     assert z[-1] > 0.2
 
 
-def test_what_energy_a_free_arm_loses_its_dampers_took():
+def test_the_energy_loss_of_a_free_arm_equals_the_work_of_its_dampers():
     n, arm, step = 24, WEIGHTLESS, 2e-5
     engine = Chain(arm, np.full(n, KEQ), np.full(n, C / 5), step)
     engine.data.qpos[:] = 0.8 / n
@@ -92,7 +92,7 @@ def test_what_energy_a_free_arm_loses_its_dampers_took():
     assert np.allclose(lost, work[:-1], atol=2e-3 * energy[0])
 
 
-def test_its_backbone_is_the_engines():
+def test_the_backbone_equals_that_of_the_engine():
     engine = Chain(Arm(), np.full(12, KEQ), np.full(12, C), 5e-4)
     for _ in range(200):
         engine.advance(np.full(12, 0.9), None, None, np.array([0.0, 9.81]))
@@ -142,7 +142,7 @@ def test_a_plant_that_grows_longer_has_diverged():
     trial = constant(0.0, 0.2)
     engine = Stretched(arm, np.full(6, KEQ), np.full(6, C), 1e-3)
     with pytest.raises(SimulationFailure, match="diverged"):
-        March(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3, planar).run(np.linspace(0.0, arm.length, 7))
+        Integration(engine, Joints(s, KEQ, np.full(6, KEQ)), arm, trial, (), 1e-3, planar).run(np.linspace(0.0, arm.length, 7))
 
 
 def test_a_plant_that_curls_through_itself_is_refused_and_one_that_curls_far_is_not():

@@ -1,4 +1,4 @@
-"""What has changed is told by name and by size; to name what has not is wrong."""
+"""Changes are scored by name and by size; a name that has not changed is wrong."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_change_named_alone_or_among_alternatives_is_right():
     assert score_changes([SAME_ARM], {"case_001": said("unchanged")}).outcomes[0].grade == "right"
 
 
-def test_what_has_not_changed_is_a_wrong_name_and_unchanged_a_miss():
+def test_an_unchanged_name_is_wrong_and_a_missed_change_is_a_miss():
     for truth, names in ((LAG, ["stiffening"]), (STIFF, ["torque_gain"]), (SAME_ARM, ["keq_scale"])):
         outcome = score_changes([truth], {"case_001": said("identified", names)}).outcomes[0]
         assert outcome.wrong_name and not outcome.exact
@@ -55,14 +55,14 @@ def test_what_has_not_changed_is_a_wrong_name_and_unchanged_a_miss():
 
 @pytest.mark.parametrize(("old", "new", "right"), [(0.02, 0.071, True), (0.0, 0.05, True), (0.0, 0.07, False)])
 def test_the_step_of_an_effect_is_judged_by_its_interval(old, new, right):
-    told = change(
+    entry = change(
         "actuator_lag", "time_constant", old, new, **{"from": [old - 0.003, old + 0.003], "to": [new - 0.004, new + 0.004]}
     )
-    assert size_right(LAG, said("identified", ["actuator_lag"], changes=[told])) is right
+    assert size_right(LAG, said("identified", ["actuator_lag"], changes=[entry])) is right
 
 
 def test_half_widths_add_in_squares_and_a_stated_step_comes_first():
-    ends = {"from": [-0.003, 0.003], "to": [0.0509, 0.0589]}  # 0.0549 with 0.005 both ways
+    ends = {"from": [-0.003, 0.003], "to": [0.0509, 0.0589]}  # 0.0549 with an interval of 0.005 on both sides
     just_in = change("actuator_lag", "time_constant", 0.0, 0.0549, **ends)
     assert size_right(LAG, said("identified", ["actuator_lag"], changes=[just_in]))
     ends["to"] = [0.0511, 0.0591]
@@ -74,13 +74,13 @@ def test_half_widths_add_in_squares_and_a_stated_step_comes_first():
 
 def test_a_plain_parameter_is_judged_by_its_ratio():
     both = {"from": [0.97 * 1.0, 1.03 * 1.0], "to": [0.97 * 0.9, 1.03 * 0.9]}
-    told = change("keq_scale", "keq_scale", 1.0, 0.9, **both)
-    assert size_right(STIFF, said("identified", ["keq_scale"], changes=[told]))
+    entry = change("keq_scale", "keq_scale", 1.0, 0.9, **both)
+    assert size_right(STIFF, said("identified", ["keq_scale"], changes=[entry]))
     far = change("keq_scale", "keq_scale", 1.0, 0.97, **{"from": [0.99, 1.01], "to": [0.96, 0.98]})
     assert log(0.97) - log(0.9) > 0.05 and not size_right(STIFF, said("identified", ["keq_scale"], changes=[far]))
 
 
-def test_a_size_that_was_not_told_or_cannot_be_compared_is_not_judged():
+def test_a_size_that_is_not_reported_or_cannot_be_compared_is_not_judged():
     assert size_right(LAG, said("identified", ["actuator_lag"])) is None
     assert size_right(SAME_ARM, said("unchanged")) is None
     play = answer("appears", "backlash", 0.0, 0.2)

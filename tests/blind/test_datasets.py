@@ -1,4 +1,4 @@
-"""Datasets of the plants obey the recording format, tell nothing, and follow from their seed alone."""
+"""Datasets of the plants have the recording format, do not reveal the law, and follow from their seed alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ALL = "+".join(sorted(KINDS))
 
 
 def short(kinds: str = ALL, mount: str = "hanging", given: str = "pressures") -> Program:
-    """One trial of each kind, cut to 0.3 s."""
+    """Return one trial of each kind, cut to 0.3 s."""
     trials = []
     for name in kinds.split("+"):
         trial = program(name).trials[0]
@@ -60,12 +60,12 @@ def test_an_unknown_program_lists_the_known_ones():
 def test_a_dataset_obeys_the_format(plant, tmp_path, mount):
     asked = short(mount=mount, given="tau")
     folder = plant.run(asked, (), 5, tmp_path / "case")
-    told = tomllib.loads((folder / "dataset.toml").read_text())
-    assert told["format"] == 1
-    assert told["robot"] == {"length": 0.24, "mass": 0.15, "diameter": 0.04, "mount": mount}
-    assert [m["arc_length"] for m in told["marker"]] == [0.0, 0.12, 0.24]
+    document = tomllib.loads((folder / "dataset.toml").read_text())
+    assert document["format"] == 1
+    assert document["robot"] == {"length": 0.24, "mass": 0.15, "diameter": 0.04, "mount": mount}
+    assert [m["arc_length"] for m in document["marker"]] == [0.0, 0.12, 0.24]
     along = {"hanging": (0, 0, -1), "upright": (0, 0, 1), "horizontal": (1, 0, 0)}[mount]
-    for trial, entry in zip(asked.trials, told["trial"], strict=True):
+    for trial, entry in zip(asked.trials, document["trial"], strict=True):
         rows = list(csv.reader((folder / entry["file"]).read_text().splitlines()))
         inputs = ["tau"] if trial.command else []
         assert rows[0] == ["t", *inputs, *(f"{m}_{axis}" for m in ("base", "mid", "tip") for axis in "xyz")]
@@ -86,15 +86,15 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(plant, tmp_path
     assert files(a) == files(b) != files(c)
 
 
-def test_no_file_tells_the_law(plant, tmp_path):
+def test_no_file_reveals_the_law(plant, tmp_path):
     from hsr_pin.blind.plants import laws
 
     for name in laws.CATALOGUE:
         law = laws.draw(name, np.random.default_rng(1))
         folder = plant.run(short("steps"), (law,), 5, tmp_path / "case")
-        told = tomllib.loads((folder / "dataset.toml").read_text())
-        assert not set(told["trial"][0]) - {"file", "keq", "damping"}
-        assert set(told) == {"format", "name", "robot", "marker", "trial"}
+        document = tomllib.loads((folder / "dataset.toml").read_text())
+        assert not set(document["trial"][0]) - {"file", "keq", "damping"}
+        assert set(document) == {"format", "name", "robot", "marker", "trial"}
 
 
 def test_tiny_nuisances_stay_below_half_the_noise(plant):
@@ -115,14 +115,14 @@ def test_drawn_nuisances_keep_to_their_ranges():
 def test_strength_is_found_for_a_gap(plant):
     from hsr_pin.blind.plants.laws.actuation import TorqueBias
     from hsr_pin.blind.plants.laws.elastic import StiffnessGradient
-    from hsr_pin.blind.plants.scaling import Yardstick, scale_to_gap
+    from hsr_pin.blind.plants.scaling import GapSimulator, scale_to_gap
 
-    yardstick = Yardstick(short("steps+chirp"), plant=plant)
-    found = scale_to_gap(TorqueBias(0.01), 2.0, yardstick)
+    gap_simulator = GapSimulator(short("steps+chirp"), plant=plant)
+    found = scale_to_gap(TorqueBias(0.01), 2.0, gap_simulator)
     assert found.reached
-    assert yardstick.gap(found.law) == pytest.approx(2.0, rel=0.05)
-    assert yardstick.refitted_gap(found.law) <= yardstick.gap(found.law)
-    capped = scale_to_gap(StiffnessGradient(0.1), 200.0, yardstick)
+    assert gap_simulator.gap(found.law) == pytest.approx(2.0, rel=0.05)
+    assert gap_simulator.refitted_gap(found.law) <= gap_simulator.gap(found.law)
+    capped = scale_to_gap(StiffnessGradient(0.1), 200.0, gap_simulator)
     assert not capped.reached
     assert capped.law.slope == StiffnessGradient.limit
 

@@ -1,4 +1,4 @@
-"""Verdicts stand once they are written; what failed is tried again."""
+"""Written verdicts are kept; failed cases are diagnosed again."""
 
 import json
 
@@ -8,7 +8,7 @@ from hsr_pin.blind.diagnoses import diagnose_case
 def test_a_verdict_that_another_run_has_written_meanwhile_is_left_alone(tmp_path):
     file = tmp_path / "case_001.json"
     file.write_text('{"verdict": "of another run"}', encoding="utf-8")
-    diagnose_case(tmp_path / "case_001", tmp_path, 0)  # there is no such recording: a diagnosis of it would be an error
+    diagnose_case(tmp_path / "case_001", tmp_path, 0)  # the recording does not exist, so its diagnosis would fail
     assert file.read_text(encoding="utf-8") == '{"verdict": "of another run"}'
 
 

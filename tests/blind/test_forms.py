@@ -1,4 +1,4 @@
-"""The other forms do what their sources say, in the limits where that is known; none is the catalogue's."""
+"""The other forms of laws agree with their sources in known limits; none is the form of the catalogue."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def state(bend: float, rate: float = 0.0, dt: float = 1e-3, tau: float = 0.0) ->
 
 
 def driven(law, path, dt=1e-3):
-    """Moment along a path of bending."""
+    """Return the moment along a path of bending."""
     memory, out = law.memory(JOINTS), []
     for bend, step in zip(path[:-1], np.diff(path), strict=True):
         moment, memory = law.moment(JOINTS, state(bend, step / dt, dt), memory)
@@ -48,13 +48,13 @@ def driven(law, path, dt=1e-3):
 
 
 def swing(centre: float, width: float, cycles: float, start: float = 0.0):
-    """Sinusoidal, from where `start` is: first a way there, then back and forth."""
+    """Return a sinusoidal path, after a ramp from ``start``."""
     way = np.linspace(start, centre - width, 500)
     return np.concatenate([way, centre - width * np.cos(np.linspace(0, 2 * np.pi * cycles, int(1000 * cycles)))[1:]])
 
 
 def loop(law, path, dt=1e-3):
-    """Work taken by the last full cycle."""
+    """Return the work dissipated in the last full cycle."""
     return float(np.sum((driven(law, path, dt) * np.diff(path))[-1000:]))
 
 
@@ -79,10 +79,10 @@ def test_at_zero_it_is_neutral(name):
     assert np.allclose(watched(law), watched(), atol=1e-9)
 
 
-@pytest.mark.parametrize("name", [name for name in NEW if name != "bending_stop:gradual"])  # the short step does not go so far
+@pytest.mark.parametrize("name", [name for name in NEW if name != "bending_stop:gradual"])  # beyond the short step
 def test_drawn_and_twice_as_strong_it_moves_the_arm(name):
     law = laws.draw(name, np.random.default_rng(4)).scaled(2.0)
-    law = replace(law, way=1) if "one_way" in name else law  # the short step goes one way
+    law = replace(law, way=1) if "one_way" in name else law  # the short step moves in one direction
     assert np.abs(watched(law) - watched()).max() > 2e-4
 
 
@@ -94,7 +94,7 @@ def test_sizes_stay_or_go_with_stiffness_or_damping(name):
         replace(laws.draw(name, np.random.default_rng(0)), scale="mass")
 
 
-def test_a_size_grows_as_its_scale_says():
+def test_a_size_grows_with_its_scale():
     def moment(scale, keq, c):
         joints = Joints(np.array([0.5]), keq, np.array([keq]), c)
         return elastic.Quintic(0.1, scale).moment(joints, state(1.0), np.zeros(1))[0][0]
@@ -169,7 +169,7 @@ def test_stribeck_friction_breaks_away_above_the_level_that_it_slides_at():
 @pytest.mark.parametrize(
     "law", [friction.StribeckFriction(0.1), friction.LoadFriction(0.5, 0.2), friction.BaseFriction(0.2), friction.Preisach(0.5)]
 )
-def test_friction_holds_what_is_let_go(law):
+def test_friction_holds_a_constant_bending(law):
     path = np.concatenate([np.linspace(0, 0.5, 500), np.full(5000, 0.5)])
     moment = driven(law, path)
     assert moment[499:].std() < 1e-9 and moment[-1] > 0.02
@@ -285,9 +285,9 @@ def test_jitter_keeps_the_order_and_the_mean_delay():
     out = actuation.JitteredDelay(0.05, 0.9, 3).command(ramp, TIME, 1.11, 0.0)
     assert np.all(np.diff(out) >= 0)
     late = (ramp - out)[5000:].mean() / 100
-    assert 0.05 < late < 0.08  # they wait for one another
+    assert 0.05 < late < 0.08  # commands wait for one another
     waits = np.diff(np.flatnonzero(np.diff(out) > 0))
-    assert waits.std() > 20  # in tenths of a millisecond: unlike 100 each
+    assert waits.std() > 20  # in tenths of a millisecond; without jitter each would be 100
 
 
 def test_a_restarted_clock_delays_every_trial_by_a_time_of_its_own():

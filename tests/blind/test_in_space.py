@@ -1,4 +1,4 @@
-"""The tier of arms in space: its laws do what they say, about two axes; its cases are planned, made and told as others are."""
+"""Cases of arms in space: laws about two axes act as described, and cases are planned, recorded and answered like others."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group 
 
 COARSE = BallPlant(elements=8, step=1e-3)
 TURN = np.exp(0.9j)
-#: Laws with a direction of their own.
+#: Laws with their own direction.
 DIRECTED = {"unequal_stiffness", "bend_at_rest", "weak_chamber", "torque_offset", "supply_ripple"}
 
 
@@ -39,7 +39,7 @@ def test_a_law_has_a_kind_and_a_name_that_diagnoses_know(name):
 
 
 @pytest.mark.parametrize("name", sorted({*CATALOGUE, *OUTSIDE} - DIRECTED))
-def test_what_is_turned_is_answered_turned(name):
+def test_a_rotated_state_gives_a_rotated_moment(name):
     law = draw(name, np.random.default_rng(1))
     joints = Joints(np.linspace(0.1, 0.9, 5), 1.0, np.ones(5))
     memory, bend, rate = law.memory(joints) * 0.1 * random(5), random(5), random(5)
@@ -70,7 +70,7 @@ def test_a_chain_of_balls_is_bent_into_an_arc_by_a_couple():
     np.testing.assert_allclose(way, [across * (phi / size).real, across * (phi / size).imag, along], atol=2e-4)
 
 
-def test_a_marker_beside_the_backbone_turns_with_its_section():
+def test_a_marker_off_the_backbone_rotates_with_its_section():
     motion = BallPlant(elements=12, step=1e-3, bare=SpaceArm(g=0.0)).simulate(program("steps").trials[1])
     tip, side = motion.at(0.24), motion.at(0.24, 0.03j)
     np.testing.assert_allclose(np.linalg.norm(side - tip, axis=1), 0.03, atol=1e-9)
@@ -81,7 +81,9 @@ def test_gravity_falls_where_the_base_is_tilted_to():
     arm = SpaceArm(tilt=0.1, side_tilt=-0.2)
     np.testing.assert_allclose(arm.frame(seen=True) @ arm.gravity(), [0.0, 0.0, -9.81], atol=1e-12)
     away = arm.frame(seen=True)[:, 2] - np.array([0.0, 0.0, -1.0])
-    assert away[0] == pytest.approx(0.1, abs=5e-3) and away[1] == pytest.approx(0.2, abs=5e-3)  # y of a hanging base is -y
+    assert away[0] == pytest.approx(0.1, abs=5e-3) and away[1] == pytest.approx(
+        0.2, abs=5e-3
+    )  # y of a hanging base is -y of the world
 
 
 def test_a_plan_is_balanced_and_asked_for_by_name():
@@ -100,7 +102,7 @@ def test_a_plan_is_balanced_and_asked_for_by_name():
         draw("wall", np.random.default_rng(0))
 
 
-def test_a_case_is_a_recording_of_version_two_that_does_not_tell_its_law(tmp_path):
+def test_a_case_is_a_recording_of_version_two_that_does_not_reveal_its_law(tmp_path):
     wanted = ("tip_mass",), "balls"
     case = next(case for case in plan_in_space(np.random.default_rng(4), 60) if (case.effects, case.plant) == wanted)
     workshop = Workshop(plants={"balls": COARSE}, measured_in_space=COARSE)

@@ -1,4 +1,4 @@
-"""Every law of the plants is neutral at zero, moves the arm otherwise, and does what its source says."""
+"""Every law of the plants is neutral at zero, moves the arm otherwise, and agrees with its source."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_neutral_law_is_the_nominal_plant_and_a_drawn_one_is_not(name):
     law = laws.draw(name, np.random.default_rng(3))
     nominal = watched()
     assert np.allclose(watched(law.scaled(0.0)), nominal, rtol=0, atol=1e-12)
-    if name not in ("wall", "gravity_tilt"):  # too far away, or too weak, as drawn
+    if name not in ("wall", "gravity_tilt"):  # as drawn, they are too far away or too weak
         assert np.abs(watched(law) - nominal).max() > 1e-5
     assert np.all(np.isfinite(watched(law.scaled(1e6))))
 
@@ -75,7 +75,7 @@ def test_both_forms_of_friction_agree_on_the_path_and_stick():
     trial = replace(TRIAL, command=tuple(path), duration=0.64)
     lugre, prandtl = (watched(DryFriction(0.1, form), program=Program("hanging", (trial,))) for form in ("lugre", "prandtl"))
     assert np.abs(lugre - prandtl).max() < 1.5e-3
-    assert np.abs(lugre[-1] - lugre[34])[-1].max() < 4e-4  # a small step back does not free it
+    assert np.abs(lugre[-1] - lugre[34])[-1].max() < 4e-4  # a small step back does not release the friction
 
 
 def test_friction_slides_at_its_level_whatever_the_rate():

@@ -1,4 +1,4 @@
-"""The oracle fits the true law like any other."""
+"""The oracle fits the true law like any other law."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def test_the_true_law_leaves_nothing_but_noise_and_is_asked_for_where_there_is_o
         Answer("case_002", "outside", ("wall",), "large", {}),
         Answer("case_003", "none", (), "", {}),
     ]
-    told: list[None] = []
-    consult(tmp_path, tmp_path / "oracle", answers, advance=lambda: told.append(None))
+    calls: list[None] = []
+    consult(tmp_path, tmp_path / "oracle", answers, advance=lambda: calls.append(None))
     found = read_oracle(tmp_path / "oracle")
-    assert list(found) == ["case_001"] and len(told) == 1
+    assert list(found) == ["case_001"] and len(calls) == 1
     assert found["case_001"] == pytest.approx(0.1 * 2**0.5, rel=0.1)  # [mm], on two axes

@@ -1,4 +1,4 @@
-"""Plants by other authors record cases as ours do: planned evenly, read by the reader, with answers that say what is in them."""
+"""Plants by other authors record cases that are planned evenly, are readable, and have answers with their content."""
 
 from collections import Counter
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What is right, what is only right in kind, what is silent and what is wrong, in each tier."""
+"""Verdicts are graded as right, right in kind, silent or wrong, in each tier."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def grade(answer, *args, **more):
     [
         (("identified", ["dry_friction"]), "exact"),
         (("partly_identified", ["dry_friction"]), "exact"),
-        (("identified", ["dry_friction", "viscoelastic"]), "exact"),  # a small effect that is truly there
+        (("identified", ["dry_friction", "viscoelastic"]), "exact"),  # a small effect that is truly present
         (("identified", ["dry_friction", "tip_mass"]), "wrong"),
-        (("identified", ["viscoelastic"]), "part"),  # true, but not what matters
+        (("identified", ["viscoelastic"]), "part"),  # true, but not the main effect
         (("identified", ["hysteresis"]), "wrong"),
         (("ambiguous", ["dry_friction"], ["hysteresis"]), "alternatives"),
         (("ambiguous", ["hysteresis"], ["stiffening"]), "wrong"),
@@ -70,19 +70,19 @@ def test_a_messy_case_is_graded_by_its_main_effect(verdict, expected):
             [["dry_friction", "tip_mass"], ["dry_friction", "stiffening"]],
             None,
             "exact",
-        ),  # beside it nothing is said
+        ),  # nothing further is reported
         ([], [["dry_friction"], ["hysteresis"]], ["friction"], "alternatives"),
         (["viscoelastic"], [["dry_friction", "viscoelastic"], ["tip_mass", "viscoelastic"]], None, "alternatives"),
-        ([], [["hysteresis"], ["tip_mass"]], ["friction"], "wrong"),  # names on offer count, though the kind is right
+        ([], [["hysteresis"], ["tip_mass"]], ["friction"], "wrong"),  # offered names count, although the kind is right
         ([], [["hysteresis"], ["tip_mass"]], ["elastic"], "wrong"),
         ([], [], ["friction"], "kind"),
         (["hysteresis"], [], None, "wrong"),
-        (["hysteresis"], [["dry_friction"], ["hysteresis"]], None, "wrong"),  # what is certain counts, whatever else is offered
+        (["hysteresis"], [["dry_friction"], ["hysteresis"]], None, "wrong"),  # reported names count, whatever else is offered
         (["dry_friction", "tip_mass"], [], None, "wrong"),
         ([], [], [], "silent"),
     ],
 )
-def test_a_verdict_in_part_stands_and_falls_with_what_it_is_certain_of(certain, alternatives, kinds, expected):
+def test_a_partial_verdict_is_graded_by_its_reported_names_and_kinds(certain, alternatives, kinds, expected):
     verdict = {"status": "partly_identified", "effects": certain, "alternatives": alternatives, "kinds": kinds, "sentence": "so"}
     found = outcome_of(MESSY, {"verdict": verdict, "ladder": []}, None)
     assert found.grade == expected
@@ -97,11 +97,11 @@ def test_the_flexible_law_of_a_kind_stands_for_its_kind():
     assert grade(MESSY, "ambiguous", ["elastic_curve"], ["stiffening"]) == "wrong"
 
 
-def test_what_is_left_is_left_by_the_last_model_not_by_what_cannot_be_repeated():
+def test_the_remaining_rms_is_that_of_the_last_model_not_of_the_repeatability():
     rungs = {"declared model": 9.0, "stiffness and damping": 4.0, "dry_friction": 1.0}
-    feet = {"not repeatable (trial-to-trial scatter)": 0.5, "noise floor (share: unexplained remainder)": 0.4}
+    floors = {"not repeatable (trial-to-trial scatter)": 0.5, "noise floor (share: unexplained remainder)": 0.4}
     verdict = said("identified", ["dry_friction"])
-    for foot in ({}, feet, dict([feet.popitem()])):
+    for foot in ({}, floors, dict([floors.popitem()])):
         verdict["ladder"] = [{"rung": name, "heldout_rms_mm": value} for name, value in (rungs | foot).items()]
         assert outcome_of(MESSY, verdict, None).shrinkage == 0.75
 
@@ -110,15 +110,15 @@ def test_what_is_left_is_left_by_the_last_model_not_by_what_cannot_be_repeated()
     ("kinds", "expected"),
     [(["friction"], "kind"), (["friction", "creep"], "part"), (["creep"], "wrong"), (["elastic"], "wrong"), ([], "silent")],
 )
-def test_kinds_alone_count_as_kinds(kinds, expected):
+def test_kinds_without_names_count_as_kinds(kinds, expected):
     assert grade(MESSY, "unexplained", kinds=kinds) == expected
 
 
-def test_a_certain_kind_that_is_not_so_spoils_the_right_one():
+def test_a_false_kind_invalidates_the_right_one():
     assert not outcome_of(MESSY, said("unexplained", kinds=["friction", "mass_gravity"]), None).kind_right
 
 
-def test_alternatives_of_one_kind_are_certain_of_it():
+def test_alternatives_of_one_kind_report_that_kind():
     outcome = outcome_of(MESSY, said("ambiguous", ["dry_friction"], ["hysteresis"]), None)
     assert outcome.kinds == ("friction",)
     assert outcome_of(MESSY, said("ambiguous", ["dry_friction"], ["stiffening"]), None).kinds == ()
@@ -129,7 +129,7 @@ def test_alternatives_of_one_kind_are_certain_of_it():
     [
         (("identified", ["actuator_lag"]), "exact"),
         (("identified", ["unequal_lag"]), "exact"),
-        (("identified", ["dead_time"]), "kind"),  # late in another way
+        (("identified", ["dead_time"]), "kind"),  # another form of delay
         (("ambiguous", ["dead_time"], ["stiffening"]), "kind"),
         (("identified", ["stiffening"]), "wrong"),
         (("identified", ["dead_time", "stiffening"]), "wrong"),
@@ -144,22 +144,22 @@ def test_another_form_may_go_by_another_name_of_its_kind(verdict, expected):
     ("verdict", "kinds", "expected"),
     [
         (("identified", ["tip_mass"]), None, "exact"),
-        (("partly_identified", ["tip_mass", "torque_bias"]), None, "exact"),  # what else it has is not known
+        (("partly_identified", ["tip_mass", "torque_bias"]), None, "exact"),  # its further effects are unknown
         (("ambiguous", ["tip_mass"], ["actuator_lag"]), None, "alternatives"),
         (("unexplained",), ["mass_gravity"], "kind"),
         (("partly_identified", ["viscoelastic"]), ["mass_gravity", "creep"], "kind"),
         (("ambiguous", ["added_mass"], ["stiffening"]), None, "kind"),
-        (("identified", ["viscoelastic"]), None, "part"),  # it may well creep
+        (("identified", ["viscoelastic"]), None, "part"),  # creep is plausible
         (("identified", ["actuator_lag"]), None, "wrong"),  # it has no actuator
         (("unexplained",), ["contact"], "wrong"),
         (("unexplained",), None, "silent"),
     ],
 )
-def test_a_real_case_is_right_if_the_withheld_cause_is_told_and_wrong_if_what_cannot_be_is(verdict, kinds, expected):
+def test_a_real_case_is_right_if_the_withheld_cause_is_named_and_wrong_if_an_impossible_one_is(verdict, kinds, expected):
     assert grade(REAL, *verdict, kinds=kinds) == expected
 
 
-def test_where_nothing_is_a_messy_arm_may_also_be_said_to_have_something_left():
+def test_a_messy_arm_without_effect_may_also_be_unexplained():
     assert [grade(NONE, status) for status in ("parameters", "no_gap", "unexplained")] == ["right"] * 3
     assert grade(NONE, "insufficient") == "silent"
     assert grade(NONE, "identified", ["stiffening"]) == "wrong"
@@ -168,13 +168,13 @@ def test_where_nothing_is_a_messy_arm_may_also_be_said_to_have_something_left():
     assert grade(clean, "unexplained") == "silent"
 
 
-def test_outside_is_unexplained_and_its_kind_may_be_told():
+def test_outside_is_unexplained_and_its_kind_may_be_reported():
     assert grade(OUTSIDE, "unexplained") == "right"
     assert not outcome_of(OUTSIDE, said("unexplained"), None).kind_right
     assert outcome_of(OUTSIDE, said("unexplained", kinds=["contact"]), None).kind_right
     assert grade(OUTSIDE, "unexplained", kinds=["friction"]) == "wrong"
     assert grade(OUTSIDE, "identified", ["bending_stop"]) == "wrong"
-    assert grade(OUTSIDE, "identified", ["restraint"]) == "right"  # a catalogue may have come to hold it
+    assert grade(OUTSIDE, "identified", ["restraint"]) == "right"  # the catalogue may contain an equivalent later
 
 
 def test_half_of_a_pair_is_a_part_and_both_kinds_are_needed():
@@ -183,7 +183,7 @@ def test_half_of_a_pair_is_a_part_and_both_kinds_are_needed():
     assert grade(PAIR, "unexplained", kinds=["elastic"]) == "part"
 
 
-def test_confidence_is_of_known_claims_and_from_zero_to_one():
+def test_confidence_is_given_for_known_claims_from_zero_to_one():
     outcome = outcome_of(MESSY, said("identified", ["dry_friction"], confidence={"dry_friction": 0.9, "keq_scale": 1.0}), None)
     assert outcome.confidence == (("dry_friction", 0.9),)
     for value in (1.2, -0.1, "high", None):
@@ -191,7 +191,7 @@ def test_confidence_is_of_known_claims_and_from_zero_to_one():
             outcome_of(MESSY, said("identified", ["dry_friction"], confidence={"dry_friction": value}), None)
 
 
-def test_rates_tell_the_tiers_apart_and_come_back_from_the_document():
+def test_rates_are_separate_for_each_tier_and_are_restored_from_the_document():
     cases = (MESSY, FORM, REAL, NONE, OUTSIDE, PAIR, MESSY)
     answers = [replace(each, name=f"case_{k:03d}") for k, each in enumerate(cases, 1)]
     verdicts = [

@@ -1,4 +1,4 @@
-"""Recordings of hardware are edited as said, told by nothing, and each truth is one that the edit makes."""
+"""Recordings of hardware are edited as described without revealing it, and each truth follows from its edit."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from hsr_pin.blind.cases import Case
 from hsr_pin.blind.kinds import KINDS, kinds_of
 from hsr_pin.blind.real import edits
-from hsr_pin.blind.real.build import build_real, drawn, plan_real, reference
-from hsr_pin.blind.real.recipes import OWN, RECIPES
+from hsr_pin.blind.real.build import build_real, drawn_amount, plan_real, reference
+from hsr_pin.blind.real.recipes import OTHER_KINDS, RECIPES
 from hsr_pin.cli.blind import command
 from hsr_pin.cli.command import run
 from hsr_pin.errors import InputError
@@ -26,7 +26,7 @@ LENGTH, MARKERS = 0.3, (Marker("base", 0.0), Marker("mid", 0.15), Marker("tip", 
 
 
 def arc(mount: str = "hanging") -> Dataset:
-    """An arm that bends as a circle, more and more, after a while at rest."""
+    """Return an arm that bends as a circle, increasingly, after a time at rest."""
     t = np.arange(200) * 0.02
     phi = np.maximum(t - 1.0, 0.0) * 0.3 + 1e-9
     s = np.array([marker.arc_length for marker in MARKERS])
@@ -91,20 +91,20 @@ def test_declarations_are_changed_and_the_recording_is_not():
 def test_every_recipe_has_a_truth_whose_kinds_its_names_are_of():
     assert len(RECIPES) >= 24
     for recipe in RECIPES.values():
-        assert recipe.recording in OWN and set(recipe.truth.kinds) <= set(KINDS)
+        assert recipe.recording in OTHER_KINDS and set(recipe.truth.kinds) <= set(KINDS)
         assert all(kinds_of(name)[0] in recipe.truth.kinds for name in recipe.truth.names)
     assert len({(r.recording, r.trials, r.edit, r.amount) for r in RECIPES.values()}) == len(RECIPES)
 
 
 def test_amounts_follow_from_the_seed_and_go_either_way_where_that_makes_sense():
     frame, mass = RECIPES["trunk-frame-a"], RECIPES["beam-mass-a"]
-    amounts = [drawn(frame, seed) for seed in range(40)]
+    amounts = [drawn_amount(frame, seed) for seed in range(40)]
     assert min(amounts) < 0 < max(amounts) and all(0.9 <= abs(a) / frame.amount <= 1.2 for a in amounts)
-    assert all(drawn(mass, seed) > 0 for seed in range(40))
-    assert drawn(frame, 3) == drawn(frame, 3)
+    assert all(drawn_amount(mass, seed) > 0 for seed in range(40))
+    assert drawn_amount(frame, 3) == drawn_amount(frame, 3)
 
 
-def test_without_recordings_it_says_what_is_needed(tmp_path):
+def test_without_recordings_the_error_names_the_missing_option(tmp_path):
     case = Case("case_001", "real", (next(iter(RECIPES)),), (), "", "", "real-beam", "", 1, "real")
     with pytest.raises(InputError, match="--real"):
         build_real(case, tmp_path / "case_001", None)
@@ -126,7 +126,7 @@ def test_pressures_that_are_no_pressures_are_refused(tmp_path):
 
 @needs_recordings
 @pytest.mark.parametrize("name", ["beam-payload", "pneumatic-late-a", "pneumatic-command-b", "trunk-markers-a"])
-def test_a_real_case_is_a_whole_dataset_that_tells_nothing(name, tmp_path):
+def test_a_real_case_is_a_whole_dataset_that_does_not_reveal_its_source(name, tmp_path):
     case = next(replace(case, name="case_007") for case in plan_real(2, RECORDINGS) if case.effects == (name,))
     answer = build_real(case, tmp_path / "case_007", RECORDINGS)
     made = read_dataset(tmp_path / "case_007")

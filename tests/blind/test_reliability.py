@@ -1,4 +1,4 @@
-"""The calibration error is nought where confidence is earned, and found where it is not."""
+"""The calibration error is zero within chance for calibrated confidence, and larger otherwise."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from hsr_pin.blind.reliability import reliability
 
 
 def claims(rng, cases, honest):
-    """Two claims a case, right as often as `honest` makes of the confidence."""
+    """Return two claims for each case, right with the probability that `honest` returns for the confidence."""
     stated = rng.uniform(0, 1, (cases, 2))
     return [[(float(p), bool(rng.random() < honest(p))) for p in pair] for pair in stated]
 
 
-def test_earned_confidence_is_within_chance_and_boasting_is_not():
+def test_calibrated_confidence_is_within_chance_and_overconfidence_is_not():
     rng = np.random.default_rng(1)
-    earned = reliability(claims(rng, 400, lambda p: p))
-    boasting = reliability(claims(rng, 400, lambda p: p**3))
-    assert earned.error <= earned.by_chance[1] < boasting.error
-    assert boasting.interval[0] > earned.by_chance[1]
-    assert boasting.error == pytest.approx(0.25, abs=0.05)  # the mean of p - p^3
+    calibrated = reliability(claims(rng, 400, lambda p: p))
+    overconfident = reliability(claims(rng, 400, lambda p: p**3))
+    assert calibrated.error <= calibrated.by_chance[1] < overconfident.error
+    assert overconfident.interval[0] > calibrated.by_chance[1]
+    assert overconfident.error == pytest.approx(0.25, abs=0.05)  # the mean of p - p^3
 
 
-def test_the_error_of_a_few_claims_is_what_one_counts_by_hand():
+def test_the_error_of_a_few_claims_equals_the_one_computed_by_hand():
     found = reliability([[(0.95, True), (0.95, False)], [(0.25, False)], [(1.0, True)], []])
     assert found.error == pytest.approx((abs(0.95 + 0.95 + 1.0 - 2) + 0.25) / 4)
     assert [(each.right.hits, each.right.of) for each in found.bins] == [(0, 1), (2, 3)]
@@ -36,7 +36,7 @@ def test_claims_of_one_case_are_resampled_together():
     alone = claims(rng, 60, lambda p: p)
     many = [pair * 10 for pair in alone]
     a, b = (reliability(each).interval for each in (alone, many))
-    assert b[1] - b[0] > 0.8 * (a[1] - a[0])  # ten times the same is no more evidence
+    assert b[1] - b[0] > 0.8 * (a[1] - a[0])  # ten equal claims are no more evidence than one
     assert reliability(many) == reliability(many)
 
 

@@ -1,4 +1,4 @@
-"""The PyElastica plant agrees with the MuJoCo one, which shares nothing with it but the laws, and with closed forms."""
+"""The PyElastica plant agrees with closed forms and with the MuJoCo plant, with which it shares the laws only."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def engines():
 
 
 def tip_rms(a, b) -> float:
-    """[mm]."""
+    """Return the RMS distance of the tips [mm]."""
     return 1e3 * float(np.sqrt(np.mean((a.x[:, -1] - b.x[:, -1]) ** 2 + (a.z[:, -1] - b.z[:, -1]) ** 2)))
 
 
@@ -36,7 +36,7 @@ def step_to(tau: float, duration: float, keq: float = KEQ) -> Trial:
     return Trial(keq, 0.045 * keq, duration, (0.0,) * 2 + (tau,) * (round(100 * duration) - 1))
 
 
-@pytest.mark.long  # as are all that run the rod: PyElastica compiles for about a minute at its first use
+@pytest.mark.long  # like all tests that run the rod: PyElastica compiles for about a minute at its first use
 def test_without_gravity_a_uniform_moment_gives_the_arc(engines):
     phi = 0.9
     trial = Trial(KEQ, C, 0.0, (KEQ * phi,))
@@ -90,7 +90,7 @@ LAWS = [
 
 @pytest.mark.long
 @pytest.mark.parametrize("laws", LAWS, ids=lambda laws: "+".join(law.name for law in laws) or "none")
-def test_under_every_law_both_plants_move_alike(engines, laws):
+def test_under_every_law_both_plants_agree(engines, laws):
     trial = step_to(1.0, 0.5)
     rod, chain = RodPlant().simulate(trial, laws), ChainPlant().simulate(trial, laws)
     assert tip_rms(rod, chain) < 0.3

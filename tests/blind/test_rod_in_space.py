@@ -1,4 +1,4 @@
-"""The rod in space agrees with the chain of balls, which shares nothing with it but the laws, and with closed forms."""
+"""The rod in space agrees with closed forms and with the chain of ball joints, with which it shares the laws only."""
 
 import sys
 from dataclasses import replace
@@ -17,7 +17,7 @@ STEP, COUPLE, PULL = program("steps").trials[0], *program("releases").trials[0::
 
 
 def cut(trial, samples):
-    """Its beginning."""
+    """Return the first samples of a trial."""
     return replace(trial, command=trial.command[:samples] if trial.command else (), duration=(samples - 1) / 100)
 
 
@@ -27,7 +27,7 @@ def engines():
     pytest.importorskip("elastica", reason="pyelastica is not installed (dependency group blind)")
 
 
-@pytest.mark.long  # as are all that run the rod: PyElastica compiles for about a minute at its first use
+@pytest.mark.long  # like all tests that run the rod: PyElastica compiles for about a minute at its first use
 def test_without_gravity_a_couple_to_any_side_gives_the_arc(engines):
     phi = 0.9 * np.exp(2.2j)
     trial = replace(cut(STEP, 1), command=(STEP.keq * phi,))
@@ -52,7 +52,7 @@ def test_without_gravity_a_couple_to_any_side_gives_the_arc(engines):
     ],
 )
 def test_it_moves_as_the_chain_of_balls_does(trial, laws, engines):
-    """The markers too: one stands 3 cm beside the tip, and turns with it."""
+    """The compared point is a marker 3 cm next to the tip, which rotates with it."""
     drawn = [draw(name, np.random.default_rng(1)).scaled(3.0) for name in laws]
     rod, balls = (plant.simulate(cut(trial, 50), drawn) for plant in (SpaceRodPlant(), BallPlant(24, 2e-4)))
     apart = np.linalg.norm(rod.at(0.24, 0.03j) - balls.at(0.24, 0.03j), axis=1)

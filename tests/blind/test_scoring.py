@@ -1,4 +1,4 @@
-"""The score counts what is right, and a wrong name against the diagnosis."""
+"""The score counts right verdicts, and counts a wrong name against the diagnosis."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ANSWERS = [*SINGLES, PAIR, NONE, OUT]
 
 
 def verdict(status, *sets, left=1.0):
-    """As ``hsr-diagnose`` writes it: identified (one set), ambiguous (several), or no set."""
+    """Return a document like those of ``hsr-diagnose``: identified (one set), ambiguous (several), or no set."""
     ladder = [("declared model", 10.0), ("stiffness and damping", 5.0), ("effect", left), ("noise floor", 0.4)]
     return {
         "verdict": {
@@ -108,7 +108,7 @@ def test_where_nothing_is_to_be_named_alternatives_are_wrong_names_too():
     assert not one(OUT, verdict("parameters")).exact
 
 
-def test_shrinkage_is_held_against_the_oracle():
+def test_shrinkage_is_compared_with_the_oracle():
     names = [answer.name for answer in SINGLES[:3]]
     said = {name: verdict("identified", ["backlash"], left=left) for name, left in zip(names, (1.0, 1.3, 2.0), strict=True)}
     found = score(SINGLES, said, dict.fromkeys(names[:2], 1.0) | {names[2]: 0.5})
@@ -130,7 +130,7 @@ def test_an_interval_is_that_of_clopper_and_pearson():
     assert str(Rate(0, 0)) == "no case"
 
 
-def test_the_report_says_every_rate_and_every_miss():
+def test_the_report_contains_every_rate_and_every_miss():
     said = perfect() | {"case_005": verdict("identified", ["tip_mass"]), NONE.name: verdict("unexplained")}
     answers = [replace(answer, facts={"program": "steps", "mount": "upright"}) for answer in ANSWERS]
     text = report(score(answers, said))
@@ -140,7 +140,7 @@ def test_the_report_says_every_rate_and_every_miss():
     assert max(map(len, text.splitlines())) < 130
 
 
-def test_the_document_holds_what_the_report_says():
+def test_the_document_contains_the_numbers_of_the_report():
     document = score(ANSWERS, perfect()).document()
     assert document["rates"]["exact, pair"] == {"hits": 1, "of": 1, "ci95": [pytest.approx(0.025), 1.0]}
     assert len(document["outcomes"]) == document["cases"] == 22

@@ -1,4 +1,4 @@
-"""Tiers are planned in their shares, and what is made of them holds what its answer says."""
+"""Tiers are planned in their shares, and recordings contain what their answers state."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from hsr_pin.blind.background import NOTICEABLE, Background
 from hsr_pin.blind.cases import PROGRAMS
 from hsr_pin.blind.make import make
 from hsr_pin.blind.pairs import GROWTH
+from hsr_pin.blind.plants.artefacts import MIN_NOISE
 from hsr_pin.blind.plants.chain import ChainPlant
 from hsr_pin.blind.plants.laws import CATALOGUE, FORMS, OUTSIDE, PARAMETERS
 from hsr_pin.blind.plants.laws.mounting import GravityTilt, TipMass
-from hsr_pin.blind.plants.mess import QUIETEST
 from hsr_pin.blind.plants.nuisance import Nuisance, noise_floor
-from hsr_pin.blind.tiers import TIERS, UNLIKE, by_shares, plan, plan_changes, shuffled
-from hsr_pin.blind.workshop import BELIEVABLE, Workshop, build, quieter
+from hsr_pin.blind.tiers import DIFFERENT_PROGRAMS, TIERS, by_shares, plan, plan_changes, shuffled
+from hsr_pin.blind.workshop import LARGEST_GAP, Workshop, build, quieter
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.read import read_dataset
 
@@ -32,7 +32,7 @@ PROGRAM = ("releases",)
 
 @pytest.fixture
 def few(monkeypatch):
-    """Two small effects that are quick to simulate; how real ones are drawn is tested with the mess."""
+    """Two small effects that are fast to simulate; the drawing of real ones is tested with the artefacts."""
     small = Background((TipMass(2e-4), GravityTilt(1e-3)), (0.1, 0.2), 0.3)
     monkeypatch.setattr("hsr_pin.blind.workshop.background", lambda *_: small)
 
@@ -53,16 +53,16 @@ def test_three_hundred_cases_are_as_many_of_each_as_a_check_needs():
     assert all("barely" not in case.sizes for case in cases if case.tier != "clean")
 
 
-def test_a_hundred_and_twenty_pairs_hold_every_change_and_unlike_programs():
+def test_a_hundred_and_twenty_pairs_contain_every_change_and_different_programs():
     cases = plan_changes(1, 120)
     kinds = Counter(case.kind for case in cases)
     assert kinds == {"appears": 42, "grows": 24, "parameter": 24, "nothing": 30}
     assert {case.effects[0] for case in cases if case.kind == "parameter"} == set(PARAMETERS)
-    assert sum(case.later != case.program for case in cases) == UNLIKE * 120
+    assert sum(case.later != case.program for case in cases) == DIFFERENT_PROGRAMS * 120
     assert {case.later for case in cases} <= set(PROGRAMS)
 
 
-def test_the_order_tells_nothing_and_follows_from_the_seed():
+def test_the_order_reveals_nothing_and_follows_from_the_seed():
     cases = plan(1, {"clean": 30, "messy": 30})
     first, again, other = shuffled(1, cases), shuffled(1, cases), shuffled(2, cases)
     assert first == again != other
@@ -92,11 +92,11 @@ def test_a_messy_case_holds_its_main_effect_and_small_ones(tmp_path, kind):
     assert answer.background == tuple(name for name, alone in small.items() if alone >= NOTICEABLE)
     assert answer.names == () if kind == "none" else answer.names[0][0] == case.effects[0]
     if case.effects:
-        assert answer.facts["gaps_mm"][0] <= 1.15 * BELIEVABLE
+        assert answer.facts["gaps_mm"][0] <= 1.15 * LARGEST_GAP
     assert len(read_dataset(tmp_path / "case_001").trials) > 3
 
 
-def test_another_form_is_told_by_its_name_and_kind(tmp_path):
+def test_the_answer_of_another_form_has_its_name_and_kind(tmp_path):
     case = replace(
         plan(2, {"forms": 1}, QUICK.programs)[0], name="case_001", effects=("actuator_lag:unequal",), sizes=("medium",)
     )
@@ -143,7 +143,7 @@ def test_a_small_gap_makes_the_recording_quieter_and_a_clear_one_does_not():
     loud = Nuisance(noise=1e-3)
     assert quieter(loud, 6 * 1e3 * noise_floor(1e-3)) is loud
     assert 2.0 / (1e3 * noise_floor(quieter(loud, 2.0).noise)) == pytest.approx(6.0)
-    assert quieter(loud, 1e-3).noise == QUIETEST
+    assert quieter(loud, 1e-3).noise == MIN_NOISE
 
 
 def test_all_tiers_are_sealed_in_one_check_and_open_again(tmp_path, few):

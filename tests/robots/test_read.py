@@ -1,4 +1,4 @@
-"""Recordings of a robot are read, or refused in one line that says where the fault is."""
+"""Recordings of a robot are read, or refused with one line that gives the place of the fault."""
 
 import shutil
 from dataclasses import replace
@@ -22,19 +22,19 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_the_samples_are_read_with_licence_and_source_beside_them(name):
+def test_the_samples_are_readable_and_have_a_licence_and_a_source(name):
     found = read_robot(name)
     assert len(found.trials) > 2 and all(trial.position.shape == trial.command.shape for trial in found.trials)
     assert {"LICENSE", "SOURCE.txt"} <= {file.name for file in robot_folder(name).iterdir()}
 
 
-def test_links_that_nobody_declared_are_noted(folder):
+def test_undeclared_links_are_noted(folder):
     urdf = folder / "model.urdf"
     urdf.write_text(urdf.read_text(encoding="utf-8").replace('<link name="world"/>', ""), encoding="utf-8")
     assert "massless: world" in read_robot(folder).notes[0]
 
 
-def test_joints_are_told_by_name_in_any_order(folder):
+def test_joints_are_identified_by_name_in_any_order(folder):
     document = folder / "robot.toml"
     text = document.read_text(encoding="utf-8")
     turned = text.replace('["Joint1", "Joint2"]', '["Joint2", "Joint1"]').replace('"q1", "q2"', '"q2", "q1"')
@@ -57,18 +57,18 @@ def test_joints_are_told_by_name_in_any_order(folder):
         ("robot.toml", "=", "", ("a TOML document",)),
         ("trial_02.csv", "t,q1,q2", "t,q1,qq", ("trial_02.csv:1", "a column q2")),
         ("trial_02.csv", "0.0069,", "O.0069,", ("trial_02.csv:3", "5 numbers")),
-        ("trial_02.csv", "0.0069,", "9.0069,", ("trial_02.csv:4", "times that rise")),
+        ("trial_02.csv", "0.0069,", "9.0069,", ("trial_02.csv:4", "increasing times")),
         ("model.urdf", "</robot>", "", ("a URDF",)),
         ("robot.toml", "torque = [", "torques = [", ("either torque or target",)),
         ("robot.toml", "rotor_inertia = [0.00276, 0.00276]", 'rotor_inertia = ["a", "b"]', ("rotor_inertia of", "2 numbers")),
         ("robot.toml", "[channels]", '[units]\nposition = "grad"\n[channels]', ("one of rad, deg", "'grad'")),
-        ("robot.toml", "[channels]", "[servo]\nstiffness = [1, 2]\n[channels]", ("target, since there is a [servo]",)),
+        ("robot.toml", "[channels]", "[servo]\nstiffness = [1, 2]\n[channels]", ("target, because there is a [servo]",)),
         ("robot.toml", 'time = "t"', "", ("time among the [channels]",)),
         ("robot.toml", "[channels]", 'encoders = "tip"\n[channels]', ("joint or motor", "'tip'")),
         ("trial_02.csv", "0.0069,", "0.0069,nan,", ("trial_02.csv:3", "finite numbers")),
     ],
 )
-def test_a_fault_is_one_line_that_says_where_it_is(folder, file, before, after, words):
+def test_a_fault_is_reported_in_one_line_with_its_place(folder, file, before, after, words):
     place = folder / file
     text = place.read_text(encoding="utf-8")
     assert before in text
@@ -95,7 +95,7 @@ def test_a_stretch_starts_where_the_encoders_show_the_robot_to_be():
 
 @pytest.fixture
 def arm(folder):
-    """One motor that follows targets, written by SciPy: position in degrees, time in milliseconds."""
+    """Recordings of one arm that follows targets, with position in degrees and time in milliseconds."""
     for file in folder.glob("trial_*.csv"):
         file.unlink()
     text = (folder / "robot.toml").read_text(encoding="utf-8")
@@ -108,7 +108,7 @@ def arm(folder):
     made = RobotRecordings("arm", driven, (RobotTrial("one", time, 0 * target, target),))
     model = RobotModel.of(made)
     start = Stretch(time, target, time[:1] - 1, target[:1], np.zeros(2), np.zeros(2), np.zeros(2), held=True)
-    seen = simulate(driven, CAUSES, model.neutral, model.sizes, [Case(start, model.neutral, np.zeros(2))])[0]
+    seen = simulate(driven, CAUSES, model.neutral, model.scales, [Case(start, model.neutral, np.zeros(2))])[0]
     table = np.column_stack([1e3 * time, np.degrees(seen), np.degrees(target)])
     np.savetxt(folder / "one.csv", table, delimiter=",", header="t,q1,q2,a,b", comments="", fmt="%.9g")
     return folder, seen, target
@@ -124,7 +124,7 @@ def test_targets_and_units_are_read(arm):
     assert not found.robot.servo.guessed and found.robot.servo.limit == (np.inf, np.inf)
 
 
-def test_a_servo_that_nobody_described_is_guessed_from_its_recordings(arm):
+def test_an_undescribed_servo_is_estimated_from_its_recordings(arm):
     servo = read_robot(arm[0]).robot.servo
     assert servo.guessed
     assert servo.stiffness == pytest.approx((20.0, 12.0), rel=0.15) and servo.damping == pytest.approx((1.0, 0.5), rel=0.3)

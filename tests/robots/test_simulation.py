@@ -1,4 +1,4 @@
-"""Simulations of a robot side by side are those of Pinocchio and SciPy alone; every cause does what it says."""
+"""Batch simulations of a robot agree with Pinocchio and SciPy, and every cause acts as described."""
 
 from dataclasses import replace
 
@@ -61,11 +61,11 @@ def stretch(q=(0.3, -0.2), v=(0.5, 0.0)):
 
 def run(model, **values):
     named = model.neutral | {name.replace("__", "."): value for name, value in values.items()}
-    return simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(stretch(), named, np.zeros(2))])[0]
+    return simulate(model.recordings.robot, CAUSES, model.neutral, model.scales, [Case(stretch(), named, np.zeros(2))])[0]
 
 
 def exact(robot, extra=lambda q, v: 0.0):
-    """By SciPy, of the same URDF built anew."""
+    """Return encoder angles from SciPy, for the same URDF built again."""
     whole = pin.buildModelFromXML(robot.urdf)
     model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
     model.armature = np.array([0.02, 0.01])
@@ -80,17 +80,17 @@ def exact(robot, extra=lambda q, v: 0.0):
     return found.y[:2][::-1].T
 
 
-def test_the_declared_robot_moves_as_pinocchio_and_scipy_say(robot, model):
+def test_the_declared_robot_agrees_with_pinocchio_and_scipy(robot, model):
     assert run(model) == pytest.approx(exact(robot), abs=2e-4)
 
 
-def test_friction_in_proportion_to_speed_moves_it_as_scipy_says(robot, model):
+def test_viscous_friction_agrees_with_scipy(robot, model):
     found = run(model, viscous_friction__shoulder=0.4)
     assert found == pytest.approx(exact(robot, lambda q, v: np.array([-0.4, 0.0]) * v), abs=5e-4)
 
 
 def elastic(robot, passed, y0, command, side=0):
-    """(N, 2) elbow, or on side 1 its rotor, and shoulder by SciPy: the rotor turns beside the elbow, and passes a torque on."""
+    """Return angles (N, 2) from SciPy: elbow, or on side 1 its rotor, and shoulder; the rotor transmits a torque to the elbow."""
     whole = pin.buildModelFromXML(robot.urdf)
     model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
     model.armature = np.array([0.02, 0.0])
@@ -113,7 +113,7 @@ def recorded(t, q, v):
 
 
 @pytest.mark.parametrize("side", [0, 1])
-def test_a_joint_with_a_spring_rings_as_scipy_says(robot, model, side):
+def test_a_joint_with_a_spring_agrees_with_scipy(robot, model, side):
     stiffness, damping = 20.0, 2 * 0.1 * np.sqrt(20.0 * 0.01)
     first = stretch().command[0, 0] / stiffness
     truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded, side)
@@ -124,8 +124,8 @@ def test_a_joint_with_a_spring_rings_as_scipy_says(robot, model, side):
 
 
 @pytest.mark.parametrize("side", [0, 1])
-def test_play_moves_a_joint_as_scipy_says(robot, model, side):
-    """With flanks as hard as the cause has them."""
+def test_a_joint_with_play_agrees_with_scipy(robot, model, side):
+    """The reference has flanks of the same stiffness as the cause."""
     half, inertia = 0.05, 0.01
     stiffness, damping = inertia * 250.0**2, 2 * 0.3 * inertia * 250.0
 
@@ -140,16 +140,16 @@ def test_play_moves_a_joint_as_scipy_says(robot, model, side):
     assert np.sqrt(np.mean((found - truth) ** 2)) < 0.2 * np.sqrt(np.mean((truth - exact(robot)) ** 2))
 
 
-def test_a_servo_pulls_to_its_target_as_scipy_says(robot):
+def test_a_servo_agrees_with_scipy(robot):
     stiffness, damping, limit = np.array([30.0, 8.0]), np.array([0.6, 0.2]), np.array([6.0, 100.0])
     servo = Servo.of(2, stiffness[::-1], damping[::-1], limit[::-1], guessed=False)
     target = np.column_stack([0.5 * np.sin(6 * TIME), 0.8 * np.sign(np.sin(4 * TIME))])
-    target[TIME > 0.8] = np.nan  # and then it is off
+    target[TIME > 0.8] = np.nan  # the servo is off
     driven = replace(robot, servo=servo)
     still = RobotRecordings("servo", driven, (RobotTrial("one", TIME, np.nan_to_num(target), target),))
     model = RobotModel.of(still)
     given = replace(stretch(), command=target, before=np.zeros((250, 2)), held=True)
-    found = simulate(driven, CAUSES, model.neutral, model.sizes, [Case(given, model.neutral, np.zeros(2))])[0]
+    found = simulate(driven, CAUSES, model.neutral, model.scales, [Case(given, model.neutral, np.zeros(2))])[0]
     whole = pin.buildModelFromXML(robot.urdf)
     plain = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
     plain.armature = np.array([0.02, 0.01])
@@ -166,7 +166,7 @@ def test_a_servo_pulls_to_its_target_as_scipy_says(robot):
 
 def test_halving_the_samples_step_changes_little(model):
     half = replace(stretch(), time=TIME[::2], command=TORQUE[::2])
-    coarse = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(half, model.neutral, np.zeros(2))])[0]
+    coarse = simulate(model.recordings.robot, CAUSES, model.neutral, model.scales, [Case(half, model.neutral, np.zeros(2))])[0]
     assert coarse == pytest.approx(run(model)[::2], abs=1e-3)
 
 
@@ -178,17 +178,17 @@ def test_steps_of_five_milliseconds_are_short_enough(robot, model):
     command = np.column_stack([np.interp(many, fifth.time, column) for column in fifth.command.T])
     finer = replace(fifth, time=many, command=command)
     coarse, fine = (
-        simulate(robot, CAUSES, model.neutral, model.sizes, [Case(each, model.neutral, np.zeros(2))])[0]
+        simulate(robot, CAUSES, model.neutral, model.scales, [Case(each, model.neutral, np.zeros(2))])[0]
         for each in (fifth, finer)
     )
     assert np.diff(fifth.time)[0] == pytest.approx(0.005)
     assert coarse == pytest.approx(fine[::10], abs=1e-3)
 
 
-def test_a_robot_that_sticks_stays(robot, model):
+def test_a_sticking_robot_does_not_move(robot, model):
     still = Stretch(TIME, 0 * TORQUE, TIME[:2] - 1, np.zeros((2, 2)), np.array([0.2, 0.1]), np.zeros(2), np.zeros(2))
     stuck = model.neutral | {"coulomb_friction.elbow": 5.0, "coulomb_friction.shoulder": 5.0}
-    found = simulate(robot, CAUSES, model.neutral, model.sizes, [Case(still, stuck, np.zeros(2))])[0]
+    found = simulate(robot, CAUSES, model.neutral, model.scales, [Case(still, stuck, np.zeros(2))])[0]
     assert np.abs(found - found[0]).max() < 0.02
 
 
@@ -230,34 +230,34 @@ def test_a_cause_moves_the_robot_and_its_neutral_value_does_not(model, name, siz
     changed = run(model, **{name.replace(".", "__", 1): size})
     assert np.isfinite(changed).all() and np.abs(changed - plain).max() > 1e-3
     shapes = {key: value for key, value in model.neutral.items() if key.startswith(name.partition(".")[0])}
-    others = {key: value + 0.1 for key, value in shapes.items() if value != 0}  # shapes alone do nothing
+    others = {key: value + 0.1 for key, value in shapes.items() if value != 0}  # shape parameters alone have no influence
     assert np.array_equal(run(model, **{key.replace(".", "__", 1): value for key, value in others.items()}), plain)
 
 
-def test_side_by_side_is_each_alone(model):
+def test_a_batch_equals_its_single_simulations(model):
     named = [model.neutral | {name: size} for name, size in SIZES.items()]
     cases = [Case(stretch(), values, np.zeros(2)) for values in named]
-    together = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, cases)
+    together = simulate(model.recordings.robot, CAUSES, model.neutral, model.scales, cases)
     for case, seen in zip(cases, together, strict=True):
-        (alone,) = simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [case])
+        (alone,) = simulate(model.recordings.robot, CAUSES, model.neutral, model.scales, [case])
         assert seen == pytest.approx(alone, abs=1e-10)
 
 
 def test_a_dead_time_shows_the_motion_later(model):
-    """Of a robot that rests hanging until its torque comes."""
+    """The robot hangs at rest until its torque begins."""
     at = np.where(TIME[:, None] > 0.3, [0.5, 0.0], 0.0)
     before = np.arange(-0.5, 0, 0.002)
     hanging = Stretch(TIME, at, before, np.zeros((len(before), 2)), np.zeros(2), np.zeros(2), np.zeros(2))
     late = model.neutral | {"dead_time.delay": 0.1}
     now, then = (
-        simulate(model.recordings.robot, CAUSES, model.neutral, model.sizes, [Case(hanging, values, np.zeros(2))])[0]
+        simulate(model.recordings.robot, CAUSES, model.neutral, model.scales, [Case(hanging, values, np.zeros(2))])[0]
         for values in (model.neutral, late)
     )
     assert then[50:] == pytest.approx(now[:-50], abs=1e-4)
 
 
-def test_a_payload_weighs_what_it_weighs(robot, model):
-    """Held still by what inverse dynamics says with the payload in the URDF's last link."""
+def test_a_payload_adds_its_mass_to_the_last_link(robot, model):
+    """The payload is added to the last link of the URDF."""
     changed = robot.model.copy()
     (payload,) = (cause for cause in CAUSES if cause.name == "payload")
     payload.change_bodies(np.array([0.5, 1.0]), robot.joints, changed)

@@ -1,18 +1,18 @@
-"""Independent plants: arms simulated by other engines, with laws written afresh.
+"""Independent plants: simulated arms in other engines, with laws that were written separately from the model.
 
-- ``arm``: what is simulated, in its own frame
+- ``arm``: the simulated arm and its frame
+- ``artefacts``: recording artefacts of real hardware
 - ``chain``: ChainPlant, a fine chain in MuJoCo
+- ``integration``: settling and time loop, which all engines share
 - ``laws``: the nineteen effects of the catalogue, other forms of them, and laws outside of it
-- ``march``: what comes before and the time loop, which all engines share
-- ``mess``: what goes wrong where hardware is recorded
-- ``nuisance``: what is always a little wrong
+- ``nuisance``: small errors that every recording has
 - ``others``: plants by other authors, each with its own physics and laws
-- ``plant``: Plant.run: a program and effects in, a folder of recordings out
+- ``plant``: Plant.run, which records a program with effects into a folder
 - ``program``: steps, staircase, chirp, releases, payload
 - ``rod``: RodPlant, a Cosserat rod in PyElastica
-- ``scaling``: give an effect the strength that a marker gap asks for
-- ``space``: the same for arms in space: BallPlant, SpaceRodPlant, and laws about two axes
+- ``scaling``: scaling of an effect to a marker gap
+- ``space``: BallPlant, SpaceRodPlant, and laws for bending about two axes
 - ``writing``: markers and files
 
-Nothing here imports any other part of hsr_pin but its errors, and no engine is imported before it runs.
+Nothing here imports any other part of hsr_pin except its errors, and no engine is imported before it runs.
 """

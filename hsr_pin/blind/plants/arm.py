@@ -1,7 +1,7 @@
-"""The arm that a plant simulates, and the frame it is simulated in.
+"""The simulated arm and the frame of its simulation.
 
-Arm frame: origin at the base, z along the straight arm, x towards positive bending; everything happens
-in this plane. A mount says where the two axes point in the world (z up).
+Arm frame: origin at the base, z along the straight arm, x towards positive bending; the motion is in this plane. A mount gives
+the directions of the two axes in the world (z up).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from hsr_pin.errors import InputError
 
 Array = NDArray[np.float64]
 
-#: mount -> (world direction of the arm frame's x, of its z)
+#: Mount -> world directions of the arm frame's x and z axes.
 MOUNTS: dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
     "hanging": ((1, 0, 0), (0, 0, -1)),
     "horizontal": ((0, 0, -1), (1, 0, 0)),
@@ -25,18 +25,20 @@ MOUNTS: dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
 
 @dataclass(frozen=True)
 class Arm:
-    """A uniform planar rod, clamped at its base, and what is bolted to it.
+    """A uniform planar rod, clamped at its base, with attached masses.
 
     Attributes:
-        length: [m], mass: [kg], diameter: [m] of the bare arm.
+        length: length of the bare arm [m].
+        mass: mass of the bare arm [kg].
+        diameter: diameter of the bare arm [m].
         mount: a name of `MOUNTS`.
         tip_mass: point mass at the tip [kg].
         added_mass: mass spread evenly along the arm [kg].
-        tilt: turn of the true mount from the declared one, towards positive bending [rad].
-        tilt_seen: whether the markers' frame stays with the world (True: the arm is seen turned) or
-            turns with the base (False: only gravity is felt turned).
-        lumps: point masses on the backbone's line: (distance from the base along the straight arm [m], mass [kg]);
-            beyond the tip they ride on its last link (chain only).
+        tilt: rotation of the true mount from the declared one, towards positive bending [rad].
+        tilt_seen: whether the markers' frame stays with the world (True: the markers show the tilt) or
+            rotates with the base (False: only gravity shows the tilt).
+        lumps: point masses on the line of the backbone: (distance from the base along the straight arm [m], mass [kg]);
+            beyond the tip they are fixed to the last link (chain only).
         wall: distance of a wall parallel to the straight arm, towards +x [m] (chain only), or None.
         g: gravity [m/s2].
     """
@@ -59,22 +61,22 @@ class Arm:
 
     @property
     def line_mass(self) -> float:
-        """Mass per length, with what is spread along the arm [kg/m]."""
+        """Mass per length, including the added mass [kg/m]."""
         return (self.mass + self.added_mass) / self.length
 
     @property
     def radius(self) -> float:
-        """[m]."""
+        """Radius of the arm [m]."""
         return self.diameter / 2
 
     def gravity(self) -> Array:
-        """Gravity in the arm frame, (2,): x, z [m/s2]."""
+        """Return gravity in the arm frame, (2,): x, z [m/s2]."""
         axes = self._axes(self.tilt)
         down = np.array([0.0, 0.0, -self.g])
         return np.array([axes[0] @ down, axes[1] @ down])
 
     def to_world(self, x: Array, z: Array) -> Array:
-        """Points of the arm frame, each (...), in the frame of the markers, (..., 3) [m]."""
+        """Return points of the arm frame, each (...), in the frame of the markers, (..., 3) [m]."""
         axes = self._axes(self.tilt if self.tilt_seen else 0.0)
         world: Array = x[..., None] * axes[0] + z[..., None] * axes[1]
         return world
@@ -90,8 +92,10 @@ class Motion:
     """A planar motion, sampled at nodes along the arm, in the arm frame.
 
     Attributes:
-        t: (T,) [s]; s: (N,) arc length of the nodes [m].
-        x, z: (T, N) [m]; angle: (T, N) direction of the tangent from the straight arm [rad].
+        t: (T,) times [s].
+        s: (N,) arc length of the nodes [m].
+        x, z: (T, N) positions of the nodes [m].
+        angle: (T, N) direction of the tangent, from the straight arm [rad].
     """
 
     t: Array
@@ -101,14 +105,14 @@ class Motion:
     angle: Array
 
     def angle_at(self, arc_length: float) -> Array:
-        """Direction of the tangent, (T,) [rad]: linear between the nodes."""
+        """Return the direction of the tangent at an arc length, (T,) [rad], interpolated linearly between the nodes."""
         k, u = self._place(arc_length)
         return np.asarray((1 - u) * self.angle[:, k] + u * self.angle[:, k + 1])
 
     def at(self, arc_length: float, offset: float | Array = 0.0, along: float | Array = 0.0) -> tuple[Array, Array]:
-        """Coordinates x and z, each (T,) [m], of a point beside the backbone: cubic Hermite between the nodes.
+        """Return coordinates x and z, each (T,) [m], of a point next to the backbone, by cubic Hermite interpolation.
 
-        offset: off the backbone, towards +x when straight; along: ahead of it, along the tangent [m].
+        offset: distance from the backbone, towards +x when straight; along: distance along the tangent [m].
         """
         k, u = self._place(arc_length)
         h = self.s[k + 1] - self.s[k]
@@ -122,6 +126,6 @@ class Motion:
         return x + offset * c + along * s, z - offset * s + along * c
 
     def _place(self, arc_length: float) -> tuple[int, float]:
-        """Node before it, and how far it is to the next one, 0 to 1."""
+        """Return the node before an arc length, and the relative distance to the next node, 0 to 1."""
         k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
         return k, float((arc_length - self.s[k]) / (self.s[k + 1] - self.s[k]))

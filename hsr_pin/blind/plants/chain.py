@@ -1,7 +1,7 @@
 """A fine chain of hinges in MuJoCo (E. Todorov, T. Erez, Y. Tassa, MuJoCo, IROS 2012).
 
-n hinges, each in the middle of its element, so that a uniform moment gives the arc to second order in
-1/n; MuJoCo's own springs, dampers and implicitfast integrator (implicit in the dampers).
+Each of the n hinges is in the middle of its element, so that the shape under a uniform moment converges to the arc with second
+order in 1/n. MuJoCo's own springs, dampers and implicitfast integrator (implicit in the dampers) are used.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from hsr_pin.errors import MissingDependencyError
 
 from .arm import Arm, Array, Motion
+from .integration import loaded, planar, simulated
 from .laws.law import Law, Nodes
-from .march import loaded, planar, simulated
 from .plant import Plant
 from .program import Trial
 
@@ -27,7 +27,8 @@ class ChainPlant(Plant):
     """The arm as a MuJoCo chain.
 
     Attributes:
-        elements: number of hinges. step: integrator step [s], a whole fraction of 10 ms.
+        elements: number of hinges.
+        step: integrator step [s], an integer fraction of 10 ms.
         bare: the arm as declared.
     """
 
@@ -36,26 +37,28 @@ class ChainPlant(Plant):
     bare: Arm = field(default_factory=Arm)
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
-        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
         arm = loaded(self.bare, trial, laws)
         return simulated(Chain, arm, trial, laws, (k, c), middles(self.elements), self.step, planar)
 
 
 def middles(n: int) -> Array:
-    """(n,) of the elements, over L."""
+    """Return the middles of n elements, (n,), relative to the length of the arm."""
     return np.asarray((np.arange(n) + 0.5) / n)
 
 
-class Linked(ABC):
-    """An engine of MuJoCo: see `march.Engine`.
+class MujocoEngine(ABC):
+    """An engine in MuJoCo that implements `integration.Engine`.
 
     Args:
-        arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad].
-        step: [s].
+        arm: arm with all attached masses.
+        stiffness: (n,) stiffness of the whole arm at each joint [Nm/rad].
+        damping: (n,) damping of the whole arm at each joint [Nm s/rad].
+        step: integrator step [s].
     """
 
-    #: Numbers of a joint that move.
-    freedom: ClassVar[int]
+    #: Degrees of freedom of a joint.
+    joint_dofs: ClassVar[int]
 
     def __init__(self, arm: Arm, stiffness: Array, damping: Array, step: float) -> None:
         try:
@@ -66,37 +69,37 @@ class Linked(ABC):
         self.n = stiffness.size
         self.h = arm.length / self.n
         self.places = np.linspace(0.0, arm.length, self.n + 1)
-        self.damping = np.repeat(self.n * damping, self.freedom)
-        self.model = build(arm, stiffness, damping, step, ball=self.freedom == 3)
+        self.damping = np.repeat(self.n * damping, self.joint_dofs)
+        self.model = build(arm, stiffness, damping, step, ball=self.joint_dofs == 3)
         self.data = mujoco.MjData(self.model)
-        self._nodes: Any = None  # of the present instant, once asked for
+        self._nodes: Any = None  # cache for the current instant
 
     @abstractmethod
     def read(self) -> tuple[Array, Array]:
-        """See `march.Engine`."""
+        """Return bending and its rate, see `integration.Engine`."""
 
     @abstractmethod
     def nodes(self) -> Any:
-        """The middles of the bodies, which are the elements' ends: node 0 is the base."""
+        """Return the middles of the bodies, which are the ends of the elements; node 0 is the base."""
 
     @abstractmethod
     def apply(self, moment: Array, force: Array | None) -> None:
-        """Moments (n,) [N m] and forces on nodes [N] onto the bodies, until the next."""
+        """Apply moments (n,) [N m] and forces on nodes [N] to the bodies until the next call."""
 
     def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
-        """See `march.Engine`."""
+        """Simulate one step, see `integration.Engine`."""
         self.model.opt.gravity[:] = gravity if gravity.size == 3 else (gravity[0], 0.0, gravity[1])
         if viscous is not None:
-            self.model.dof_damping[:] = self.damping + np.repeat(self.n * viscous, self.freedom)
+            self.model.dof_damping[:] = self.damping + np.repeat(self.n * viscous, self.joint_dofs)
         self.apply(moment, force)
         self._mujoco.mj_step(self.model, self.data)
         self._nodes = None
 
 
-class Chain(Linked):
-    """Of hinges."""
+class Chain(MujocoEngine):
+    """Engine with hinges, for planar bending."""
 
-    freedom = 1
+    joint_dofs = 1
 
     def read(self) -> tuple[Array, Array]:
         return self.n * self.data.qpos, self.n * self.data.qvel
@@ -107,7 +110,7 @@ class Chain(Linked):
             np.cumsum(self.data.qpos, out=angle[1:])
             np.cumsum(self.data.qvel, out=rate[1:])
             s, c = np.sin(angle), np.cos(angle)
-            ways = np.array([s, c, rate * c, -rate * s])  # of the links, and how they swing
+            ways = np.array([s, c, rate * c, -rate * s])  # directions of the links, and their rates
             nodes = np.zeros_like(ways)
             np.cumsum((ways[:, :-1] + ways[:, 1:]) * (self.h / 2), axis=1, out=nodes[:, 1:])  # half a link of each neighbour
             self._nodes = Nodes(nodes[:2], nodes[2:], angle)
@@ -117,7 +120,7 @@ class Chain(Linked):
         self.data.qfrc_applied[:] = moment if force is None else moment + self._torque(force)
 
     def _torque(self, force: Array) -> Array:
-        """Joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
+        """Return the joint torques (n,) [N m] of forces on the nodes (2, n + 1) [N]."""
         nodes = self.nodes()
         joint = nodes.position[:, :-1] + self.h / 2 * np.stack([np.sin(nodes.angle[:-1]), np.cos(nodes.angle[:-1])])
         beyond = np.cumsum(force[:, :0:-1], axis=1)[:, ::-1]
@@ -128,7 +131,7 @@ class Chain(Linked):
 
 
 def build(arm: Arm, stiffness: Array, damping: Array, step: float, *, ball: bool = False) -> Any:
-    """The ``mujoco.MjModel`` of an arm along z that bends about y, or of balls about every axis.
+    """Return the ``mujoco.MjModel`` of an arm along z that bends about y, or with ball joints about every axis.
 
     Spring and damper of joint i are n times ``stiffness[i]`` and ``damping[i]`` of the whole arm
     [Nm/rad, Nm s/rad].
@@ -157,20 +160,20 @@ def build(arm: Arm, stiffness: Array, damping: Array, step: float, *, ball: bool
             _collide(body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=[0, 0, length]), r, 1, 0)
         bodies.append(body)
     for place, mass in [*arm.lumps, (arm.length, arm.tip_mass)]:
-        if mass > 0 and place >= h / 2:  # what is nearer to the base does not move; the joint before it stands at (i + 1/2) h
+        if mass > 0 and place >= h / 2:  # a mass nearer to the base does not move; joint i is at (i + 1/2) h
             i = min(int(place / h - 0.5), n - 1)
             lump = bodies[i].add_body(pos=[0, 0, place - (i + 0.5) * h])
             lump.explicitinertial = True
-            lump.mass, lump.ipos, lump.inertia = mass, [0.0] * 3, [1e-12] * 3  # a place not given is the parent's
+            lump.mass, lump.ipos, lump.inertia = mass, [0.0] * 3, [1e-12] * 3  # else MuJoCo uses the parent's
     if arm.wall is not None:
         wall = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, pos=[arm.wall, 0, 0])
-        wall.quat = [np.sqrt(0.5), 0, -np.sqrt(0.5), 0]  # its normal looks along -x
+        wall.quat = [np.sqrt(0.5), 0, -np.sqrt(0.5), 0]  # its normal points along -x
         _collide(wall, 1.0, 0, 1)
     return spec.compile()
 
 
 def linear(field: Any, value: float) -> Any:
-    """MuJoCo 4 takes polynomials for springs and dampers, earlier versions one number."""
+    """Return a spring or damper coefficient in the format of a field: MuJoCo 4 has polynomials, earlier versions one number."""
     return value if np.ndim(field) == 0 else [value, *[0.0] * (len(field) - 1)]
 
 

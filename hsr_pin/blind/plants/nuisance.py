@@ -1,4 +1,4 @@
-"""What is always a little wrong: parameters, noise, and effects too small to be seen on their own."""
+"""Small errors that every recording has: wrong parameters, noise, and effects too small to be seen alone."""
 
 from __future__ import annotations
 
@@ -16,10 +16,14 @@ class Nuisance:
     """Errors of one dataset.
 
     Attributes:
-        k, c: true over declared stiffness and damping [-].
-        noise: standard deviation of the markers, each axis [m].
-        placement: standard deviation of where markers truly sit, along and off the arm [m].
-        lag: [s], tilt: [rad], bias: [N m], extra: at the tip [kg]: tiny effects.
+        k: true stiffness relative to the declared one [-].
+        c: true damping relative to the declared one [-].
+        noise: standard deviation of the marker noise for each axis [m].
+        placement: standard deviation of the true marker places, along and off the arm [m].
+        lag: tiny actuator lag [s].
+        tilt: tiny tilt of the base [rad].
+        bias: tiny torque bias [N m].
+        extra: tiny additional mass at the tip [kg].
     """
 
     k: float = 1.0
@@ -33,7 +37,7 @@ class Nuisance:
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Nuisance:
-        """K off by up to 15 %, C by up to 30 %, 0.3 to 0.5 mm of noise, the rest well below it."""
+        """Draw errors: stiffness within 15 %, damping within 30 %, noise of 0.3 to 0.5 mm, other effects far below it."""
         return cls(
             k=float(1 + rng.uniform(-0.15, 0.15)),
             c=float(1 + rng.uniform(-0.30, 0.30)),
@@ -46,7 +50,7 @@ class Nuisance:
         )
 
     def laws(self) -> tuple[Law, ...]:
-        """The tiny effects, as laws."""
+        """Return the tiny effects as laws."""
         return (
             actuation.ActuatorLag(self.lag),
             actuation.TorqueBias(self.bias),
@@ -55,10 +59,10 @@ class Nuisance:
         )
 
     def describe(self) -> dict[str, Any]:
-        """For an answer file."""
+        """Return the errors for an answer file."""
         return asdict(self)
 
 
 def noise_floor(noise: float, axes: int = 2) -> float:
-    """RMS marker distance that noise alone gives in the plane of bending, or along so many axes [same unit as `noise`]."""
+    """Return the RMS marker distance due to noise alone, along two or more axes [same unit as `noise`]."""
     return float(np.sqrt(axes) * noise)

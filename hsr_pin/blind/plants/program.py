@@ -1,4 +1,4 @@
-"""What is done to the arm while it is recorded: steps, staircase, chirp, releases, payload.
+"""Programs of trials that are recorded: steps, staircase, chirp, releases, payload.
 
 Commands are torques [N m] held between samples at 100 Hz. Stiffness, damping and torques are those of
 Tables I and II of the paper; pressures follow from its Eqs. (1), (4) and (5).
@@ -28,15 +28,18 @@ class Trial:
     """One recording.
 
     Attributes:
-        keq: declared stiffness [Nm/rad]; damping: declared damping of the whole arm [Nm s/rad].
+        keq: declared stiffness [Nm/rad].
+        damping: declared damping of the whole arm [Nm s/rad].
         command: torque at each sample [N m], or empty for a recording without input.
-        duration: [s].
+        duration: duration [s].
         tip_mass: known payload [kg].
-        hold_torque, hold_force: what holds the arm until `release`: a uniform moment [N m] and a force
-            along x of the arm frame [N], which acts at `hold_at` of the length.
-        release: [s] after the first sample. fade: how long the hand takes to let go [s]. late: by how much the
-            declared instant of release is late [s].
-        clock: when the recording began, since the session did [s].
+        hold_torque: uniform moment that holds the arm until `release` [N m].
+        hold_force: force along x of the arm frame that holds the arm until `release` [N].
+        hold_at: place of the force, relative to the length.
+        release: time of the release after the first sample [s].
+        release_duration: time over which the holding loads fall to zero [s].
+        start_error: error of the declared instant of release [s]; positive: too late.
+        clock: start of the recording in session time [s].
     """
 
     keq: float
@@ -48,23 +51,23 @@ class Trial:
     hold_force: float = 0.0
     hold_at: float = 1.0
     release: float = 0.0
-    fade: float = 0.0
-    late: float = 0.0
+    release_duration: float = 0.0
+    start_error: float = 0.0
     clock: float = 0.0
 
     @property
     def samples(self) -> int:
-        """Number of samples, both ends included."""
+        """Number of samples, including both ends."""
         return round(self.duration * RATE) + 1
 
     def torque(self) -> Array:
-        """Commanded torque at each sample, (T,) [N m]; zeros without input."""
+        """Return the commanded torque at each sample, (T,) [N m]; zeros without input."""
         return np.array(self.command) if self.command else np.zeros(self.samples)
 
 
 @dataclass(frozen=True)
 class Program:
-    """Some trials on one mount; `given` says which input the files hold: ``pressures`` or ``tau``."""
+    """Trials on one mount; `given` is the input in the files: ``pressures`` or ``tau``."""
 
     mount: str
     trials: tuple[Trial, ...]
@@ -72,7 +75,7 @@ class Program:
 
 
 def pressures(torque: Array, keq: float) -> tuple[Array, Array]:
-    """P1, P2, each (T,) [bar], that give stiffness `keq` and this torque: Eqs. (1), (4), (5) inverted."""
+    """Return P1 and P2, each (T,) [bar], for a stiffness `keq` and a torque: Eqs. (1), (4), (5) inverted."""
     coefficients = np.array([[0.8183, 1.415], [-0.2892, 0.7321]])
     right = np.stack([np.full_like(torque, keq + 2.594), torque / keq + 0.7742])
     p1, p2 = np.linalg.solve(coefficients, right)
@@ -80,20 +83,20 @@ def pressures(torque: Array, keq: float) -> tuple[Array, Array]:
 
 
 def steps(keq: float) -> list[Trial]:
-    """From rest to each torque of Table II, at 0.3 s; 2 s each."""
+    """Return steps from rest to each torque of Table II at 0.3 s, 2 s each."""
     t = np.arange(2 * RATE + 1) / RATE
     return [_trial(keq, np.where(t >= 0.3, tau, 0.0)) for tau in LEVELS[keq][1]]
 
 
 def staircase(keq: float) -> list[Trial]:
-    """Up in four stairs, down again past zero and back; 0.7 s each."""
+    """Return a staircase: up in four stairs, down past zero and back, 0.7 s for each stair."""
     stairs = np.array([0, 0.25, 0.5, 0.75, 1, 0.75, 0.5, 0.25, 0, -0.2, 0, 0.5, 0]) * LEVELS[keq][1][2]
     tau = np.repeat(stairs, round(0.7 * RATE))
     return [_trial(keq, np.append(tau, tau[-1]))]
 
 
 def chirp(keq: float) -> list[Trial]:
-    """0.2 to 4 Hz in 6 s about a slowly entered middle torque."""
+    """Return a chirp from 0.2 to 4 Hz in 6 s about a mean torque that is approached slowly."""
     t = np.arange(6 * RATE + 1) / RATE
     phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
     tau = LEVELS[keq][1][2] * 0.45 * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase))
@@ -101,7 +104,7 @@ def chirp(keq: float) -> list[Trial]:
 
 
 def releases(keq: float) -> list[Trial]:
-    """Held bent by a couple, held bent by a pull at the tip; let go at 0.2 s, no input; 1.5 s each."""
+    """Return two releases at 0.2 s without input, 1.5 s each: bent by a couple, and bent by a force at the tip."""
     bare = _trial(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2)
     bare = replace(bare, command=())
     pull = 1.2 * keq / 0.24
@@ -109,7 +112,7 @@ def releases(keq: float) -> list[Trial]:
 
 
 def payload(keq: float) -> list[Trial]:
-    """The two larger steps with a known 50 g at the tip."""
+    """Return the two larger steps with a known 50 g at the tip."""
     return [replace(trial, tip_mass=0.05) for trial in steps(keq)[1:]]
 
 
@@ -119,9 +122,9 @@ KINDS: dict[str, Callable[[float], list[Trial]]] = {
 
 
 def program(kinds: str = "steps", mount: str = "hanging", given: str = "pressures") -> Program:
-    """A program on both stiffness levels; `kinds` joins names of `KINDS` by ``+`` (``steps+chirp``).
+    """Return a program on both stiffness levels; `kinds` joins names of `KINDS` by ``+`` (``steps+chirp``).
 
-    Trials follow one another after pauses of 20 s.
+    There is a pause of 20 s after each trial.
     """
     names = kinds.split("+")
     if unknown := [name for name in names if name not in KINDS]:

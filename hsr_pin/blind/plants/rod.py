@@ -3,9 +3,9 @@
 The engine: M. Gazzola et al., Forward and Inverse Problems in the Mechanics
 of Soft Filaments, R. Soc. Open Sci. 5, 2018; directors, shear and stretch, explicit position Verlet.
 
-The damper C L (curvature rate) is far too stiff for an explicit step, so it is a PyElastica damper of
-our own: the rates after each step solve (J + dt D) w' = J w, D tridiagonal. Shear and stretch are given
-one stiffness, as low as the static sag allows (see `AXIAL`).
+The damper C L (curvature rate) is too stiff for an explicit step. Therefore it is implemented here as a PyElastica damper: the
+rates after each step solve (J + dt D) w' = J w with tridiagonal D. Shear and stretch have one common stiffness, as low as the
+static sag allows (see `AXIAL_STIFFNESS`).
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ import numpy as np
 from hsr_pin.errors import EffectError, MissingDependencyError, SimulationFailure
 
 from .arm import Arm, Array, Motion
+from .integration import AnyMotion, Engine, loaded, planar, simulated
 from .laws.law import Law, Nodes
-from .march import AnyMotion, Engine, loaded, planar, simulated
 from .plant import Plant
 from .program import Trial
 
-#: Stretch and shear stiffness [N]: the arm's weight of 1.5 N stretches it by 0.02 mm, a tenth of the noise
-#: and less. A rubber rod of this section and bending stiffness has about a third of it.
-AXIAL = 1e4
-#: By how much the step is divided where the first one diverges.
-FINER = 2.5
+#: Stretch and shear stiffness [N]. The arm's weight of 1.5 N stretches it by 0.02 mm, at most a tenth of the noise. A rubber
+#: rod of this section and bending stiffness has about a third of it.
+AXIAL_STIFFNESS = 1e4
+#: Factor by which the step is reduced if the simulation diverges.
+REFINEMENT = 2.5
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ class RodPlant(Plant):
     """The arm as a PyElastica rod.
 
     Attributes:
-        elements: of the rod. step: [s], a whole fraction of 10 ms.
+        elements: number of elements of the rod.
+        step: integrator step [s], an integer fraction of 10 ms.
         bare: the arm as declared.
     """
 
@@ -46,9 +47,9 @@ class RodPlant(Plant):
     bare: Arm = field(default_factory=Arm)
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
-        """The motion in a trial; true stiffness and damping are k and c times the declared ones.
+        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones.
 
-        A law that is stiffer than the rod's own springs may need a smaller step: the rod is explicit.
+        A law that is stiffer than the rod's own springs may need a smaller step, because the integrator is explicit.
         """
         arm = loaded(self.bare, trial, laws)
         if arm.wall is not None or any(place > arm.length for place, _ in arm.lumps):
@@ -56,10 +57,10 @@ class RodPlant(Plant):
                 "rod plant", expected="no contact, and no mass beyond the tip",
                 received=[law.name for law in laws], hint="use the chain plant",
             )  # fmt: skip
-        return patient(Rod, arm, trial, laws, (k, c), self.elements, self.step, planar)
+        return simulated_finer(Rod, arm, trial, laws, (k, c), self.elements, self.step, planar)
 
 
-def patient(
+def simulated_finer(
     make: Callable[[Any, Array, Array, float], Engine],
     arm: Arm,
     trial: Trial,
@@ -69,26 +70,31 @@ def patient(
     step: float,
     motion: Callable[[Array, Array, Sequence[Any]], AnyMotion],
 ) -> AnyMotion:
-    """As `march.simulated`, of a rod of so many elements; where it diverges, again in smaller steps."""
+    """Return the motion of a rod, see `integration.simulated`; if the simulation diverges, it is repeated with a smaller step."""
     given = make, arm, trial, laws, scales, joints_of(elements)
     try:
         return simulated(*given, step, motion)
     except SimulationFailure:
-        return simulated(*given, step / FINER, motion)
+        return simulated(*given, step / REFINEMENT, motion)
 
 
 def joints_of(elements: int) -> Array:
-    """(n,) arc lengths of the joints over L: the first element is centred on the base and clamped, so at h/2, 3h/2, ..."""
+    """Return the arc lengths of the joints, (n,), relative to the length: h/2, 3h/2, ..., because the base element is clamped.
+
+    The first element is centred on the base.
+    """
     h = 1 / (elements - 0.5)
     return np.arange(0.5, elements - 1, dtype=float) * h
 
 
 class Cosserat(ABC):
-    """An engine of PyElastica: see `march.Engine`.
+    """An engine in PyElastica that implements `integration.Engine`.
 
     Args:
-        arm: with everything on it. stiffness, damping: (n,) of the whole arm [Nm/rad, Nm s/rad], at
-            the n inner nodes of n + 1 elements. step: [s].
+        arm: arm with all attached masses.
+        stiffness: (n,) stiffness of the whole arm at the n inner nodes of n + 1 elements [Nm/rad].
+        damping: (n,) damping of the whole arm at these nodes [Nm s/rad].
+        step: integrator step [s].
     """
 
     #: The first director of the straight rod.
@@ -102,7 +108,7 @@ class Cosserat(ABC):
         n, self.step = stiffness.size, step
         self.places = np.concatenate([[0.0], joints_of(n + 1), [1.0]]) * arm.length
         self.h = arm.length / (n + 0.5)
-        self.per_bend = arm.length / self.h  # bending of the whole arm over that of a joint
+        self.per_bend = arm.length / self.h  # ratio of the bending of the whole arm to that of a joint
         self.damping = damping * self.per_bend
         self.rod = _rod(elastica, arm, stiffness, self.h, self.normal)
         self.inertia = self.rod.mass_second_moment_of_inertia[0, 0, 1:].copy()
@@ -116,35 +122,35 @@ class Cosserat(ABC):
 
     @abstractmethod
     def read(self) -> tuple[Array, Array]:
-        """See `march.Engine`."""
+        """Return bending and its rate, see `integration.Engine`."""
 
     @abstractmethod
     def nodes(self) -> Any:
-        """The base and the rod's nodes beyond it."""
+        """Return the base and the rod's nodes beyond it."""
 
     @abstractmethod
-    def push(self, rod: Any) -> None:
-        """Gravity, forces and joint moments onto a PyElastica rod."""
+    def apply_loads(self, rod: Any) -> None:
+        """Apply gravity, forces and joint moments to a PyElastica rod."""
 
     @abstractmethod
-    def dampen(self, rod: Any) -> None:
-        """The joints' dampers, implicitly; the clamped element does not turn."""
+    def apply_dampers(self, rod: Any) -> None:
+        """Apply the dampers of the joints implicitly; the clamped element does not rotate."""
 
     def advance(self, moment: Array, viscous: Array | None, force: Array | None, gravity: Array) -> None:
-        """See `march.Engine`."""
+        """Simulate one step, see `integration.Engine`."""
         self.moment, self.force, self.gravity = moment, force, gravity
         self._extra_damping = None if viscous is None else viscous * self.per_bend
         self.time = self.stepper.step(self.simulator, self.time, self.step)
 
     def damped(self, rate: Array) -> Array:
-        """Rates (n, ...) about one direction of space after a step of the dampers."""
+        """Return the rates (n, ...) about one direction of space after a step of the dampers."""
         if self._extra_damping is None:
             return np.asarray(self._constant_solve @ rate)
         matrix, weight = self._damped(self.damping + self._extra_damping), self.inertia.reshape(-1, *[1] * (rate.ndim - 1))
         return np.linalg.solve(matrix, weight * rate)
 
     def _damped(self, d: Array) -> Array:
-        """J + dt D for joint dampers d (n,) [Nm s/rad]."""
+        """Return the matrix J + dt D for joint dampers d (n,) [Nm s/rad]."""
         tail = np.append(d[1:], 0.0)
         stiff = np.diag(d + tail) - np.diag(d[1:], 1) - np.diag(d[1:], -1)
         matrix: Array = np.diag(self.inertia) + self.step * stiff
@@ -152,7 +158,7 @@ class Cosserat(ABC):
 
 
 class Rod(Cosserat):
-    """That bends about y, its first director."""
+    """Engine of a rod that bends about y, its first director."""
 
     normal = (0.0, 1.0, 0.0)
 
@@ -169,7 +175,7 @@ class Rod(Cosserat):
         )
         return Nodes(position, velocity, angle)
 
-    def push(self, rod: Any) -> None:
+    def apply_loads(self, rod: Any) -> None:
         rod.external_forces[0] += rod.mass * self.gravity[0]
         rod.external_forces[2] += rod.mass * self.gravity[1]
         if self.force is not None:
@@ -177,30 +183,30 @@ class Rod(Cosserat):
         rod.external_torques[0, 1:] += self.moment
         rod.external_torques[0, 1:-1] -= self.moment[1:]
 
-    def dampen(self, rod: Any) -> None:
+    def apply_dampers(self, rod: Any) -> None:
         rate = rod.omega_collection[0]
         rate[0] = 0.0
         rate[1:] = self.damped(rate[1:])
 
     def _angles(self) -> Array:
-        """Direction of each element, (n + 1,) [rad]."""
+        """Return the direction of each element, (n + 1,) [rad]."""
         along = self.rod.director_collection[2]
         angle: Array = np.arctan2(along[0], along[2])
         return angle
 
 
 def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float, normal: tuple[float, float, float]) -> Any:
-    """A straight rod along z, half an element longer than the arm at its base; as stiff against twisting as against bending."""
+    """Return a straight rod along z that begins half an element before the base; torsional and bending stiffness are equal."""
     n = stiffness.size + 1
     area = np.pi * arm.radius**2
     rod = elastica.CosseratRod.straight_rod(
         n, np.array([0.0, 0.0, -h / 2]), np.array([0.0, 0.0, 1.0]), np.array(normal),
-        n * h, arm.radius, arm.line_mass / area, youngs_modulus=AXIAL / area,
+        n * h, arm.radius, arm.line_mass / area, youngs_modulus=AXIAL_STIFFNESS / area,
     )  # fmt: skip
-    rod.shear_matrix[:] = AXIAL * np.eye(3)[:, :, None]
+    rod.shear_matrix[:] = AXIAL_STIFFNESS * np.eye(3)[:, :, None]
     rod.bend_matrix[:] = np.eye(3)[:, :, None] * (stiffness * arm.length)
     rod.mass[-1] += arm.tip_mass
-    for place, mass in arm.lumps:  # to the two nodes beside it, as a lever does
+    for place, mass in arm.lumps:  # divided between the two neighbouring nodes by the lever rule
         where = np.clip((place + h / 2) / h, 0, n)
         k = int(min(where, n - 1))
         rod.mass[k] += mass * (k + 1 - where)
@@ -209,7 +215,7 @@ def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float, normal: tuple[floa
 
 
 def _simulator(elastica: Any, engine: Cosserat) -> tuple[Any, Any]:
-    """PyElastica's simulator around the rod of an engine, and its stepper."""
+    """Return PyElastica's simulator around the rod of an engine, and its stepper."""
 
     class Simulator(
         elastica.BaseSystemCollection,  # type: ignore[misc]
@@ -221,11 +227,11 @@ def _simulator(elastica: Any, engine: Cosserat) -> tuple[Any, Any]:
 
     class Push(elastica.NoForces):  # type: ignore[misc]
         def apply_forces(self, system: Any, time: float = 0.0) -> None:
-            engine.push(system)
+            engine.apply_loads(system)
 
     class Dampers(elastica.DamperBase):  # type: ignore[misc]
         def dampen_rates(self, system: Any, time: float) -> None:
-            engine.dampen(system)
+            engine.apply_dampers(system)
 
     simulator = Simulator()
     simulator.append(engine.rod)

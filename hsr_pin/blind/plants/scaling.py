@@ -1,4 +1,4 @@
-"""Gives an effect the strength that moves the markers by so many millimetres."""
+"""Scaling of an effect to a given marker gap."""
 
 from __future__ import annotations
 
@@ -16,45 +16,44 @@ from .nuisance import Nuisance, noise_floor
 from .plant import Plant
 from .program import Program
 
-#: Gaps of the named sizes, in noise floors.
+#: Marker gaps of the named sizes, in noise floors.
 SIZES: dict[str, float] = {"barely": 2.0, "medium": 6.0, "large": 15.0}
-#: Of a gap, over the one wanted.
+#: Relative tolerance of a gap.
 TOLERANCE = 0.1
 
 
 def target(size: str, noise: float, axes: int = 2) -> float:
-    """Gap [mm] of a size of `SIZES`, for markers with this noise per axis [m]."""
+    """Return the marker gap [mm] of a named size of `SIZES`, for markers with this noise for each axis [m]."""
     if size not in SIZES:
         raise InputError("size", expected=" or ".join(SIZES), received=size)
     return 1e3 * SIZES[size] * noise_floor(noise, axes)
 
 
 @dataclass(frozen=True)
-class Yardstick:
-    """Measures by how far laws move the markers in a program, on a plant that is coarse but quick.
+class GapSimulator:
+    """Simulator of the marker gap that laws cause in a program, on a coarse and fast plant.
 
-    Gaps are RMS distances over all trials, samples and markers but the one at the base [mm], from the arm with
-    the laws that are there `already`.
+    Gaps are RMS distances [mm] over all trials, samples and markers except the one at the base, from the arm with `present_laws`.
     """
 
     program: Program
     nuisance: Nuisance = field(default_factory=Nuisance)
     plant: Plant = field(default_factory=lambda: ChainPlant(elements=12, step=5e-4))
-    already: tuple[Law, ...] = ()
+    present_laws: tuple[Law, ...] = ()
 
     def gap(self, *laws: Law) -> float:
-        """With the laws against without them, at the same K and C [mm]."""
+        """Return the gap between the arm with and without the laws [mm], at the same stiffness and damping."""
         return _rms(self._change(laws))
 
     def refitted_gap(self, *laws: Law) -> float:
-        """What is left of the gap after the best change of K and C [mm]: what a diagnosis has to go by.
+        """Return the gap that remains after the best change of stiffness and damping [mm], which is what a diagnosis can use.
 
-        Estimated by linear least squares on differences of 2 % in K and in C.
+        It is estimated by linear least squares, with differences of 2 % in stiffness and in damping.
         """
         return self._refitted(self._change(laws))
 
     def refitted_step(self, before: Law, after: Law) -> float:
-        """The same, from one law to another [mm]."""
+        """Return the refitted gap of a change from one law to another [mm]."""
         return self._refitted(self._change((after,)) - self._change((before,)))
 
     def _refitted(self, change: Array) -> float:
@@ -62,16 +61,16 @@ class Yardstick:
         return _rms(change - self._slopes @ best)
 
     def _change(self, laws: tuple[Law, ...]) -> Array:
-        return self._watch((*self.already, *laws)) - self._nominal
+        return self._watch((*self.present_laws, *laws)) - self._nominal
 
     @cached_property
     def _nominal(self) -> Array:
-        return self._watch(self.already)
+        return self._watch(self.present_laws)
 
     @cached_property
     def _slopes(self) -> Array:
-        softer, looser = self._watch(self.already, k=1.02), self._watch(self.already, c=1.02)
-        return np.stack([softer - self._nominal, looser - self._nominal], axis=1)
+        stiffer, damped = self._watch(self.present_laws, k=1.02), self._watch(self.present_laws, c=1.02)
+        return np.stack([stiffer - self._nominal, damped - self._nominal], axis=1)
 
     def _watch(self, laws: tuple[Law, ...], k: float = 1.0, c: float = 1.0) -> Array:
         nuisance = replace(self.nuisance, k=self.nuisance.k * k, c=self.nuisance.c * c)
@@ -81,11 +80,12 @@ class Yardstick:
 
 @dataclass(frozen=True)
 class Scaled:
-    """A law at the strength asked for.
+    """A law with the strength that was asked for.
 
     Attributes:
-        law: the law. gap: marker distance that it makes [mm].
-        reached: whether that is the distance asked for; if not, the law is as strong as it may be.
+        law: the law.
+        gap: marker gap that it causes [mm].
+        reached: whether this is the wanted gap; if not, the law has its largest allowed strength.
     """
 
     law: Law
@@ -94,15 +94,20 @@ class Scaled:
 
 
 def scale_to_gap(
-    law: Law, millimetres: float, yardstick: Yardstick, refit: bool = False, *, tolerance: float = TOLERANCE, steps: int = 14
+    law: Law,
+    millimetres: float,
+    gap_simulator: GapSimulator,
+    refit: bool = False,
+    *,
+    tolerance: float = TOLERANCE,
+    steps: int = 14,
 ) -> Scaled:
-    """Scale a law so that the markers move by this much [mm].
+    """Scale a law so that its marker gap has a given size [mm].
 
-    That is at the same K and C or, with `refit`, beyond the best change of them. Secant steps on the
-    logarithms, kept inside of what is known to be too weak and too strong; ends within the tolerance or at the
-    law's limit.
+    The gap is at the same stiffness and damping or, with `refit`, after the best change of them. The search takes secant steps on
+    the logarithms inside the known bracket. It ends within the tolerance or at the law's limit.
     """
-    measure = yardstick.refitted_gap if refit else yardstick.gap
+    measure = gap_simulator.refitted_gap if refit else gap_simulator.gap
     tried: list[tuple[float, float]] = []  # factor on the strength, gap [mm]
     factor = 1.0
     for _ in range(steps):
@@ -117,7 +122,7 @@ def scale_to_gap(
 
 
 def _next_factor(tried: list[tuple[float, float]], millimetres: float) -> float:
-    """Where gap ~ factor^p through the last two trials meets the gap wanted, inside the bracket."""
+    """Return the factor at which gap ~ factor^p through the last two trials meets the wanted gap, inside the bracket."""
     (f, g), power = tried[-1], 1.0
     if len(tried) > 1 and min(g, tried[-2][1]) > 0:
         power = float(np.clip(np.log(g / tried[-2][1]) / np.log(f / tried[-2][0]), 0.3, 6.0))
@@ -130,5 +135,5 @@ def _next_factor(tried: list[tuple[float, float]], millimetres: float) -> float:
 
 
 def _rms(change: Array) -> float:
-    """RMS length [mm] of vectors (3 k,) [m]."""
+    """Return the RMS length [mm] of vectors (3 k,) [m]."""
     return 1e3 * float(np.sqrt(change @ change / (change.size / 3)))

@@ -1,4 +1,4 @@
-"""Markers from motions, and datasets in the recording format, version 1 or, in space, 2; nothing in them tells the law."""
+"""Writer of markers and datasets in the recording format, version 1 or, in space, 2; the files do not contain the laws."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from .program import Program, Trial, pressures
 
 @dataclass(frozen=True)
 class Marker:
-    """A tracked point: name and declared arc length [m].
+    """A tracked point with its name and declared arc length [m].
 
-    In space it may stand beside the backbone by a radius [m], at an angle from x towards y of its section [rad].
+    In space it may be at a distance `radius` [m] from the backbone, at an `angle` from x towards y of its section [rad].
     """
 
     name: str
@@ -32,14 +32,14 @@ MARKERS = (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
 
 
 def observe(motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-    """Marker points (T, M, 3) in the world [m], without noise.
+    """Return marker points (T, M, 3) in the world [m], without noise.
 
     Args:
-        motion: of the arm.
-        arm: as it truly is.
-        laws: which may move markers or cameras.
-        markers: M of them.
-        error: (M, 2) how far each marker sits from where it should, along and off the backbone [m].
+        motion: motion of the arm.
+        arm: the true arm.
+        laws: laws, some of which may move markers or cameras.
+        markers: M markers.
+        error: (M, 2) error of each marker's place, along and off the backbone [m].
     """
     points = []
     for marker, (along, off) in zip(markers, error, strict=True):
@@ -53,14 +53,14 @@ def observe(motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Mar
 
 
 def filmed(points: Array, laws: Sequence[Law]) -> Array:
-    """Points (T, M, 3) in the world [m] as the cameras see them."""
+    """Return points (T, M, 3) in the world [m] as the cameras see them."""
     for law in laws:
         points = law.seen(points)
     return points
 
 
 def write(folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], points: Sequence[Array]) -> Path:
-    """Write one dataset: points (T, M, 3) [m] of each trial. Its name is the folder's."""
+    """Write one dataset with the name of its folder, from points (T, M, 3) [m] of each trial."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for i, (trial, seen) in enumerate(zip(program.trials, points, strict=True), start=1):
@@ -69,7 +69,7 @@ def write(folder: Path, program: Program, arm: Arm, markers: Sequence[Marker], p
         toml = _toml(folder.name, program, arm, markers)
         (folder / "dataset.toml").write_text(toml, encoding="utf-8", newline="\n")
     except OSError as error:
-        raise OutputError("dataset", expected="a folder to write in", received=str(error), file=folder) from error
+        raise OutputError("dataset", expected="a writable folder", received=str(error), file=folder) from error
     return folder
 
 
@@ -113,5 +113,5 @@ def _toml(name: str, program: Program, arm: Arm, markers: Sequence[Marker]) -> s
         if trial.tip_mass:
             lines += [f"tip_mass = {trial.tip_mass}  # kg"]
         if trial.release:
-            lines += [f"t_start = {round(trial.release + trial.late, 3)}  # s, released"]
+            lines += [f"t_start = {round(trial.release + trial.start_error, 3)}  # s, released"]
     return "\n".join(lines) + "\n"

@@ -1,6 +1,6 @@
-"""Recordings of hardware with a cause withheld that is known.
+"""Recordings of hardware with a withheld, known cause.
 
 - ``build``: a case from a recipe
-- ``edits``: what is done to a recording, or to what is declared of it
-- ``recipes``: which recording, which trials, which edit, and what the truth then is
+- ``edits``: edits of a recording, or of its declared values
+- ``recipes``: recording, trials, edit and truth of each case
 """

@@ -1,4 +1,4 @@
-"""A real case from its recipe."""
+"""Builder of cases from recordings of hardware, according to a recipe."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hsr_pin.blind.answers import Answer
 from hsr_pin.blind.cases import Case
 from hsr_pin.blind.plants.laws import CATALOGUE
 from hsr_pin.blind.real.edits import measured_torque
-from hsr_pin.blind.real.recipes import LATER, OWN, RECIPES, Recipe
+from hsr_pin.blind.real.recipes import OTHER_KINDS, RECIPES, START_DELAY, Recipe
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
@@ -19,10 +19,10 @@ from hsr_pin.trajectory import Dataset, Trial
 
 
 def plan_real(seed: int, recordings: Path) -> tuple[Case, ...]:
-    """One case of each recipe.
+    """Return one case for each recipe.
 
     Raises:
-        InputError: a recording that a recipe is about is not in the folder.
+        InputError: the folder lacks a recording that a recipe needs.
     """
     for name in dict.fromkeys(recipe.recording for recipe in RECIPES.values()):
         if not (recordings / name / "dataset.toml").is_file():
@@ -35,17 +35,17 @@ def plan_real(seed: int, recordings: Path) -> tuple[Case, ...]:
 
 
 def build_real(case: Case, folder: Path, recordings: Path | None) -> Answer:
-    """Write an edited copy that tells nothing of what it is a copy of.
+    """Write an edited copy of a recording, which does not reveal its source, and return the answer.
 
     Raises:
-        InputError: there are no recordings.
+        InputError: the folder of the recordings is not given.
     """
     if recordings is None:
         raise InputError("real cases", expected="the folder of the recordings", hint="give --real DIR")
     recipe = RECIPES[case.effects[0]]
-    amount = drawn(recipe, case.seed)
+    amount = drawn_amount(recipe, case.seed)
     clean = reference(recipe, recordings)
-    write_dataset(_nameless(recipe.edit(clean, amount), folder.name), folder)
+    write_dataset(_anonymous(recipe.edit(clean, amount), folder.name), folder)
     facts = {
         "recipe": case.effects[0],
         "recording": recipe.recording,
@@ -53,7 +53,7 @@ def build_real(case: Case, folder: Path, recordings: Path | None) -> Answer:
         "program": recipe.recording,
         "trials": list(recipe.trials),
         "amount": amount,
-        "own": list(OWN[recipe.recording]),
+        "own": list(OTHER_KINDS[recipe.recording]),
         "seed": case.seed,
     }
     effects = tuple(name for name in recipe.truth.names[:1] if name in CATALOGUE)
@@ -61,26 +61,26 @@ def build_real(case: Case, folder: Path, recordings: Path | None) -> Answer:
 
 
 def reference(recipe: Recipe, recordings: Path) -> Dataset:
-    """The recording of a recipe as it is before the edit, with the input that comes closest to the truth."""
+    """Return the recording of a recipe before the edit, with the input that is closest to the truth."""
     dataset = read_dataset(recordings / recipe.recording)
     if recipe.measured:
         dataset = measured_torque(dataset)
     trials = [dataset.trials[number - 1] for number in recipe.trials]
-    return replace(dataset, trials=tuple(_later(trial, LATER.get(recipe.recording, 0.0)) for trial in trials))
+    return replace(dataset, trials=tuple(_start_delayed(trial, START_DELAY.get(recipe.recording, 0.0)) for trial in trials))
 
 
-def drawn(recipe: Recipe, seed: int) -> float:
-    """The amount of the edit."""
+def drawn_amount(recipe: Recipe, seed: int) -> float:
+    """Return the drawn amount of the edit."""
     rng = np.random.default_rng([seed, 0])
     side = float(rng.choice([-1.0, 1.0])) if recipe.either_way else 1.0
     return side * recipe.amount * float(rng.uniform(0.9, 1.2))
 
 
-def _later(trial: Trial, by: float) -> Trial:
+def _start_delayed(trial: Trial, by: float) -> Trial:
     return trial if trial.t_start is None or not by else replace(trial, t_start=round(trial.t_start + by, 3))
 
 
-def _nameless(dataset: Dataset, name: str) -> Dataset:
+def _anonymous(dataset: Dataset, name: str) -> Dataset:
     trials = tuple(
         replace(trial, name=f"trial_{k:02d}", trajectory=replace(trial.trajectory, notes=()))
         for k, trial in enumerate(dataset.trials, start=1)

@@ -1,16 +1,16 @@
-"""Which recording, which of its trials, which edit, and what the truth then is.
+"""Recipes of cases from recordings of hardware: recording, trials, edit and truth.
 
-What makes a case fair: the edit is known, because we made it; and half and more of the squared distance that stiffness and
-damping leave is its doing, as the chain plant sees it when they are refitted with and without the edit. (Of commands in place of
-measured pressures, damping takes up most; a lag that is unequal for filling and venting takes away half of what it leaves.) By
-that test these were left out: a payload of real-trunk that is not declared, as the mass of the trunk is itself a guess and takes
-it up; and an input of real-pneumatic shifted by less than two seconds, as its own time, C over K, is about one second and takes
-it up.
+A case is fair because the edit is known, and because it causes at least half of the squared distance that stiffness and damping
+leave. The chain plant shows this, refitted with and without the edit. (For commands instead of measured pressures, damping
+absorbs most of the effect; a lag that differs between filling and venting removes half of what remains.) Two edits fail this test
+and were left out: an undeclared payload of real-trunk, because the mass of the trunk is itself a guess that absorbs it; and an
+input of real-pneumatic shifted by less than two seconds, because the arm's own time constant, C over K, is about one second and
+absorbs it.
 
-An arm has leftovers of its own, whose truth nobody knows. So in a real case a verdict is right if the withheld cause is named or
-is among the alternatives, or its kind among the kinds; other names beside it do not count against it. It is wrong only if it
-names, and neither the cause nor its kind, and something of a kind that this arm is not known to have (`OWN`): with a motor that
-stands still there is no actuator lag to be found. To name nothing, or only what the arm may have, is a miss.
+A real arm has model discrepancies of its own, whose truth is unknown. Therefore a verdict on a real case is right if it names the
+withheld cause, alone or among the alternatives, or reports its kind; further names do not count as mistakes. It is wrong only if
+it names neither the cause nor its kind, but something of a kind that this arm is not known to have (`OTHER_KINDS`): for example,
+an arm whose motor stands still has no actuator lag. To name nothing, or only what the arm may have, is a miss.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from typing import NamedTuple
 from hsr_pin.blind.real import edits
 from hsr_pin.trajectory import Dataset
 
-#: Recording -> kinds that the arm may well have of its own.
-OWN: dict[str, tuple[str, ...]] = {
+#: Recording -> kinds of physics that this arm may have in addition to the withheld cause.
+OTHER_KINDS: dict[str, tuple[str, ...]] = {
     # Silicone, clamped, no actuator (M. Dubied et al., IEEE RA-L 2022).
     "real-beam": ("elastic", "damping", "creep", "friction"),
-    # Tendons through discs; mass and stiffness guessed; a hand lets go; rests elsewhere each time (its SOURCE).
+    # Tendons through discs; mass and stiffness guessed; manual releases; scattered rest poses (its SOURCE).
     "real-trunk": ("elastic", "damping", "creep", "friction", "mass_gravity", "contact"),
-    # Two segments with one torque, its scale a guess; idle pressures; fabric and rubber (its SOURCE).
+    # Two segments with one torque of guessed scale; idle pressures; fabric and rubber (its SOURCE).
     "real-pneumatic": ("elastic", "damping", "creep", "friction", "actuation_map"),
 }
 
 
-#: Recording -> from when after the declared instant its releases are used [s]: until then a hand may still touch.
-LATER: dict[str, float] = {"real-trunk": 0.1}
+#: Recording -> time after the declared release from which its samples are used [s]; before, a hand may still touch the arm.
+START_DELAY: dict[str, float] = {"real-trunk": 0.1}
 
 
 class Truth(NamedTuple):
-    """What is right: names, the catalogue's first; kinds."""
+    """Right answers of a recipe: names, the catalogue's first, and kinds."""
 
     names: tuple[str, ...]
     kinds: tuple[str, ...]
@@ -46,13 +46,15 @@ class Truth(NamedTuple):
 
 @dataclass(frozen=True)
 class Recipe:
-    """One case.
+    """Recipe of one case.
 
     Attributes:
-        recording: folder among the recordings. trials: of it, by number, counted from 1.
-        edit: what is done. amount: how much, as the edit's own; it is drawn up to a tenth smaller or a fifth larger, and
-            where both ways make sense, its sign too.
-        truth: what is right.
+        recording: folder among the recordings.
+        trials: numbers of its trials, from 1.
+        edit: edit of the recording.
+        amount: amount of the edit, in the unit of the edit; the drawn amount is up to a tenth smaller or a fifth larger,
+            and has a random sign if both signs are possible.
+        truth: right answers.
     """
 
     recording: str
@@ -63,12 +65,12 @@ class Recipe:
 
     @property
     def either_way(self) -> bool:
-        """Whether the edit may go towards negative bending as well."""
+        """Whether the edit may also have a negative amount, towards negative bending."""
         return self.edit in (edits.turn_frame, edits.move_markers)
 
     @property
     def measured(self) -> bool:
-        """Whether the input that comes closest to the truth is that of measured pressures."""
+        """Whether the input closest to the truth is the torque of measured pressures."""
         return self.recording == "real-pneumatic" and self.edit is not edits.leave_commanded
 
 
@@ -81,9 +83,9 @@ _TIME = Truth(("actuator_lag", "unequal_lag", "dead_time"), ("actuation_time",))
 _LATE = Truth(("dead_time", "actuator_lag", "unequal_lag"), ("actuation_time",))
 
 _BEAM = (1, 2, 3, 4)
-_TRUNK = {k: tuple(range(k, 33, 5)) for k in range(1, 6)}  # each with both payloads
+_TRUNK = {k: tuple(range(k, 33, 5)) for k in range(1, 6)}  # each selection contains both payloads
 
-#: By a name of their own.
+#: All recipes by name.
 RECIPES: dict[str, Recipe] = {
     "beam-frame-a": Recipe("real-beam", _BEAM, edits.turn_frame, 0.07, _TILT),
     "beam-frame-b": Recipe("real-beam", _BEAM, edits.turn_frame, 0.1, _TILT),

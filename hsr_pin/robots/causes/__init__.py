@@ -1,4 +1,4 @@
-"""What may be missing at the joints of a robot, one file each; a new cause is a file here and a line in :data:`CAUSES`."""
+"""Catalogue of causes at the joints of a robot; a new cause is a new file here and a new line in :data:`CAUSES`."""
 
 from hsr_pin.robots.cause import JointCause
 from hsr_pin.robots.causes.backlash import Backlash
@@ -26,7 +26,7 @@ from hsr_pin.robots.causes.torque_ripple import TorqueRipple
 from hsr_pin.robots.causes.transmission_hysteresis import TransmissionHysteresis
 from hsr_pin.robots.causes.viscous_friction import ViscousFriction
 
-#: In the order in which they are told.
+#: All causes, in the order of reports.
 CAUSES: tuple[JointCause, ...] = (
     CoulombFriction(),
     StribeckFriction(),

@@ -1,4 +1,4 @@
-"""Centres of mass farther from the joints, or nearer, than declared."""
+"""Cause ``centre_of_mass``: centres of mass farther from the joints, or nearer, than declared."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
@@ -19,16 +19,16 @@ class CentreOfMass(JointCause):
     kind = "mass_gravity"
     description = "centres of mass farther from the joints, or nearer, than declared"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A share of each link."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the relative change of the distance of each link's centre of mass from its joint."""
         return tuple(amplitude(joint, 0.05, lower=-0.9, upper=5.0) for k, joint in enumerate(joints))
 
     def bodies(self, values: Values) -> Array:
-        """The shares."""
+        """Return the relative changes, (B, n)."""
         return values.of_joints()
 
     def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
-        """Along the line from the joint that moves the link."""
+        """Move the centres of mass along the line from the joint of each link."""
         for joint, share in zip(joints, numbers, strict=True):
             k = model.getJointId(joint)
             own = model.inertias[k]

@@ -1,4 +1,4 @@
-"""Torques that act later than recorded."""
+"""Cause ``dead_time``: a constant delay of the commands."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
 class DeadTime(JointCause):
-    """Torques that act later than recorded."""
+    """Commands that act later than recorded, by a constant delay."""
 
     name = "dead_time"
     kind = "actuation_time"
-    description = "torques that act later than recorded"
+    description = "commands that act later than recorded, by a constant delay"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A delay of all joints."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the delay, common to all joints."""
         return (amplitude("delay", 0.01, "s", lower=-0.1, upper=0.3),)
 
     def command(self, values: Values, time: Array, command: Array) -> Array:
-        """The same, later."""
+        """Return the commands shifted by the delay."""
         delayed = command.copy()
         for b, delay in enumerate(values.shared("delay")[:, 0]):
             if delay:

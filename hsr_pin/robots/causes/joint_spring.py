@@ -1,4 +1,4 @@
-"""A spring at the joints, as of a cable."""
+"""Cause ``joint_spring``: springs at the joints, such as the stiffness of cables."""
 
 from __future__ import annotations
 
@@ -8,25 +8,28 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Scales, StepStart, Values, joint_parameter
 from hsr_pin.trajectory import Array
 
 
 class JointSpring(JointCause):
-    """A spring at the joints, as of a cable."""
+    """Springs at the joints, such as the stiffness of cables."""
 
     name = "joint_spring"
     kind = "elastic"
-    description = "a spring at the joints, as of a cable"
+    description = "springs at the joints, such as the stiffness of cables"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A stiffness of each joint, and the torque with which it pulls at the angle 0."""
-        stiffness = 0.1 * sizes.torque / sizes.angle
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the stiffness of each joint, and the torque of its spring at the angle 0."""
+        stiffness = 0.1 * scales.torque / scales.angle
         return (
-            *(amplitude(of("stiffness", joint), stiffness[k], "N m/rad", lower=0.0) for k, joint in enumerate(joints)),
-            *(amplitude(of("pull", joint), 0.1 * sizes.torque[k], "N m") for k, joint in enumerate(joints)),
+            *(
+                amplitude(joint_parameter("stiffness", joint), stiffness[k], "N m/rad", lower=0.0)
+                for k, joint in enumerate(joints)
+            ),
+            *(amplitude(joint_parameter("pull", joint), 0.1 * scales.torque[k], "N m") for k, joint in enumerate(joints)),
         )
 
-    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
-        """Towards where it is relaxed."""
+    def torque(self, values: Values, now: StepStart) -> tuple[Array, Array]:
+        """Return the torque of the springs; they add no damping."""
         return values.of_joints("pull") - values.of_joints("stiffness") * now.q, np.zeros_like(now.v)

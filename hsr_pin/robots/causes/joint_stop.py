@@ -1,4 +1,4 @@
-"""Soft ends of the way of the joints."""
+"""Cause ``joint_stop``: soft stops at the ends of the range of the joints."""
 
 from __future__ import annotations
 
@@ -8,31 +8,31 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude, shape
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Now, Sizes, Values, of
+from hsr_pin.robots.cause import JointCause, Scales, StepStart, Values, joint_parameter
 from hsr_pin.trajectory import Array
 
-#: Angle [rad] over which a stop of practical size takes up the usual torque.
-_SOFT = 0.1
+#: Depth over which a stop of practical size takes up the RMS torque [rad].
+_DEPTH = 0.1
 
 
 class JointStop(JointCause):
-    """Soft ends of the way of the joints."""
+    """Soft stops at the ends of the range of the joints."""
 
     name = "joint_stop"
     kind = "contact"
-    description = "soft ends of the way of the joints"
+    description = "soft stops at the ends of the range of the joints"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A stiffness at the upper and at the lower end of each joint, and how far before the last angle seen the ends begin."""
-        stiffness = sizes.torque / _SOFT
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the stiffness of each joint's stops, and the distance of the stops from the extreme recorded angles."""
+        stiffness = scales.torque / _DEPTH
         return (
-            *(amplitude(of("upper", joint), stiffness[k], "N m/rad", lower=0.0) for k, joint in enumerate(joints)),
-            *(amplitude(of("lower", joint), stiffness[k], "N m/rad", lower=0.0) for k, joint in enumerate(joints)),
+            *(amplitude(joint_parameter("upper", joint), stiffness[k], "N m/rad", lower=0.0) for k, joint in enumerate(joints)),
+            *(amplitude(joint_parameter("lower", joint), stiffness[k], "N m/rad", lower=0.0) for k, joint in enumerate(joints)),
             shape("before", 0.05, 0.005, 0.5, "rad"),
         )
 
-    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
-        """Back from the ends."""
-        above = np.maximum(now.q - (values.sizes.highest - values.shared("before")), 0.0)
-        below = np.maximum(values.sizes.lowest + values.shared("before") - now.q, 0.0)
+    def torque(self, values: Values, now: StepStart) -> tuple[Array, Array]:
+        """Return the torque that pushes the joints back from their stops."""
+        above = np.maximum(now.q - (values.scales.max_angle - values.shared("before")), 0.0)
+        below = np.maximum(values.scales.min_angle + values.shared("before") - now.q, 0.0)
         return values.of_joints("lower") * below - values.of_joints("upper") * above, np.zeros_like(now.v)

@@ -1,4 +1,4 @@
-"""Links that are harder or easier to turn than declared, at the same mass."""
+"""Cause ``link_inertia``: moments of inertia of the links larger or smaller than declared, at the same mass."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ import pinocchio as pin
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
 class LinkInertia(JointCause):
-    """Links that are harder or easier to turn than declared, at the same mass."""
+    """Moments of inertia of the links larger or smaller than declared, at the same mass."""
 
     name = "link_inertia"
     kind = "mass_gravity"
-    description = "links that are harder or easier to turn than declared, at the same mass"
+    description = "moments of inertia of the links larger or smaller than declared, at the same mass"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A share of each link."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the relative change of the inertia of each link."""
         return tuple(amplitude(joint, 0.1, lower=-0.999, upper=10.0) for k, joint in enumerate(joints))
 
     def bodies(self, values: Values) -> Array:
-        """The shares."""
+        """Return the relative changes, (B, n)."""
         return values.of_joints()
 
     def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
-        """The inertia about the centre of mass of the links that the joints move."""
+        """Scale the inertia of each link about its centre of mass."""
         for joint, share in zip(joints, numbers, strict=True):
             k = model.getJointId(joint)
             own = model.inertias[k]

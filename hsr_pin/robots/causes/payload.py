@@ -1,4 +1,4 @@
-"""A mass at the end of the last link."""
+"""Cause ``payload``: an undeclared mass on the last link."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import pinocchio as pin
 
 from hsr_pin.explain.model import amplitude, shape
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
 class Payload(JointCause):
-    """A mass at the end of the last link."""
+    """An undeclared mass on the last link."""
 
     name = "payload"
     kind = "mass_gravity"
-    description = "a mass at the end of the last link"
+    description = "an undeclared mass on the last link"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """The mass, and how far from the last joint along the link it is, over where its centre of mass is."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the mass, and its distance from the last joint relative to that of the last link's centre of mass."""
         return (
-            amplitude("mass", 0.05 * sizes.mass, "kg", lower=0.0),
+            amplitude("mass", 0.05 * scales.mass, "kg", lower=0.0),
             shape("reach", 1.0, 0.0, 4.0),
         )
 
     def bodies(self, values: Values) -> Array:
-        """The mass, and its reach."""
+        """Return mass and relative distance, (B, 2)."""
         return np.hstack([values.shared("mass"), values.shared("reach")])
 
     def change_bodies(self, numbers: Array, joints: Sequence[str], model: pin.Model) -> None:
-        """A point on the line from the last joint through the centre of mass of the last link."""
+        """Add a point mass on the line from the last joint through the centre of mass of the last link."""
         mass, reach = numbers
         if mass:
             last = model.inertias[-1]

@@ -1,4 +1,4 @@
-"""Inertia of the motors at the joints."""
+"""Cause ``rotor_inertia``: undeclared inertia of the motors."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from collections.abc import Sequence
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
 class RotorInertia(JointCause):
-    """Inertia of the motors at the joints."""
+    """Undeclared inertia of the motors."""
 
     name = "rotor_inertia"
     kind = "mass_gravity"
-    description = "inertia of the motors at the joints"
+    description = "undeclared inertia of the motors"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """An inertia of each joint."""
-        return tuple(amplitude(joint, 0.05 * sizes.inertia[k], "kg m^2", lower=0.0) for k, joint in enumerate(joints))
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the inertia of each motor, reflected to its joint."""
+        return tuple(amplitude(joint, 0.05 * scales.inertia[k], "kg m^2", lower=0.0) for k, joint in enumerate(joints))
 
     def armature(self, values: Values) -> Array:
-        """At the joints."""
+        """Return the added inertia, (B, n) [kg m^2]."""
         return values.of_joints()

@@ -1,4 +1,4 @@
-"""Torques that do not exceed a limit."""
+"""Cause ``saturation``: a limit of the motor torques."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ import numpy as np
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, Values
 from hsr_pin.trajectory import Array
 
 
 class Saturation(JointCause):
-    """Torques that do not exceed a limit."""
+    """A limit of the motor torques."""
 
     name = "saturation"
     kind = "actuation_map"
-    description = "torques that do not exceed a limit"
+    description = "a limit of the motor torques"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """By what share of the largest recorded torque the limit of each joint is lower than it."""
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return by what share the limit of each joint is below its largest recorded torque."""
         return tuple(amplitude(joint, 0.1, lower=0.0, upper=0.95) for joint in joints)
 
     def drive(self, values: Values, torque: Array) -> tuple[Array, Array]:
-        """Cut off."""
+        """Return the torque clipped to the limit, and its derivative."""
         share = values.of_joints()
-        limit = np.where(share > 0, (1 - share) * values.sizes.largest, np.inf)
+        limit = np.where(share > 0, (1 - share) * values.scales.max_torque, np.inf)
         return np.clip(torque, -limit, limit), (np.abs(torque) <= limit).astype(float)

@@ -1,4 +1,4 @@
-"""Friction of the joints in proportion to their speed."""
+"""Cause ``viscous_friction``: friction of the joints in proportion to their speed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hsr_pin.explain.model import amplitude
 from hsr_pin.parameters import Parameter
-from hsr_pin.robots.cause import JointCause, Now, Sizes, Values
+from hsr_pin.robots.cause import JointCause, Scales, StepStart, Values
 from hsr_pin.trajectory import Array
 
 
@@ -17,12 +17,12 @@ class ViscousFriction(JointCause):
     kind = "damping"
     description = "friction of the joints in proportion to their speed"
 
-    def parameters(self, joints: Sequence[str], sizes: Sizes) -> tuple[Parameter, ...]:
-        """A coefficient of each joint."""
-        scales = 0.1 * sizes.torque / sizes.speed
-        return tuple(amplitude(joint, scales[k], "N m s/rad", lower=0.0) for k, joint in enumerate(joints))
+    def parameters(self, joints: Sequence[str], scales: Scales) -> tuple[Parameter, ...]:
+        """Return the coefficient of each joint."""
+        amplitudes = 0.1 * scales.torque / scales.speed
+        return tuple(amplitude(joint, amplitudes[k], "N m s/rad", lower=0.0) for k, joint in enumerate(joints))
 
-    def torque(self, values: Values, now: Now) -> tuple[Array, Array]:
-        """Against the motion; half of the slope, as for a trapezoidal rule."""
+    def torque(self, values: Values, now: StepStart) -> tuple[Array, Array]:
+        """Return the viscous torque, and half of its slope, as in a trapezoidal rule."""
         slope = values.of_joints()
         return -slope * now.v, slope / 2

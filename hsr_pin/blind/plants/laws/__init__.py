@@ -1,4 +1,4 @@
-"""The laws of the plants.
+"""Laws of the plants: the physics that the nominal model may lack.
 
 - ``actuation``: actuator_lag, dead_time, torque_bias, torque_decay, torque_map
 - ``dissipative``: damping_gradient, dry_friction, hysteresis, quadratic_damping, viscoelastic
@@ -66,7 +66,7 @@ OUTSIDE: dict[str, type[Law]] = _by_name(
 )
 
 
-#: Other forms, by ``name:variant``.
+#: Laws of the catalogue in other forms, by ``name:variant``.
 FORMS: dict[str, type[Law]] = {
     f"{law.name}:{law.variant}": law
     for law in (
@@ -113,7 +113,7 @@ FORMS: dict[str, type[Law]] = {
     )
 }
 
-#: Plain parameters of the arm, which may be another in a later recording: a law for each.
+#: Laws for changes of the arm's plain parameters between two recordings.
 PARAMETERS: dict[str, type[Law]] = _by_name(
     session.DampingScale,
     session.KeqScale,
@@ -123,7 +123,7 @@ PARAMETERS: dict[str, type[Law]] = _by_name(
 
 
 def draw(name: str, rng: np.random.Generator) -> Law:
-    """A law of any list, by its name or ``name:variant``, with random secondary parameters and moderate strength."""
+    """Return a law of any list by its name or ``name:variant``, with random secondary parameters and moderate strength."""
     laws = {**CATALOGUE, **OUTSIDE, **FORMS, **PARAMETERS}
     if name not in laws:
         raise EffectError("law", expected=" or ".join(sorted(laws)), received=name)

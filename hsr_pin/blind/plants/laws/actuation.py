@@ -15,7 +15,7 @@ from .law import Law, sign
 
 @dataclass(frozen=True)
 class ActuatorLag(Law):
-    """The torque follows as a first-order lag.
+    """Actuator with a first-order lag of the torque.
 
     First-order filling of the muscles, T p' = p_c - p (V. Falkenhahn et al., Dynamic Modeling of
     Bellows-Actuated Continuum Robots, IEEE T-RO 31, 2015), solved exactly for a held command.
@@ -44,9 +44,9 @@ class ActuatorLag(Law):
 
 @dataclass(frozen=True)
 class DeadTime(Law):
-    """Pure transport delay (J. E. Normey-Rico, E. F. Camacho, Control of Dead-time Processes, 2007).
+    """Transport delay of the command (J. E. Normey-Rico, E. F. Camacho, Control of Dead-time Processes, 2007).
 
-    delay: [s].
+    delay: delay [s].
     """
 
     name: ClassVar[str] = "dead_time"
@@ -69,9 +69,9 @@ class DeadTime(Law):
 
 @dataclass(frozen=True)
 class TorqueBias(Law):
-    """A constant moment along the arm: unequal muscles, pressure offsets.
+    """A constant moment along the arm, such as from unequal actuators or pressure offsets.
 
-    bias: [N m].
+    bias: moment [N m].
     """
 
     name: ClassVar[str] = "torque_bias"
@@ -89,11 +89,11 @@ class TorqueBias(Law):
 
 @dataclass(frozen=True)
 class TorqueMap(Law):
-    """The torque is not a line in the command.
+    """Nonlinear relation between command and torque.
 
-    The moment is quadratic in the commanded bending, tau = Keq phi (1 + a phi): muscle force is a
-    quadratic, not a line, in contraction (B. Tondu, Modelling of the McKibben Artificial Muscle: a
-    Review, J. Intell. Mater. Syst. Struct. 23, 2012).
+    The moment is quadratic in the commanded bending, tau = Keq phi (1 + a phi): muscle force is a quadratic function of
+    contraction, not a linear one (B. Tondu, Modelling of the McKibben Artificial Muscle: a Review, J. Intell. Mater. Syst.
+    Struct. 23, 2012).
 
     quadratic: a [1/rad].
     """
@@ -113,7 +113,7 @@ class TorqueMap(Law):
 
 @dataclass(frozen=True)
 class TorqueDecay(Law):
-    """Actuation falls from base to tip by friction along the backbone.
+    """Actuation that decreases from base to tip by friction along the backbone.
 
     form ``exponential``: exp(-a s), the capstan equation (M. Kaneko et al., Control Engineering of Tendon
     Sheath, IEEE ICRA 1991); ``linear``: 1 - a s.

@@ -15,15 +15,15 @@ from .law import Joints, Law, Nodes, State, sign
 
 @dataclass(frozen=True)
 class DryFriction(Law):
-    """Coulomb friction that sticks, the same moment in every joint.
+    """Coulomb friction with sticking, the same moment in every joint.
 
     form ``lugre``: bristles without micro-damping, z' = v - |v| z / z_c(v), M = M_c z / z_0 (C. Canudas de
     Wit et al., A New Model for Control of Systems with Friction, IEEE TAC 40, 1995); ``prandtl``: a spring
     and a slider in series, M = M_c clip(z / z_0) (L. Prandtl, ZAMM 8, 1928; one Jenkin element). MuJoCo's
-    own frictionloss is left out: it is regularised, and on links as light as these it creeps.
+    own frictionloss is not used: it is regularised, and creeps on links as light as these.
 
     level: Coulomb moment over Keq [rad]; bristle: z_0, bending before slip [rad]; breakaway: static over
-    kinetic friction, stribeck: rate at which the excess fades [rad/s], both in ``lugre``.
+    kinetic friction; stribeck: rate at which the excess fades [rad/s]; the last two only for ``lugre``.
     """
 
     name: ClassVar[str] = "dry_friction"
@@ -50,7 +50,7 @@ class DryFriction(Law):
         else:
             excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
             top = self.bristle * (1 + excess)
-            # Exact over a step of constant rate, so no step is too long for the stiff bristles.
+            # Exact for a constant rate, so that stiff bristles do not limit the step.
             end = np.sign(state.rate) * top
             z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
         return self.level * joints.keq / self.bristle * z, z
@@ -58,7 +58,7 @@ class DryFriction(Law):
 
 @dataclass(frozen=True)
 class Hysteresis(Law):
-    """Smooth rate-independent loop.
+    """Smooth rate-independent hysteresis loop.
 
     form ``bouc_wen``: z' = v (1 - |z|^n (1 + sgn(v z)) / 2) / b_y, M = A Keq b_y z (Y.-K. Wen, Method for
     Random Vibration of Hysteretic Systems, J. Eng. Mech. Div. ASCE 102, 1976); ``iwan``: five Jenkin
@@ -104,10 +104,10 @@ class Hysteresis(Law):
 
 @dataclass(frozen=True)
 class Viscoelastic(Law):
-    """Creep and relaxation.
+    """Creep and relaxation by a Maxwell branch in parallel with the spring.
 
-    A Maxwell branch beside the spring: the standard linear solid (J. C. Simo, T. J. R. Hughes,
-    Computational Inelasticity, Springer 1998, sec. 10.2, with its exact recursion).
+    This is the standard linear solid (J. C. Simo, T. J. R. Hughes, Computational Inelasticity, Springer 1998, sec. 10.2, with its
+    exact recursion).
 
     ratio: stiffness of the branch over K [-]; time: relaxation time [s].
     """
@@ -123,7 +123,7 @@ class Viscoelastic(Law):
         return cls(0.3, float(rng.uniform(0.25, 1.2)))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        # `memory` is the bending at which the branch is relaxed; at rest it has had all the time it needs.
+        # `memory` is the bending at which the branch is relaxed; while the arm settles, the branch relaxes completely.
         keep = 0.0 if state.rest else np.exp(-state.dt / self.time)
         anchor = state.bend + (memory - state.bend) * keep
         return self.ratio * joints.stiffness * (state.bend - anchor), anchor
@@ -131,7 +131,7 @@ class Viscoelastic(Law):
 
 @dataclass(frozen=True)
 class QuadraticDamping(Law):
-    """Damping that grows with rate.
+    """Damping that grows with the square of the rate.
 
     form ``joint``: M = c2 |b'| b' in every joint, fluid pressed through the muscles (Nayfeh, Mook,
     Nonlinear Oscillations, 1979, sec. 3.3); ``drag``: c2 is the coefficient of a drag on the moving
@@ -145,7 +145,7 @@ class QuadraticDamping(Law):
     limit: ClassVar[float] = 0.1
     coefficient: float = 0.0
     form: str = "joint"
-    length: float = 0.24  # m, only in the drag
+    length: float = 0.24  # m, used by ``drag`` only
 
     def __post_init__(self) -> None:
         if self.form not in ("joint", "drag"):
@@ -174,8 +174,8 @@ class QuadraticDamping(Law):
 class DampingGradient(Law):
     """Damping that varies along the arm.
 
-    Damping falls or grows linearly from base to tip, mean kept: non-proportional damping (S. Adhikari,
-    Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014, ch. 2).
+    Damping varies linearly from base to tip with a constant mean: non-proportional damping (S. Adhikari, Structural Dynamic
+    Analysis with Generalized Damping Models, Wiley 2014, ch. 2).
 
     slope: (C(tip) - C(base)) / C(middle) [-].
     """

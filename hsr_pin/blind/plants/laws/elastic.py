@@ -15,8 +15,8 @@ from .law import Joints, Law, State, sign
 class StiffnessGradient(Law):
     """Stiffness that varies along the arm.
 
-    EI falls or grows linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model
-    of a Multibending Soft Robot Arm Driven by Cables, IEEE T-RO 30, 2014); series stiffness is kept.
+    EI varies linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model of a Multibending Soft Robot Arm
+    Driven by Cables, IEEE T-RO 30, 2014); the series stiffness is kept.
 
     slope: (EI(tip) - EI(base)) / EI(middle) [-].
     """
@@ -38,7 +38,7 @@ class StiffnessGradient(Law):
 
 @dataclass(frozen=True)
 class SoftSpot(Law):
-    """A stretch that is softer or stiffer.
+    """A part of the arm that is softer or stiffer.
 
     A defect as an added local compliance, the rotational spring of a cracked beam smeared over a
     stretch (A. D. Dimarogonas, Vibration of Cracked Structures, Eng. Fract. Mech. 55, 1996).
@@ -80,7 +80,7 @@ class Stiffening(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Stiffening:
-        # Softening is kept mild: beyond 1/(3 b^2) the spring has a peak and the arm folds: at 0.09, 1.9 rad, a staircase made it.
+        # Softening is kept mild: the moment has a peak at b^2 = 1/(3 |beta|), beyond which the arm folds.
         return cls(0.05 * (1 if rng.random() < 0.75 else -1))
 
     def scaled(self, factor: float) -> Stiffening:
@@ -97,7 +97,7 @@ class BendingStop(Law):
     Piecewise linear elastic stops, on both sides (S. W. Shaw, P. J. Holmes, A Periodically Forced
     Piecewise Linear Oscillator, J. Sound Vib. 90, 1983).
 
-    angle: bending at which links lock [rad]; ratio: stiffness of the stop over K [-].
+    angle: bending at which the links lock [rad]; ratio: stiffness of the stop over K [-].
     """
 
     name: ClassVar[str] = "bending_stop"

@@ -16,13 +16,13 @@ from .law import Law, sign
 
 @dataclass(frozen=True)
 class GravityTilt(Law):
-    """The base is not mounted as declared.
+    """Tilt of the base from its declared mounting.
 
-    The base is turned in the plane (robot-to-world calibration: B. Siciliano, O. Khatib, eds., Springer
+    The base is rotated in the plane (robot-to-world calibration: B. Siciliano, O. Khatib, eds., Springer
     Handbook of Robotics, 2nd ed., ch. 6).
 
-    form ``mount``: the base is turned in the world, and the markers show it; ``frame``: the markers'
-    frame is turned with it, so that only gravity shows it.
+    form ``mount``: the base is rotated in the world, and the markers show it; ``frame``: the markers'
+    frame rotates with it, so that only gravity shows the tilt.
 
     angle: towards positive bending [rad].
     """
@@ -48,7 +48,7 @@ class GravityTilt(Law):
 
 @dataclass(frozen=True)
 class TipMass(Law):
-    """A point mass at the tip that nobody weighed (D. J. Inman, Engineering Vibration, ch. 6).
+    """An unknown point mass at the tip (D. J. Inman, Engineering Vibration, ch. 6).
 
     mass: [kg].
     """
@@ -68,7 +68,7 @@ class TipMass(Law):
 
 @dataclass(frozen=True)
 class AddedMass(Law):
-    """Tubes along the arm: mass without stiffness, evenly spread.
+    """Mass without stiffness, evenly spread along the arm, such as tubes.
 
     mass: [kg].
     """
@@ -88,9 +88,9 @@ class AddedMass(Law):
 
 @dataclass(frozen=True)
 class MarkerOffset(Law):
-    """Markers off the neutral line.
+    """Offset of the markers from the neutral line.
 
-    Markers stand off the neutral line by plates that turn with the arm (U. Della Croce et al., Human
+    Markers are mounted off the neutral line on plates that rotate with the arm (U. Della Croce et al., Human
     Movement Analysis Using Stereophotogrammetry, part 4, Gait & Posture 21, 2005).
 
     distance: towards +x of the straight arm [m].

@@ -1,4 +1,4 @@
-"""Laws that are in nobody's catalogue, unlike it and unlike one another: nothing should name them."""
+"""Laws outside of any catalogue, unlike its laws and unlike one another; no diagnosis should name them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .law import Joints, Law, Nodes, State, sign
 
 @dataclass(frozen=True)
 class BaseShake(Law):
-    """What carries the base shakes.
+    """Vibration of the structure that carries the base.
 
-    The frame that carries the base swings along x (support excitation: R. W. Clough, J. Penzien,
+    The structure swings along x (support excitation: R. W. Clough, J. Penzien,
     Dynamics of Structures, ch. 2). It starts smoothly at the first sample; base markers show it.
 
     amplitude: [m]; frequency: [Hz].
@@ -40,12 +40,12 @@ class BaseShake(Law):
 
 @dataclass(frozen=True)
 class WarmingArm(Law):
-    """The arm softens over the session.
+    """Softening of the arm over the session.
 
     Stiffness falls over the session as the silicone warms with work (L. Mullins, Softening of Rubber by
-    Deformation, Rubber Chem. Technol. 42, 1969), and recovers at nothing: trial after trial is softer.
+    Deformation, Rubber Chem. Technol. 42, 1969), and does not recover: each trial is softer than the one before.
 
-    loss: relative loss of stiffness in the end [-]; time: of the approach, on the session's clock [s].
+    loss: final relative loss of stiffness [-]; time: time constant, in session time [s].
     """
 
     name: ClassVar[str] = "warming_arm"
@@ -65,12 +65,12 @@ class WarmingArm(Law):
 
 @dataclass(frozen=True)
 class PulsingStiffness(Law):
-    """Stiffness pulses.
+    """Periodic stiffness.
 
-    Stiffness pulses with the muscles' supply: parametric excitation (Nayfeh, Mook, Nonlinear
+    The stiffness pulses with the supply of the actuators: parametric excitation (Nayfeh, Mook, Nonlinear
     Oscillations, ch. 5).
 
-    depth: relative amplitude [-]; frequency: [Hz]; phase: on the session's clock [rad].
+    depth: relative amplitude [-]; frequency: [Hz]; phase: in session time [rad].
     """
 
     name: ClassVar[str] = "pulsing_stiffness"
@@ -92,11 +92,11 @@ class PulsingStiffness(Law):
 
 @dataclass(frozen=True)
 class SupplyRipple(Law):
-    """The supply pulses.
+    """Ripple of the supply pressure.
 
-    A compressor's cycle on the supply: the torque saws by a fixed amount, whatever is commanded.
+    The cycle of a compressor adds a sawtooth of fixed amplitude to the torque, independent of the command.
 
-    amplitude: [N m]; frequency: [Hz]; phase: on the session's clock [cycles].
+    amplitude: [N m]; frequency: [Hz]; phase: in session time [cycles].
     """
 
     name: ClassVar[str] = "supply_ripple"
@@ -121,9 +121,9 @@ class TipGust(Law):
     """Wind on the tip.
 
     A fan's turbulent side force at the tip: first-order (Dryden-like) coloured noise (MIL-F-8785C,
-    sec. 3.7), as a sum of random harmonics; it blows from the first sample on.
+    sec. 3.7), as a sum of random harmonics; it starts at the first sample.
 
-    force_rms: standard deviation [N]; corner: [Hz]; seed: of the phases.
+    force_rms: standard deviation [N]; corner: corner frequency [Hz]; seed: seed of the phases.
     """
 
     name: ClassVar[str] = "tip_gust"
@@ -154,12 +154,12 @@ class TipGust(Law):
 
 @dataclass(frozen=True)
 class Tether(Law):
-    """A hose on the tip.
+    """A hose at the tip.
 
     A supply hose from the tip to a fixed point: slack, then taut (a one-sided spring: Shaw, Holmes, J.
     Sound Vib. 90, 1983).
 
-    stiffness_taut: [N/m]; reach: free length [m]; x, z: where it is tied, arm frame [m].
+    stiffness_taut: [N/m]; reach: free length [m]; x, z: fixed point in the arm frame [m].
     """
 
     name: ClassVar[str] = "tether"
@@ -187,9 +187,9 @@ class Tether(Law):
 
 @dataclass(frozen=True)
 class FollowerThrust(Law):
-    """A leak at the tip.
+    """Thrust of a leak at the tip.
 
-    A leak at the tip blows along the arm: a follower force that grows with the square of the torque
+    The leak blows along the arm: a follower force that grows with the square of the torque
     (M. Beck's column: V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, 1963).
 
     thrust: force towards the base at 1 N m [N/(N m)2].
@@ -213,9 +213,9 @@ class FollowerThrust(Law):
 
 @dataclass(frozen=True)
 class Wall(Law):
-    """A wall beside the arm: the engine's own contact with friction (Todorov, ICRA 2014). Chain only.
+    """A wall next to the arm: the engine's own contact with friction (Todorov, ICRA 2014); chain only.
 
-    nearness: how far the wall stands in from `far` [m]; far: where no motion touches it [m].
+    nearness: distance of the wall from `far` towards the arm [m]; far: distance at which no motion touches it [m].
     """
 
     name: ClassVar[str] = "wall"
@@ -234,7 +234,7 @@ class Wall(Law):
 
 @dataclass(frozen=True)
 class SkewPlane(Law):
-    """Muscles fixed askew: the arm bends in a plane turned about its straight axis (vertical mounts).
+    """Skewed actuators: the arm bends in a plane rotated about its straight axis (vertical mounts).
 
     angle: [rad].
     """
@@ -256,11 +256,11 @@ class SkewPlane(Law):
 
 @dataclass(frozen=True)
 class CameraScale(Law):
-    """The cameras were calibrated with a wand of the wrong length, so that everything is seen larger.
+    """Wrong scale of the cameras, from a calibration wand of wrong length: everything appears larger.
 
     Z. Zhang, Camera Calibration with One-Dimensional Objects, IEEE T-PAMI 26, 2004.
 
-    excess: over the true size [-].
+    excess: relative excess over the true size [-].
     """
 
     name: ClassVar[str] = "camera_scale"
@@ -278,11 +278,11 @@ class CameraScale(Law):
 
 @dataclass(frozen=True)
 class MarkerSlip(Law):
-    """Markers have slipped towards the base, the one at the base excepted: their arc lengths are wrong.
+    """Slipped markers: all markers except the one at the base are closer to the base than declared.
 
     U. Della Croce et al., Gait & Posture 21, 2005: misplacement of landmarks.
 
-    slip: of the tip's marker [m]; those between by their share of the way.
+    slip: displacement of the tip's marker [m]; that of the others is in proportion to their arc length.
     """
 
     name: ClassVar[str] = "marker_slip"

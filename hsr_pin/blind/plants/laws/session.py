@@ -1,4 +1,4 @@
-"""What is another from one recording of an arm to the next: its plain parameters, and where it comes to rest."""
+"""Changes from one recording of an arm to the next: its plain parameters, and its rest pose."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .law import Law, sign
 
 @dataclass(frozen=True)
 class KeqScale(Law):
-    """The whole arm is stiffer or softer (L. Mullins, Softening of Rubber by Deformation, Rubber Chem. Technol. 42, 1969).
+    """Stiffness of the whole arm (L. Mullins, Softening of Rubber by Deformation, Rubber Chem. Technol. 42, 1969).
 
-    change: of the bending stiffness, over it [-].
+    change: relative change of the bending stiffness [-].
     """
 
     name: ClassVar[str] = "keq_scale"
@@ -34,9 +34,9 @@ class KeqScale(Law):
 
 @dataclass(frozen=True)
 class DampingScale(Law):
-    """The whole arm is damped more or less (C. W. de Silva, Vibration Damping, Control and Design, 2007, ch. 1).
+    """Damping of the whole arm (C. W. de Silva, Vibration Damping, Control and Design, 2007, ch. 1).
 
-    change: of the damping, over it [-]; at most `limit`, and never below none.
+    change: relative change of the damping [-], from -0.8 to `limit`.
     """
 
     name: ClassVar[str] = "damping_scale"
@@ -57,9 +57,9 @@ class DampingScale(Law):
 
 @dataclass(frozen=True)
 class MassScale(Law):
-    """The arm has become heavier: soaked, or with new fittings all along.
+    """Mass of the arm, such as soaked material or new fittings along the arm.
 
-    change: of its own mass, over it [-].
+    change: relative change of its own mass [-].
     """
 
     name: ClassVar[str] = "mass_scale"
@@ -77,9 +77,9 @@ class MassScale(Law):
 
 @dataclass(frozen=True)
 class TorqueGain(Law):
-    """The actuators give more or less than they did (F. Daerden, D. Lefeber, Pneumatic Artificial Muscles, 2002).
+    """Gain of the actuators (F. Daerden, D. Lefeber, Pneumatic Artificial Muscles, 2002).
 
-    change: of the torque, over it [-].
+    change: relative change of the torque [-].
     """
 
     name: ClassVar[str] = "torque_gain"
@@ -97,11 +97,12 @@ class TorqueGain(Law):
 
 @dataclass(frozen=True)
 class RestingPlace(Law):
-    """Where the arm comes to rest differs from trial to trial, and stays so through the trial.
+    """Scatter of the rest pose from trial to trial, constant within a trial.
 
-    As on real arms that are set up by hand, or stick a little; a small moment along the arm, another in each trial.
+    Real arms show it if they are set up by hand or have a little friction. The law is a small moment along the arm, another one
+    in each trial.
 
-    spread: largest bending, over the whole arm [rad]; seed: of the moments, with the session's clock.
+    spread: largest bending of the whole arm [rad]; seed: seed of the moments, combined with the session time.
     """
 
     name: ClassVar[str] = "resting_place"

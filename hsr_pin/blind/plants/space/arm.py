@@ -1,4 +1,4 @@
-"""The arm in space that a plant simulates, its frame (as in the plane, and y to complete it), and its motions."""
+"""The simulated arm in space, its frame (as in the plane, completed by y), and its motions."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ class SpaceArm(Arm):
     """An arm that bends about two axes.
 
     Attributes:
-        side_tilt: turn of the true mount towards y [rad]; with ``tilt`` one turn about an axis across the arm.
+        side_tilt: tilt of the true mount towards y [rad]; with ``tilt`` it is one rotation about an axis across the arm.
     """
 
     side_tilt: float = 0.0
 
     def gravity(self) -> Array:
-        """Gravity in the arm frame, (3,) [m/s2]."""
+        """Return gravity in the arm frame, (3,) [m/s2]."""
         return np.asarray(self.frame(seen=False).T @ np.array([0.0, 0.0, -self.g]))
 
     def frame(self, *, seen: bool) -> Array:
-        """(3, 3) the arm's axes in the world, or as the markers' frame shows them."""
+        """Return the arm's axes in the world, (3, 3), or, if ``seen``, as the markers' frame shows them."""
         x, z = (np.array(axis, dtype=float) for axis in MOUNTS[self.mount])
         mounted = np.column_stack([x, np.cross(z, x), z])
         if seen and not self.tilt_seen:
@@ -35,7 +35,7 @@ class SpaceArm(Arm):
 
 
 class SpaceNodes(NamedTuple):
-    """Points along the backbone: position (3, N) [m], velocity of the last (3, 1) [m/s], axes (N, 3, 3); no angles."""
+    """Points along the backbone: position (3, N) [m], velocity of the last (3, 1) [m/s], axes (N, 3, 3); angles are unused."""
 
     position: Array
     velocity: Array
@@ -48,8 +48,10 @@ class SpaceMotion:
     """A motion in space, sampled at nodes along the arm, in the arm frame.
 
     Attributes:
-        t: (T,) [s]; s: (N,) arc length of the nodes [m].
-        position: (T, 3, N) [m]; frames: (T, N, 3, 3) axes of the cross sections there, z along the arm.
+        t: (T,) times [s].
+        s: (N,) arc length of the nodes [m].
+        position: (T, 3, N) positions of the nodes [m].
+        frames: (T, N, 3, 3) axes of the cross sections, z along the arm.
     """
 
     t: Array
@@ -58,7 +60,7 @@ class SpaceMotion:
     frames: Array
 
     def at(self, arc_length: float, beside: complex = 0.0, along: float = 0.0) -> Array:
-        """(T, 3) [m] a point beside the backbone, towards x + i y of the section: cubic Hermite between the nodes."""
+        """Return a point (T, 3) [m] at an offset x + i y of the section from the backbone, by cubic Hermite interpolation."""
         k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
         h = self.s[k + 1] - self.s[k]
         u = (arc_length - self.s[k]) / h
@@ -72,12 +74,12 @@ class SpaceMotion:
 
 
 def moving(t: Array, s: Array, nodes: Sequence[SpaceNodes]) -> SpaceMotion:
-    """Of the nodes at each sample."""
+    """Return the motion from the nodes at each sample."""
     return SpaceMotion(t, s, np.stack([each.position for each in nodes]), np.stack([each.frames for each in nodes]))
 
 
 def turned(w: Array) -> Array:
-    """(3, 3) the rotation by a vector (3,) [rad]."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_rotvec(w).as_matrix())

@@ -1,7 +1,7 @@
 """A fine chain of ball joints in MuJoCo (E. Todorov, T. Erez, Y. Tassa, MuJoCo, IROS 2012).
 
-A ball in the middle of each element, with MuJoCo's own spring and damper: the same about all axes, so that the arm is as stiff
-against twisting as against bending. Moments of laws act in the axes of the outer link.
+Each element has a ball joint in its middle, with MuJoCo's own spring and damper. They are equal about all axes, so torsional and
+bending stiffness are equal. Moments of laws act in the axes of the outer link.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..arm import Array
-from ..chain import Linked, middles
+from ..chain import MujocoEngine, middles
+from ..integration import loaded, simulated
 from ..laws.law import Law
-from ..march import loaded, simulated
 from ..plant import Plant
 from ..program import Trial
 from ..writing import Marker
@@ -28,7 +28,8 @@ class BallPlant(Plant):
     """The arm as a MuJoCo chain in space.
 
     Attributes:
-        elements: number of balls. step: integrator step [s], a whole fraction of 10 ms.
+        elements: number of ball joints.
+        step: integrator step [s], an integer fraction of 10 ms.
         bare: the arm as declared.
     """
 
@@ -37,19 +38,19 @@ class BallPlant(Plant):
     bare: SpaceArm = field(default_factory=SpaceArm)
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
-        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
         arm = loaded(self.bare, trial, laws)
         return simulated(Balls, arm, trial, laws, (k, c), middles(self.elements), self.step, moving)
 
     def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-        """As in the plane, of markers that may stand beside the backbone."""
+        """Return the marker points of a motion, for markers that may be at a distance from the backbone."""
         return observe(motion, arm, laws, markers, error)
 
 
-class Balls(Linked):
-    """Of balls; bending, rates and moments are complex, x + i y."""
+class Balls(MujocoEngine):
+    """Engine with ball joints; bending, rates and moments are complex, x + i y."""
 
-    freedom = 3
+    joint_dofs = 3
 
     def read(self) -> tuple[Array, Array]:
         quaternion, rate = self.data.qpos.reshape(-1, 4), self.data.qvel.reshape(-1, 3)

@@ -1,6 +1,6 @@
-"""Laws of space alone, and those of the catalogue that need another form about two axes; all moments are complex, x + i y.
+"""Laws that exist in space only, and laws of the catalogue that need another form for two axes; moments are complex, x + i y.
 
-Those that scale moments, masses or time (gradients, lags, creep, payloads) are as they are in the plane.
+Laws that scale moments, masses or time (gradients, lags, creep, payloads) are the same as in the plane.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ from ..laws import actuation, dissipative, elastic, mounting, outside
 from ..laws.law import Joints, Law, State, sign
 from ..program import Trial
 
-AnySided = TypeVar("AnySided", bound="Sided")
+AnyDirectional = TypeVar("AnyDirectional", bound="Directional")
 
 
 @dataclass(frozen=True)
-class Sided(Law):
-    """A law with a direction of its own; ``usual`` is a moderate strength. side: from x towards y [rad]."""
+class Directional(Law):
+    """A law with its own direction ``side``, from x towards y [rad]; ``moderate`` is a moderate strength."""
 
-    usual: ClassVar[float]
+    moderate: ClassVar[float]
     side: float = field(default=0.0, kw_only=True)
 
     @classmethod
-    def draw(cls: type[AnySided], rng: np.random.Generator) -> AnySided:
-        return cls(**{cls.strength: cls.usual, "side": float(rng.uniform(-np.pi, np.pi))})
+    def draw(cls: type[AnyDirectional], rng: np.random.Generator) -> AnyDirectional:
+        return cls(**{cls.strength: cls.moderate, "side": float(rng.uniform(-np.pi, np.pi))})
 
     @property
-    def way(self) -> complex:
-        """The strength towards the side, x + i y."""
+    def vector(self) -> complex:
+        """Strength times direction, x + i y."""
         return complex(getattr(self, self.strength) * np.exp(1j * self.side))
 
 
@@ -40,13 +40,13 @@ def _limited(z: Array, longest: Any) -> Array:
 
 
 @dataclass(frozen=True)
-class UnequalStiffness(Sided):
-    """Stiffer by `share` about one axis, softer by it about the other: a flat section. side: the stiff direction [rad]."""
+class UnequalStiffness(Directional):
+    """A flat section: stiffer by `share` about one axis, softer by `share` about the other; side: the stiff direction [rad]."""
 
     name: ClassVar[str] = "unequal_stiffness"
     strength: ClassVar[str] = "share"
     limit: ClassVar[float] = 0.5
-    usual: ClassVar[float] = 0.1
+    moderate: ClassVar[float] = 0.1
     share: float = 0.0
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
@@ -55,22 +55,22 @@ class UnequalStiffness(Sided):
 
 
 @dataclass(frozen=True)
-class BendAtRest(Sided):
-    """Moulded bent: the springs pull towards a bend of `angle` [rad] to one `side` [rad], fixed in the arm."""
+class BendAtRest(Directional):
+    """A moulded bend: the springs pull towards a bend of `angle` [rad] in the direction `side` [rad], fixed in the arm."""
 
     name: ClassVar[str] = "bend_at_rest"
     strength: ClassVar[str] = "angle"
     limit: ClassVar[float] = 1.0
-    usual: ClassVar[float] = 0.05
+    moderate: ClassVar[float] = 0.05
     angle: float = 0.0
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        return -joints.stiffness * self.way + 0 * state.bend, memory  # type: ignore[return-value]
+        return -joints.stiffness * self.vector + 0 * state.bend, memory  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
 class TurnedActuation(Law):
-    """Muscles mounted turned about the arm by `angle` [rad]."""
+    """Actuators mounted with a rotation about the arm by `angle` [rad]."""
 
     name: ClassVar[str] = "turned_actuation"
     strength: ClassVar[str] = "angle"
@@ -86,70 +86,73 @@ class TurnedActuation(Law):
 
 
 @dataclass(frozen=True)
-class WeakChamber(Sided):
-    """One of three chambers at 120 degrees, at `side` [rad], gives `loss` less [-]; at any instant one of them is empty."""
+class WeakChamber(Directional):
+    """A weak chamber: one of three chambers at 120 degrees, at `side` [rad], gives `loss` less [-].
+
+    At any instant one of the chambers is empty.
+    """
 
     name: ClassVar[str] = "weak_chamber"
     strength: ClassVar[str] = "loss"
     limit: ClassVar[float] = 0.9
-    usual: ClassVar[float] = 0.15
+    moderate: ClassVar[float] = 0.15
     loss: float = 0.0
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         ways = np.exp(1j * (self.side + 2 * np.pi / 3 * np.arange(3)))
         given = np.linalg.lstsq(np.array([ways.real, ways.imag]), np.array([np.real(tau), np.imag(tau)]), rcond=None)[0]
-        given -= given.min(axis=0)  # the least pressures that make the torque
+        given -= given.min(axis=0)  # the smallest pressures that give the torque
         given[0] *= 1 - self.loss
         return np.asarray(ways @ given)
 
 
 @dataclass(frozen=True)
-class TorqueOffset(Sided):
-    """A constant moment `bias` [N m] towards one `side` [rad]."""
+class TorqueOffset(Directional):
+    """A constant moment `bias` [N m] in the direction `side` [rad]."""
 
     name: ClassVar[str] = "torque_offset"
     strength: ClassVar[str] = "bias"
     limit: ClassVar[float] = 0.5
-    usual: ClassVar[float] = 0.05
+    moderate: ClassVar[float] = 0.05
     bias: float = 0.0
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        return np.asarray(tau + self.way)
+        return np.asarray(tau + self.vector)
 
 
 @dataclass(frozen=True)
-class BaseTilt(Sided):
-    """The base is mounted turned by `angle` towards one `side` [rad], as the markers show."""
+class BaseTilt(Directional):
+    """A base tilted by `angle` in the direction `side` [rad]; the markers show the tilt."""
 
     name: ClassVar[str] = "base_tilt"
     strength: ClassVar[str] = "angle"
     limit: ClassVar[float] = 0.5
-    usual: ClassVar[float] = 0.05
+    moderate: ClassVar[float] = 0.05
     angle: float = 0.0
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
-        return replace(arm, tilt=arm.tilt + self.way.real, side_tilt=arm.side_tilt + self.way.imag)  # type: ignore[call-arg, attr-defined]
+        return replace(arm, tilt=arm.tilt + self.vector.real, side_tilt=arm.side_tilt + self.vector.imag)  # type: ignore[call-arg, attr-defined]
 
 
 @dataclass(frozen=True)
-class MarkersBeside(Sided):
-    """Marker plates: all markers but the base's sit `distance` [m] off the line to one `side` [rad]."""
+class MarkersBeside(Directional):
+    """Marker plates: all markers except the one at the base are `distance` [m] off the line, in the direction `side` [rad]."""
 
     name: ClassVar[str] = "markers_beside"
     strength: ClassVar[str] = "distance"
     limit: ClassVar[float] = 0.03
-    usual: ClassVar[float] = 0.004
+    moderate: ClassVar[float] = 0.004
     distance: float = 0.0
 
     @property
     def beside(self) -> complex:
-        """From the line, x + i y [m]."""
-        return self.way
+        """Offset of the markers from the line, x + i y [m]."""
+        return self.vector
 
 
 @dataclass(frozen=True)
 class CrossCoupling(Law):
-    """Bending to one side drives the arm to the next: M = i `gain` K b, which no spring does, but a helix that is pulled may."""
+    """Coupling of bending to the perpendicular axis: M = i `gain` K b, which no spring has, but a tensioned helix may have."""
 
     name: ClassVar[str] = "cross_coupling"
     strength: ClassVar[str] = "gain"
@@ -165,14 +168,14 @@ class CrossCoupling(Law):
 
 
 class Stiffening(elastic.Stiffening):
-    """Along the bending, with its length: M = K |b|^2 b beta."""
+    """Cubic spring along the direction of bending: M = K beta |b|^2 b."""
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return joints.stiffness * self.cubic * np.abs(state.bend) ** 2 * state.bend, memory
 
 
 class DryFriction(dissipative.DryFriction):
-    """A bristle that bends to any side until its length is that of slip (the vector form of Prandtl's element)."""
+    """Friction by a bristle that bends in any direction up to its slip length (the vector form of Prandtl's element)."""
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> DryFriction:
@@ -184,7 +187,7 @@ class DryFriction(dissipative.DryFriction):
 
 
 class Hysteresis(dissipative.Hysteresis):
-    """Five such elements beside one another (Iwan)."""
+    """Hysteresis by five parallel friction elements with different slip lengths (Iwan)."""
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Hysteresis:
@@ -195,7 +198,7 @@ class Hysteresis(dissipative.Hysteresis):
         return self.amplitude * joints.keq * slip.mean(axis=0), slip
 
 
-#: Name -> law. Soft spots, gradients, creep, damping, lags and masses as in the plane.
+#: Name -> law; soft spots, gradients, creep, damping, lags and masses are the same as in the plane.
 CATALOGUE: dict[str, type[Law]] = {
     law.name: law
     for law in (
@@ -222,7 +225,7 @@ CATALOGUE: dict[str, type[Law]] = {
     )
 }
 
-#: Name -> law that no model has.
+#: Name -> law outside the catalogue.
 OUTSIDE: dict[str, type[Law]] = {
     law.name: law for law in (CrossCoupling, outside.PulsingStiffness, outside.SupplyRipple, outside.WarmingArm)
 }

@@ -1,4 +1,4 @@
-"""What is done to an arm in space while it is recorded: torques to all sides, complex, x + i y [N m], and releases."""
+"""Programs of trials for arms in space: torques in all directions, complex, x + i y [N m], and releases."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from hsr_pin.errors import InputError
 from ..arm import Array
 from ..program import LEVELS, RATE, Program, Trial
 
-#: To where steps go first, and by how much of Keq; then to the side.
+#: Size relative to Keq and direction [rad] of the first step of each trial.
 _STEPS = ((0.9, 0.3), (0.6, 2.2), (0.75, -2.5), (0.4, -1.0))
 
 
 def steps(keq: float) -> list[Trial]:
-    """From rest to four sides, at 0.3 s, and on to another one at 1.3 s; 2.3 s each."""
+    """Return four steps from rest to one direction at 0.3 s and to another direction at 1.3 s; 2.3 s each."""
     t = np.arange(round(2.3 * RATE) + 1) / RATE
     found = []
     for size, side in _STEPS:
@@ -27,21 +27,21 @@ def steps(keq: float) -> list[Trial]:
 
 
 def circle(keq: float) -> list[Trial]:
-    """Out in 2 s, then around in stairs of 30 degrees, one way and back; 10 s."""
+    """Return a circle in stairs of 30 degrees, forth and back, after 2 s of approach; 10 s."""
     t = np.arange(10 * RATE + 1) / RATE
     turn = np.pi / 6 * np.round(np.interp(t, [2.0, 6.0, 10.0], [0.0, 12.0, 0.0]))
     return [_trial(keq, 0.7 * keq * np.minimum(t / 2, 1.0) * np.exp(1j * turn))]
 
 
 def chirp(keq: float) -> list[Trial]:
-    """0.2 to 4 Hz in 6 s towards a side that turns, about a slowly entered middle torque."""
+    """Return a chirp from 0.2 to 4 Hz in 6 s in a rotating direction, about a mean torque that is approached slowly."""
     t = np.arange(6 * RATE + 1) / RATE
     phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
     return [_trial(keq, 0.4 * keq * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase)) * np.exp(1j * (0.5 + 0.6 * t)))]
 
 
 def releases(keq: float) -> list[Trial]:
-    """Held bent by couples to two sides, held by a pull at the tip to a third; let go at 0.2 s, no input; 1.5 s each."""
+    """Return three releases at 0.2 s without input, 1.5 s each: two from a couple, one from a force at the tip."""
     bare = replace(_trial(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2), command=())
     ways = [np.exp(1j * side) for side in (0.5, 2.6, -1.6)]
     couples = [replace(bare, hold_torque=0.7 * keq * way) for way in ways[:2]]
@@ -49,7 +49,7 @@ def releases(keq: float) -> list[Trial]:
 
 
 def payload(keq: float) -> list[Trial]:
-    """Two of the steps with a known 50 g at the tip."""
+    """Return two of the steps with a known 50 g at the tip."""
     return [replace(trial, tip_mass=0.05) for trial in steps(keq)[:2]]
 
 
@@ -59,7 +59,7 @@ KINDS: dict[str, Callable[[float], list[Trial]]] = {
 
 
 def program(kinds: str = "steps", mount: str = "hanging", keq: float = 1.11) -> Program:
-    """A program on one stiffness level; `kinds` joins names of `KINDS` by ``+``; trials follow after pauses of 20 s."""
+    """Return a program on one stiffness level; `kinds` joins names of `KINDS` by ``+``; pauses between trials are 20 s."""
     names = kinds.split("+")
     if unknown := [name for name in names if name not in KINDS]:
         raise InputError("program", expected=f"names of {sorted(KINDS)} joined by +", received=unknown)

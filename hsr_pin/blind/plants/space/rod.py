@@ -1,8 +1,8 @@
-"""A Cosserat rod in space in PyElastica: see `rod` for the one in the plane, which has the same dampers and the same shear.
+"""A Cosserat rod in space in PyElastica, with the same dampers and the same shear stiffness as the planar one in `rod`.
 
-As the chain of balls it is as stiff against twisting as against bending, and is damped alike. For the dampers to be solved about
-each axis of space by itself, a slice of the rod turns about its own axis as hard as about those across it, half as hard as a disc
-does: what it lacks is a two-hundredth of what the arm takes to swing.
+Like the chain of ball joints, the rod has equal stiffness and damping in torsion and in bending. The dampers are solved
+separately for each axis of space. For this, the inertia of a slice about its own axis equals that about the axes across it, which
+is half of a disc's. The difference is a two-hundredth of the inertia against swinging of the arm.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..arm import Arm, Array
+from ..integration import loaded
 from ..laws.law import Law
-from ..march import loaded
 from ..plant import Plant
 from ..program import Trial
-from ..rod import Cosserat, patient
+from ..rod import Cosserat, simulated_finer
 from ..writing import Marker
 from .arm import SpaceArm, SpaceMotion, SpaceNodes, moving
 from .writing import observe
@@ -30,7 +30,8 @@ class SpaceRodPlant(Plant):
     """The arm as a PyElastica rod in space.
 
     Attributes:
-        elements: of the rod. step: [s], a whole fraction of 10 ms.
+        elements: number of elements of the rod.
+        step: integrator step [s], an integer fraction of 10 ms.
         bare: the arm as declared.
     """
 
@@ -39,16 +40,16 @@ class SpaceRodPlant(Plant):
     bare: SpaceArm = field(default_factory=SpaceArm)
 
     def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
-        """The motion in a trial; true stiffness and damping are k and c times the declared ones."""
-        return patient(SpaceRod, loaded(self.bare, trial, laws), trial, laws, (k, c), self.elements, self.step, moving)
+        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        return simulated_finer(SpaceRod, loaded(self.bare, trial, laws), trial, laws, (k, c), self.elements, self.step, moving)
 
     def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-        """As in the plane, of markers that may stand beside the backbone."""
+        """Return the marker points of a motion, for markers that may be at a distance from the backbone."""
         return observe(motion, arm, laws, markers, error)
 
 
 class SpaceRod(Cosserat):
-    """That bends about its first and its second director, x and y; bending, rates and moments are complex, x + i y."""
+    """Engine of a rod that bends about its first two directors, x and y; bending, rates and moments are complex, x + i y."""
 
     normal = (1.0, 0.0, 0.0)
 
@@ -71,7 +72,7 @@ class SpaceRod(Cosserat):
         position = np.concatenate([np.zeros((3, 1)), self.rod.position_collection[:, 1:]], axis=1)
         return SpaceNodes(position, self.rod.velocity_collection[:, -1:].copy(), frames, np.zeros(len(frames)))
 
-    def push(self, rod: Any) -> None:
+    def apply_loads(self, rod: Any) -> None:
         rod.external_forces += rod.mass * self.gravity[:, None]
         if self.force is not None:
             rod.external_forces[:, 1:] += self.force[:, 1:]
@@ -81,14 +82,14 @@ class SpaceRod(Cosserat):
         _, between = self._joints()
         rod.external_torques[:, 1:-1] -= np.einsum("ijn,jn->in", between, moment)[:, 1:]
 
-    def dampen(self, rod: Any) -> None:
+    def apply_dampers(self, rod: Any) -> None:
         rate, axes = rod.omega_collection, rod.director_collection
         rate[:, 0] = 0.0
         in_space = np.einsum("ijn,in->nj", axes[..., 1:], rate[:, 1:])
         rate[:, 1:] = np.einsum("ijn,nj->in", axes[..., 1:], self.damped(in_space))
 
     def _joints(self) -> tuple[Array, Array]:
-        """(3, n) [rad] the joints' rotation vectors, and (3, 3, n) from the axes of their outer elements to the inner ones."""
+        """Return the joints' rotation vectors (3, n) [rad], and the rotations (3, 3, n) from outer to inner element axes."""
         axes = self.rod.director_collection
         between = np.einsum("ikn,jkn->ijn", axes[..., :-1], axes[..., 1:])
         size = np.array([between[2, 1] - between[1, 2], between[0, 2] - between[2, 0], between[1, 0] - between[0, 1]]) / 2

@@ -1,4 +1,4 @@
-"""Markers in space from motions."""
+"""Markers in space from motions of the arm."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..laws.law import Law
 from ..writing import Marker, filmed
 from .arm import SpaceArm, SpaceMotion
 
-#: At the base, in the middle, and two at the tip, of which one stands out.
+#: Markers at the base, in the middle, and two at the tip, one of them at a distance from the backbone.
 MARKERS = (
     Marker("base", 0.0),
     Marker("mid", 0.12),
@@ -22,14 +22,14 @@ MARKERS = (
 
 
 def observe(motion: SpaceMotion, arm: SpaceArm, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-    """Marker points (T, M, 3) in the world [m], without noise.
+    """Return marker points (T, M, 3) in the world [m], without noise.
 
     Args:
-        motion: of the arm.
-        arm: as it truly is.
-        laws: which may move markers or cameras.
-        markers: M of them.
-        error: (M, 2) how far each marker sits from where it should, along and off the backbone [m].
+        motion: motion of the arm.
+        arm: the true arm.
+        laws: laws, some of which may move markers or cameras.
+        markers: M markers.
+        error: (M, 2) error of each marker's place, along and off the backbone [m].
     """
     beside = sum(getattr(law, "beside", 0.0) for law in laws)
     points = [

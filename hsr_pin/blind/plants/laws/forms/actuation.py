@@ -1,4 +1,4 @@
-"""Laws between the command and the moment along the arm, in other forms."""
+"""Laws between the command and the moment along the arm, in forms that differ from the catalogue's."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ import numpy as np
 from ...arm import Array
 from ...program import RATE
 from ..law import Joints, Law, State, sign
-from .scale import KEQ, check_scale, drawn
+from .scale import KEQ, check_scale, drawn_scale
 
 
 def _level(scale: str, keq: float) -> float:
-    """How much a size is larger at this stiffness level than at the lower one."""
+    """Return how much larger a size is at this stiffness level than at the lower one."""
     return keq / KEQ if scale == "stiffness" else 1.0
 
 
 @dataclass(frozen=True)
 class SecondOrderLag(Law):
-    """A lag of second order, T^2 y'' + 2 z T y' + y = u: line and muscle, the one after the other, perhaps ringing.
+    """A lag of second order, T^2 y'' + 2 z T y' + y = u: supply line and actuator in series, possibly underdamped.
 
     Exact for a held command (K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, ch. 2).
 
-    time: T [s]; ratio: z [-]; scale: what the time goes with (``stays`` or ``stiffness``: higher pressure, slower line).
+    time: T [s]; ratio: z [-]; scale: quantity with which the time scales (``stays`` or ``stiffness``: higher pressure, slower
+    line).
     """
 
     name: ClassVar[str] = "actuator_lag"
@@ -40,7 +41,7 @@ class SecondOrderLag(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> SecondOrderLag:
-        return cls(0.015, float(rng.uniform(0.6, 1.2)), drawn(rng, "stays", "stiffness"))
+        return cls(0.015, float(rng.uniform(0.6, 1.2)), drawn_scale(rng, "stays", "stiffness"))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.time <= 0:
@@ -55,12 +56,12 @@ class SecondOrderLag(Law):
 
 @dataclass(frozen=True)
 class UnequalLag(Law):
-    """Filling and venting take unlike times.
+    """A lag with different times for filling and venting.
 
-    P. Beater, Pneumatic Drives, Springer 2007, ch. 5: first order, with the one time while the torque's size grows, with
-    the other while it falls.
+    P. Beater, Pneumatic Drives, Springer 2007, ch. 5: first order, with one time constant while the magnitude of the torque
+    grows, and another while it falls.
 
-    time: of filling [s]; ratio: venting over filling [-].
+    time: time constant of filling [s]; ratio: venting over filling [-].
     """
 
     name: ClassVar[str] = "actuator_lag"
@@ -88,7 +89,7 @@ class UnequalLag(Law):
 
 @dataclass(frozen=True)
 class ChokedLag(Law):
-    """Flow is choked: far from its goal the torque rises at a fixed rate, near to it as a first-order lag.
+    """A lag with choked flow: far from its target the torque changes at a fixed rate, near it with a first-order lag.
 
     Sonic flow through the valve (ISO 6358-1:2013): y' = clip((u - y) / T, -r, r) with r so that the whole of `span` Keq
     takes 3 T.
@@ -121,11 +122,11 @@ class ChokedLag(Law):
 
 @dataclass(frozen=True)
 class JitteredDelay(Law):
-    """Each command arrives late by a time of its own; none overtakes another, it waits for those before it.
+    """A delay that differs between commands; commands keep their order, so that one may wait for those before it.
 
     J. Nilsson, Real-Time Control Systems with Delays, PhD thesis, Lund 1998, ch. 3.
 
-    delay: mean, without the waiting [s]; jitter: largest departure from it, over it [-]; seed: of the delays.
+    delay: mean delay without waiting [s]; jitter: largest relative deviation from it [-]; seed: seed of the delays.
     """
 
     name: ClassVar[str] = "dead_time"
@@ -141,7 +142,7 @@ class JitteredDelay(Law):
         return cls(0.03, float(rng.uniform(0.5, 0.95)), int(rng.integers(1 << 31)))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        packet = np.floor(t * RATE + 1e-6).astype(int)  # which command each instant belongs to
+        packet = np.floor(t * RATE + 1e-6).astype(int)  # index of the command at each instant
         first, index = np.unique(packet, return_index=True)
         rng = np.random.default_rng([self.seed, round(100 * clock)])
         late = self.delay * (1 + self.jitter * rng.uniform(-1, 1, first.size))
@@ -152,11 +153,11 @@ class JitteredDelay(Law):
 
 @dataclass(frozen=True)
 class RestartedDelay(Law):
-    """Two computers whose clocks are set anew for every trial: the delay is another in each.
+    """A delay that differs between trials, because the clocks of two computers are set again for each trial.
 
     D. L. Mills, Internet Time Synchronization: the Network Time Protocol, IEEE Trans. Commun. 39, 1991.
 
-    delay: mean [s]; spread: largest departure from it, over it [-]; seed: of the delays.
+    delay: mean delay [s]; spread: largest relative deviation from it [-]; seed: seed of the delays.
     """
 
     name: ClassVar[str] = "dead_time"
@@ -179,11 +180,11 @@ class RestartedDelay(Law):
 
 @dataclass(frozen=True)
 class DriftingBias(Law):
-    """An offset that comes over the session, as the sensors and regulators warm up.
+    """A torque bias that grows over the session, as sensors and regulators warm up.
 
     J. Fraden, Handbook of Modern Sensors, 5th ed., 2016, ch. 3.
 
-    bias: in the end [N m]; time: of the approach, on the session's clock [s]; scale: what the bias goes with.
+    bias: final bias [N m]; time: time constant, in session time [s]; scale: quantity with which the bias scales.
     """
 
     name: ClassVar[str] = "torque_bias"
@@ -199,7 +200,7 @@ class DriftingBias(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> DriftingBias:
-        return cls(0.05 * sign(rng), float(rng.uniform(20.0, 60.0)), drawn(rng, "stays", "stiffness"))
+        return cls(0.05 * sign(rng), float(rng.uniform(20.0, 60.0)), drawn_scale(rng, "stays", "stiffness"))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         grown = 1 - 0.7 * np.exp(-(clock + np.maximum(t, 0.0)) / self.time)
@@ -208,12 +209,12 @@ class DriftingBias(Law):
 
 @dataclass(frozen=True)
 class PartialBias(Law):
-    """A moment on a part of the arm: one muscle is shorter there.
+    """A constant moment on the outer part of the arm, such as from a shorter actuator.
 
     R. J. Webster, B. A. Jones, IJRR 29, 2010: sections of piecewise constant moment.
 
-    bias: [N m]; start: of that part, over L, which goes to the tip; scale: what the bias goes with (``stiffness``: the arm
-    was glued bent).
+    bias: [N m]; start: start of that part, over L; it ends at the tip; scale: quantity with which the bias scales (``stiffness``:
+    the arm was glued bent).
     """
 
     name: ClassVar[str] = "torque_bias"
@@ -229,7 +230,7 @@ class PartialBias(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> PartialBias:
-        return cls(0.06 * sign(rng), float(rng.uniform(0.2, 0.5)), drawn(rng, "stays", "stiffness"))
+        return cls(0.06 * sign(rng), float(rng.uniform(0.2, 0.5)), drawn_scale(rng, "stays", "stiffness"))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         size = -self.bias * _level(self.scale, joints.keq)
@@ -238,7 +239,7 @@ class PartialBias(Law):
 
 @dataclass(frozen=True)
 class SaturatingMap(Law):
-    """The torque levels off, tau = T tanh(tau_c / T): muscles lose force as they shorten.
+    """A torque that saturates, tau = T tanh(tau_c / T), because muscles lose force as they shorten.
 
     B. Tondu, Modelling of the McKibben Artificial Muscle: a Review, J. Intell. Mater. Syst. Struct. 23, 2012.
 
@@ -264,11 +265,11 @@ class SaturatingMap(Law):
 
 @dataclass(frozen=True)
 class ThresholdMap(Law):
-    """Nothing moves until the bladder fills its braid: a threshold, passed smoothly.
+    """A torque with a smooth threshold, because a bladder must first fill its braid.
 
     C.-P. Chou, B. Hannaford, IEEE T-RA 12, 1996.
 
-    threshold: [N m]; scale: what the threshold goes with.
+    threshold: [N m]; scale: quantity with which the threshold scales.
     """
 
     name: ClassVar[str] = "torque_map"
@@ -283,7 +284,7 @@ class ThresholdMap(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> ThresholdMap:
-        return cls(0.06, drawn(rng, "stays", "stiffness"))
+        return cls(0.06, drawn_scale(rng, "stays", "stiffness"))
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         edge = self.threshold * _level(self.scale, keq)
@@ -294,11 +295,11 @@ class ThresholdMap(Law):
 
 @dataclass(frozen=True)
 class ShortMuscles(Law):
-    """The muscles end before the tip.
+    """Actuators that end before the tip.
 
     R. J. Webster, B. A. Jones, IJRR 29, 2010: the tip section carries no moment.
 
-    bare: share of the arm without muscles [-].
+    bare: share of the arm without actuators [-].
     """
 
     name: ClassVar[str] = "torque_decay"
@@ -312,15 +313,15 @@ class ShortMuscles(Law):
         return cls(0.15)
 
     def torque(self, s: Array) -> Array:
-        soft = 0.02  # over L: where they end is no knife's edge
+        soft = 0.02  # over L: width of the transition at the end of the actuators
         return np.asarray(np.clip((1 - self.bare - s) / soft + 0.5, 0.0, 1.0)) if self.bare > 0 else np.ones_like(s)
 
 
 @dataclass(frozen=True)
 class ParabolicTorque(Law):
-    """Actuation falls slowly at first and fast towards the tip, 1 - a s^2, as in a tapering bellows.
+    """Actuation that decreases parabolically towards the tip, 1 - a s^2, as in a tapered bellows.
 
-    F. Renda et al., IEEE T-RO 30, 2014: the moment goes with the radius at which a cable or chamber sits.
+    F. Renda et al., IEEE T-RO 30, 2014: the moment is proportional to the radius at which a cable or chamber sits.
 
     decay: a [-].
     """

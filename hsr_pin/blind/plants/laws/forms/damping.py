@@ -1,4 +1,4 @@
-"""Creep and damping in other forms."""
+"""Creep and damping in forms that differ from the catalogue's."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from ...arm import Array
 from ..law import Joints, Law, State, sign
-from .scale import DAMPING, KEQ, check_scale, drawn, unit
+from .scale import DAMPING, KEQ, check_scale, drawn_scale, moment_scale
 
 
 def _branches(times: Array, shares: Array, state: State, memory: Array) -> tuple[Array, Array]:
-    """Bending that Maxwell branches carry, weighed (n,) [rad], and where each is relaxed after the step (k, n)."""
+    """Return the weighted bending (n,) [rad] that Maxwell branches carry, and their relaxed bending after the step, (k, n)."""
     keep = np.zeros((times.size, 1)) if state.rest else np.exp(-state.dt / times)[:, None]
     anchor = state.bend + (memory - state.bend) * keep
     return shares @ (state.bend - anchor), anchor
@@ -21,12 +21,12 @@ def _branches(times: Array, shares: Array, state: State, memory: Array) -> tuple
 
 @dataclass(frozen=True)
 class Relaxations(Law):
-    """Three relaxation times, a decade and a half apart.
+    """Creep with three relaxation times.
 
     The generalised Maxwell solid (R. M. Christensen, Theory of Viscoelasticity, 2nd ed., 1982, ch. 1).
 
-    ratio: stiffness of the three branches together over K [-]; time: the middle one [s]; spread: between neighbours [-];
-    scale: what the branches' stiffness goes with.
+    ratio: stiffness of the three branches together over K [-]; time: the middle relaxation time [s]; spread: ratio of
+    neighbouring times [-]; scale: quantity with which the branches' stiffness scales.
     """
 
     name: ClassVar[str] = "viscoelastic"
@@ -43,7 +43,7 @@ class Relaxations(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Relaxations:
-        return cls(0.3, float(rng.uniform(0.3, 0.7)), float(rng.uniform(5.0, 9.0)), drawn(rng))
+        return cls(0.3, float(rng.uniform(0.3, 0.7)), float(rng.uniform(5.0, 9.0)), drawn_scale(rng))
 
     def memory(self, joints: Joints) -> Array:
         return np.zeros((3, joints.s.size))
@@ -51,17 +51,17 @@ class Relaxations(Law):
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         times = self.time * self.spread ** np.array([-1.0, 0.0, 1.0])
         carried, anchor = _branches(times, np.full(3, 1 / 3), state, memory)
-        return self.ratio * unit(self.scale, joints) * carried, anchor
+        return self.ratio * moment_scale(self.scale, joints) * carried, anchor
 
 
 @dataclass(frozen=True)
 class PowerLawCreep(Law):
-    """Creep without a time of its own: it goes on with a power of time, as in rubber.
+    """Creep that follows a power of time without a characteristic time, as in rubber.
 
     The springpot (F. Mainardi, Fractional Calculus and Waves in Linear Viscoelasticity, Imperial College Press 2010), by
     eight Maxwell branches from 0.02 to 60 s whose stiffness falls with the power `order` of their time.
 
-    ratio: stiffness of all branches together over K [-]; order: 0 to 1 [-]; scale: what the stiffness goes with.
+    ratio: stiffness of all branches together over K [-]; order: 0 to 1 [-]; scale: quantity with which the stiffness scales.
     """
 
     name: ClassVar[str] = "viscoelastic"
@@ -78,7 +78,7 @@ class PowerLawCreep(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> PowerLawCreep:
-        return cls(0.4, float(rng.uniform(0.15, 0.4)), drawn(rng, "stays", "stiffness"))
+        return cls(0.4, float(rng.uniform(0.15, 0.4)), drawn_scale(rng, "stays", "stiffness"))
 
     def memory(self, joints: Joints) -> Array:
         return np.zeros((self._TIMES.size, joints.s.size))
@@ -86,17 +86,17 @@ class PowerLawCreep(Law):
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         shares = self._TIMES**-self.order
         carried, anchor = _branches(self._TIMES, shares / shares.sum(), state, memory)
-        return self.ratio * unit(self.scale, joints) * carried, anchor
+        return self.ratio * moment_scale(self.scale, joints) * carried, anchor
 
 
 @dataclass(frozen=True)
 class PowerDamping(Law):
-    """Damping with another power than two, M = c |b'|^(p - 1) b'.
+    """Damping with an exponent other than two, M = c |b'|^(p - 1) b'.
 
     Powers of the rate: B. Ravindra, A. K. Mallik, Performance of Non-linear Vibration Isolators under Harmonic Excitation,
     J. Sound Vib. 170, 1994; 1.5 stands for flow between laminar and turbulent.
 
-    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; power: p; scale: what c goes with.
+    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; power: p; scale: quantity with which c scales.
     """
 
     name: ClassVar[str] = "quadratic_damping"
@@ -112,20 +112,20 @@ class PowerDamping(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> PowerDamping:
-        return cls(0.1, 1.5, drawn(rng))
+        return cls(0.1, 1.5, drawn_scale(rng))
 
     def viscous(self, joints: Joints, state: State) -> Array:
-        at_one = self.coefficient * DAMPING / KEQ * unit(self.scale, joints)
+        at_one = self.coefficient * DAMPING / KEQ * moment_scale(self.scale, joints)
         return np.asarray(at_one * np.abs(state.rate) ** (self.power - 1))
 
 
 @dataclass(frozen=True)
 class OneWayDamping(Law):
-    """Quadratic damping one way only: what has flowed in through a wide valve leaves through a narrow one.
+    """Quadratic damping in one direction only, as if air enters through a wide valve and leaves through a narrow one.
 
     J. C. Dixon, The Shock Absorber Handbook, 2nd ed., 2007, ch. 6: M = c |b'| b' while b' has the sign of `way`.
 
-    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; scale: what c goes with.
+    coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; scale: quantity with which c scales.
     """
 
     name: ClassVar[str] = "quadratic_damping"
@@ -141,21 +141,21 @@ class OneWayDamping(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> OneWayDamping:
-        return cls(0.1, int(sign(rng)), drawn(rng))
+        return cls(0.1, int(sign(rng)), drawn_scale(rng))
 
     def viscous(self, joints: Joints, state: State) -> Array:
-        at_one = self.coefficient * DAMPING / KEQ * unit(self.scale, joints)
+        at_one = self.coefficient * DAMPING / KEQ * moment_scale(self.scale, joints)
         return np.asarray(at_one * np.maximum(self.way * state.rate, 0.0))
 
 
 @dataclass(frozen=True)
 class CuffDamping(Law):
-    """A cuff damps one end of the arm; the mean over the arm is kept.
+    """Higher damping at one end of the arm by a cuff; the mean over the arm is kept.
 
     Lumped, non-proportional damping (S. Adhikari, Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014,
     ch. 2).
 
-    excess: C in the cuff over C elsewhere, less one [-]; reach: of the cuff, over L; end: 0 base, 1 tip.
+    excess: C in the cuff over C elsewhere, minus one [-]; reach: length of the cuff over L; end: 0 base, 1 tip.
     """
 
     name: ClassVar[str] = "damping_gradient"
@@ -177,9 +177,9 @@ class CuffDamping(Law):
 
 @dataclass(frozen=True)
 class ExponentialDamping(Law):
-    """Damping that falls or grows exponentially along the arm; the mean is kept (S. Adhikari, as above, ch. 2).
+    """Damping that varies exponentially along the arm with a constant mean (S. Adhikari, as above, ch. 2).
 
-    rate: log of C at the tip over C at the base [-].
+    rate: logarithm of C at the tip over C at the base [-].
     """
 
     name: ClassVar[str] = "damping_gradient"

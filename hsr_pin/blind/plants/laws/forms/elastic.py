@@ -1,4 +1,4 @@
-"""Elastic laws in other forms."""
+"""Elastic laws in forms that differ from the catalogue's."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 
 from ...arm import Array
 from ..law import Joints, Law, State, sign
-from .scale import check_scale, drawn, unit
+from .scale import check_scale, drawn_scale, moment_scale
 
-_FINE = (np.arange(400) + 0.5) / 400  # of the arm, where a mean over it is taken
+_FINE = (np.arange(400) + 0.5) / 400  # grid for means over the arm, over L
 
 
 @dataclass(frozen=True)
 class TaperedRadius(Law):
-    """The radius falls or grows linearly, so EI is a curved gradient, its fourth power.
+    """A radius that varies linearly along the arm, so that EI varies with its fourth power.
 
     A tapered rod (F. Renda et al., Dynamic Model of a Multibending Soft Robot Arm Driven by Cables, IEEE T-RO 30,
-    2014); series stiffness is kept.
+    2014); the series stiffness is kept.
 
     taper: (radius(tip) - radius(base)) / radius(middle) [-].
     """
@@ -41,12 +41,12 @@ class TaperedRadius(Law):
 
 @dataclass(frozen=True)
 class TwoSections(Law):
-    """Two sections of unlike stiffness; series stiffness is kept.
+    """Two sections of different stiffness; the series stiffness is kept.
 
     Arms are built of sections (R. J. Webster, B. A. Jones, Design and Kinematic Modeling of Constant Curvature
     Continuum Robots: a Review, IJRR 29, 2010).
 
-    step: log of EI beyond the joint over EI before it [-]; joint: where they meet, over L.
+    step: logarithm of EI beyond the joint over EI before it [-]; joint: place where they meet, over L.
     """
 
     name: ClassVar[str] = "stiffness_gradient"
@@ -67,11 +67,11 @@ class TwoSections(Law):
 
 @dataclass(frozen=True)
 class BoxSpot(Law):
-    """A stretch with sharp edges that is softer: a replaced or cut sleeve.
+    """A softer part with sharp edges, such as a replaced or cut sleeve.
 
     The stepped beam (H. P. Lee, T. Y. Ng, Vibration and Buckling of a Stepped Beam, Appl. Acoust. 42, 1994).
 
-    depth: EI falls by this share there [-]; centre, half_width: over L.
+    depth: relative decrease of EI there [-]; centre, half_width: over L.
     """
 
     name: ClassVar[str] = "soft_spot"
@@ -92,7 +92,7 @@ class BoxSpot(Law):
 
 @dataclass(frozen=True)
 class CrackedSpot(Law):
-    """A crack, whose compliance fades exponentially on both sides.
+    """A crack whose compliance decays exponentially on both sides.
 
     S. Christides, A. D. S. Barr, One-Dimensional Theory of Cracked Bernoulli-Euler Beams, Int. J. Mech. Sci. 26, 1984.
 
@@ -117,9 +117,9 @@ class CrackedSpot(Law):
 
 @dataclass(frozen=True)
 class Quintic(Law):
-    """A spring with a fifth power, M = K b (1 + e b^4) (I. Kovacic, M. J. Brennan, The Duffing Equation, Wiley 2011, ch. 2).
+    """A spring with a fifth-power term, M = K b (1 + e b^4) (I. Kovacic, M. J. Brennan, The Duffing Equation, Wiley 2011, ch. 2).
 
-    quintic: e [1/rad4]; scale: what the fifth power goes with.
+    quintic: e [1/rad4]; scale: quantity with which the fifth-power term scales.
     """
 
     name: ClassVar[str] = "stiffening"
@@ -134,19 +134,19 @@ class Quintic(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Quintic:
-        return cls(0.03, drawn(rng, "stays", "stiffness"))
+        return cls(0.03, drawn_scale(rng, "stays", "stiffness"))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        return self.quintic * unit(self.scale, joints) * state.bend**5, memory
+        return self.quintic * moment_scale(self.scale, joints) * state.bend**5, memory
 
 
 @dataclass(frozen=True)
 class Saturating(Law):
     """Stiffening that levels off, M = K b (1 + g x^2 / (1 + x^2)), x = b / b0.
 
-    The fibres of the braid are straight in the end (G. A. Holzapfel, Nonlinear Solid Mechanics, Wiley 2000, ch. 6).
+    The fibres of the braid become straight (G. A. Holzapfel, Nonlinear Solid Mechanics, Wiley 2000, ch. 6).
 
-    gain: g [-]; knee: b0 [rad]; scale: what the gain goes with.
+    gain: g [-]; knee: b0 [rad]; scale: quantity with which the gain scales.
     """
 
     name: ClassVar[str] = "stiffening"
@@ -162,16 +162,16 @@ class Saturating(Law):
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Saturating:
-        return cls(0.2, float(rng.uniform(0.4, 0.9)), drawn(rng, "stays", "stiffness"))
+        return cls(0.2, float(rng.uniform(0.4, 0.9)), drawn_scale(rng, "stays", "stiffness"))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         x2 = (state.bend / self.knee) ** 2
-        return self.gain * unit(self.scale, joints) * state.bend * x2 / (1 + x2), memory
+        return self.gain * moment_scale(self.scale, joints) * state.bend * x2 / (1 + x2), memory
 
 
 @dataclass(frozen=True)
 class ImpactStop(Law):
-    """A stop whose force grows with the power 1.5 and that takes energy.
+    """A stop with a dissipative force that grows with the power 1.5.
 
     K. H. Hunt, F. R. E. Crossley, Coefficient of Restitution Interpreted as Damping in Vibroimpact, J. Appl. Mech. 42,
     1975: M = K r d^1.5 (1 + a d') for d > 0 beyond the angle, on both sides; it never pulls.
@@ -200,7 +200,7 @@ class ImpactStop(Law):
 
 @dataclass(frozen=True)
 class GradualStop(Law):
-    """Links lock one after the other, on one side only: a stop that sets in over a range of angles.
+    """A stop on one side that sets in over a range of angles, because the links lock one after the other.
 
     Piecewise linear with a spread of thresholds (W. D. Iwan, A Distributed-Element Model for Hysteresis, J. Appl. Mech.
     33, 1966, taken as an elastic one): M = K r w log(1 + exp((b - angle) / w)).
@@ -228,7 +228,7 @@ class GradualStop(Law):
 
 @dataclass(frozen=True)
 class SmoothPlay(Law):
-    """Play with soft edges, M = -K g/2 tanh(2 b / g).
+    """Play with smooth edges, M = -K g/2 tanh(2 b / g).
 
     A smooth dead zone (R. Merzouki et al., Backlash Phenomenon Observation and Identification in Electromechanical
     System, Control Eng. Pract. 15, 2007).
@@ -255,7 +255,7 @@ class SmoothPlay(Law):
 class LocalPlay(Law):
     """Play in a few worn links only (M. Nordin, P.-O. Gutman, Controlling Mechanical Systems with Backlash, Automatica 38, 2002).
 
-    gap: of the worn stretch, in bending of the whole arm [rad]; centre, half_width: of it, over L.
+    gap: play of the worn part, in bending of the whole arm [rad]; centre, half_width: place of the worn part, over L.
     """
 
     name: ClassVar[str] = "backlash"

@@ -1,4 +1,4 @@
-"""Mounts, masses and markers in other forms."""
+"""Mounts, masses and markers in forms that differ from the catalogue's."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .scale import KEQ
 
 @dataclass(frozen=True)
 class SaggingMount(Law):
-    """The mount gives way over the session, so that every trial is turned a little farther.
+    """A mount that creeps over the session, so that the tilt grows with every trial.
 
     Creep of a clamped joint (W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic
     Materials, 1976, ch. 5).
 
-    angle: in the end, towards positive bending [rad]; time: of the approach, on the session's clock [s].
+    angle: final tilt towards positive bending [rad]; time: time constant, in session time [s].
     """
 
     name: ClassVar[str] = "gravity_tilt"
@@ -40,11 +40,11 @@ class SaggingMount(Law):
 
 @dataclass(frozen=True)
 class Remounted(Law):
-    """The arm was taken off between its stiffness levels and clamped anew, turned another way.
+    """An arm that was removed and clamped again between its stiffness levels, with another tilt.
 
     Repeatability of a mount (A. H. Slocum, Precision Machine Design, 1992, ch. 7).
 
-    angle: at the lower level, towards positive bending [rad]; second: at the others, over that [-].
+    angle: tilt at the lower level, towards positive bending [rad]; second: tilt at the others relative to it [-].
     """
 
     name: ClassVar[str] = "gravity_tilt"
@@ -65,7 +65,7 @@ class Remounted(Law):
 
 @dataclass(frozen=True)
 class Ring(Law):
-    """A heavy ring near the tip, not at it (D. J. Inman, Engineering Vibration, ch. 6).
+    """A heavy ring near the tip (D. J. Inman, Engineering Vibration, ch. 6).
 
     mass: [kg]; place: over L.
     """
@@ -87,9 +87,9 @@ class Ring(Law):
 
 @dataclass(frozen=True)
 class Overhang(Law):
-    """A tool whose weight sits beyond the tip (B. Siciliano, O. Khatib, eds., Springer Handbook of Robotics, 2nd ed., ch. 3).
+    """A tool with its mass beyond the tip (B. Siciliano, O. Khatib, eds., Springer Handbook of Robotics, 2nd ed., ch. 3).
 
-    mass: [kg]; beyond: the tip, along the arm, over L.
+    mass: [kg]; beyond: distance from the tip along the arm, over L.
     """
 
     name: ClassVar[str] = "tip_mass"
@@ -109,9 +109,9 @@ class Overhang(Law):
 
 @dataclass(frozen=True)
 class HalfHose(Law):
-    """A hose along a part of the arm: mass spread from `start` to `end`.
+    """A hose along a part of the arm, with its mass spread from `start` to `end`.
 
-    D. J. Inman, Engineering Vibration, ch. 6: distributed mass as lumps, eight of them.
+    D. J. Inman, Engineering Vibration, ch. 6: distributed mass as eight lumps.
 
     mass: [kg]; start, end: over L.
     """
@@ -135,9 +135,9 @@ class HalfHose(Law):
 
 @dataclass(frozen=True)
 class GrowingMass(Law):
-    """Mass per length that grows towards the tip: tubes and fittings gather there.
+    """Mass per length that grows towards the tip, such as tubes and fittings near the tip.
 
-    D. J. Inman, Engineering Vibration, ch. 6: a tapering density as lumps, eight of them.
+    D. J. Inman, Engineering Vibration, ch. 6: a linearly growing density as eight lumps.
 
     mass: [kg].
     """
@@ -159,9 +159,9 @@ class GrowingMass(Law):
 
 @dataclass(frozen=True)
 class UnevenPlates(Law):
-    """Marker plates of unlike heights (U. Della Croce et al., Gait & Posture 21, 2005).
+    """Marker plates of different heights (U. Della Croce et al., Gait & Posture 21, 2005).
 
-    distance: of the middle marker, towards +x of the straight arm [m]; growth: from base to tip, over that [-].
+    distance: of the middle marker, towards +x of the straight arm [m]; growth: relative change from base to tip [-].
     """
 
     name: ClassVar[str] = "marker_offset"
@@ -181,7 +181,7 @@ class UnevenPlates(Law):
 
 @dataclass(frozen=True)
 class SlidingSleeve(Law):
-    """Markers on a sleeve, which lifts off and slides as the arm bends.
+    """Markers on a sleeve that lifts off and slides as the arm bends.
 
     Soft tissue artefact (A. Leardini et al., Human Movement Analysis Using Stereophotogrammetry, part 3, Gait & Posture 21,
     2005): off the line by a distance that grows with the bending, and back along the arm.

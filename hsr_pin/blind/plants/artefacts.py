@@ -1,4 +1,4 @@
-"""What goes wrong where hardware is recorded: coloured noise, drifting cameras, outliers, gaps, hands, places of rest."""
+"""Recording artefacts of real hardware: coloured noise, camera drift, outliers, gaps, manual releases, scattered rest poses."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from .laws.session import RestingPlace
 from .nuisance import Nuisance
 from .program import RATE, Program, Trial
 
-#: Of the noise per axis [m].
-QUIETEST, LOUDEST = 2e-4, 1.2e-3
-#: Length of the arm [m]: bending of the whole arm by b moves its tip by about half of that times b.
+#: Smallest and largest noise for each axis [m].
+MIN_NOISE, MAX_NOISE = 2e-4, 1.2e-3
+#: Length of the arm [m]: a bending of the whole arm by b moves its tip by about b times half of the length.
 LENGTH = 0.24
 
 
 @dataclass(frozen=True)
-class Mess:
-    """Of one recording of one arm.
+class Artefacts:
+    """Recording artefacts of one recording of one arm.
 
     Attributes:
-        colour: time over which the noise is correlated [s]; 0: white.
-        drift: of the cameras, slow and the same for all markers, each axis [m].
-        outliers, gaps: shares of a marker's samples that are elsewhere, and that are missing.
-        rest: how far the tip's place of rest differs between trials, at most [m].
-        seed: of all of it.
+        colour: correlation time of the noise [s]; 0: white noise.
+        drift: amplitude of the slow drift of the cameras, equal for all markers, for each axis [m].
+        outliers: share of a marker's samples that are outliers.
+        gaps: share of a marker's samples that are missing.
+        rest: largest deviation of the tip's rest position between trials [m].
+        seed: seed of all artefacts.
     """
 
     colour: float = 0.0
@@ -38,34 +39,34 @@ class Mess:
     seed: int = 0
 
     @classmethod
-    def draw(cls, rng: np.random.Generator) -> Mess:
-        """Half of the cases white; up to 1 mm of drift, 1 % of outliers, 4 % of gaps, 3 mm between places of rest."""
+    def draw(cls, rng: np.random.Generator) -> Artefacts:
+        """Draw artefacts: white noise in half of the cases, up to 1 mm drift, 1 % outliers, 4 % gaps, 3 mm rest deviation."""
         colour = float(np.exp(rng.uniform(np.log(0.02), np.log(0.15)))) if rng.random() < 0.5 else 0.0
-        most = (1e-3, 0.01, 0.04, 2.7e-3)  # upright, gravity makes 3 mm of 2.7
+        most = (1e-3, 0.01, 0.04, 2.7e-3)  # for an upright arm, gravity increases 2.7 mm to 3 mm
         drift, outliers, gaps, rest = (float(rng.uniform(0, top) * (rng.random() < 0.8)) for top in most)
         return cls(colour, drift, outliers, gaps, rest, int(rng.integers(1 << 31)))
 
     def law(self) -> RestingPlace:
-        """What makes every trial rest elsewhere."""
+        """Return the law that changes the rest pose in every trial."""
         return RestingPlace(2 * self.rest / LENGTH, self.seed)
 
-    def staged(self, program: Program) -> Program:
-        """The program as hands do it: each release from a pose of its own, let go in some time, at about the instant noted."""
-        return replace(program, trials=tuple(self._by_hand(trial) if trial.release else trial for trial in program.trials))
+    def with_release_errors(self, program: Program) -> Program:
+        """Return the program with manual releases: each has its own initial pose, duration and error of the noted instant."""
+        return replace(program, trials=tuple(self._disturbed(trial) if trial.release else trial for trial in program.trials))
 
-    def tracked(self, points: Array, noise: float, clock: float, rng: np.random.Generator) -> Array:
-        """Points (T, M, 3) [m] of a trial that begins at `clock` [s] as they are recorded, with gaps as nan."""
+    def recorded(self, points: Array, noise: float, clock: float, rng: np.random.Generator) -> Array:
+        """Return points (T, M, 3) [m] of a trial that begins at `clock` [s] with noise, drift, outliers and gaps (NaN)."""
         t = clock + np.arange(points.shape[0]) / RATE
         seen = points + noise * _coloured(rng, points.shape, self.colour) + self._drift(t)[:, None, :]
         for marker in np.moveaxis(seen, 1, 0):
-            _spoil(marker, self.outliers, self.gaps, rng)
+            _corrupt(marker, self.outliers, self.gaps, rng)
         return seen
 
     def describe(self) -> dict[str, Any]:
-        """For an answer file."""
+        """Return the artefacts for an answer file."""
         return asdict(self)
 
-    def _by_hand(self, trial: Trial) -> Trial:
+    def _disturbed(self, trial: Trial) -> Trial:
         rng = np.random.default_rng([self.seed, round(100 * trial.clock)])
         at, side = float(rng.uniform(0.55, 1.0)), float(rng.choice([-1.0, 1.0]))
         return replace(
@@ -73,12 +74,12 @@ class Mess:
             hold_at=at,
             hold_force=side * trial.keq * float(rng.uniform(0.6, 1.2)) / (LENGTH * at),
             hold_torque=side * trial.keq * float(rng.uniform(-0.2, 0.4)),
-            fade=float(rng.uniform(0.0, 0.06)),
-            late=round(float(rng.uniform(-0.02, 0.04)), 3),
+            release_duration=float(rng.uniform(0.0, 0.06)),
+            start_error=round(float(rng.uniform(-0.02, 0.04)), 3),
         )
 
     def _drift(self, t: Array) -> Array:
-        """(T, 3) [m]: two slow waves along each axis, on the session's clock."""
+        """Return the drift (T, 3) [m]: two slow waves along each axis, in session time."""
         rng = np.random.default_rng([self.seed, 1])
         period, phase = rng.uniform(60, 400, (2, 1, 3)), rng.uniform(0, 2 * np.pi, (2, 1, 3))
         waves: Array = np.sin(2 * np.pi * t[:, None] / period + phase).mean(axis=0)
@@ -86,13 +87,16 @@ class Mess:
 
 
 def messy_nuisance(rng: np.random.Generator) -> Nuisance:
-    """Wrong stiffness and damping as ever, 0.2 to 1.2 mm of noise, markers placed within 0.2 mm."""
-    noise = float(np.exp(rng.uniform(np.log(QUIETEST), np.log(LOUDEST))))
+    """Return drawn nuisances with 0.2 to 1.2 mm of noise, and a standard deviation of 0.2 mm of the marker places."""
+    noise = float(np.exp(rng.uniform(np.log(MIN_NOISE), np.log(MAX_NOISE))))
     return replace(Nuisance.draw(rng), noise=noise, placement=2e-4)
 
 
 def _coloured(rng: np.random.Generator, shape: tuple[int, ...], time: float) -> Array:
-    """Of unit variance, a first-order process along the first axis (A. Gelb, Applied Optimal Estimation, 1974, ch. 3)."""
+    """Return first-order coloured noise of unit variance along the first axis.
+
+    A. Gelb, Applied Optimal Estimation, 1974, ch. 3.
+    """
     white = rng.standard_normal(shape)
     if time <= 0:
         return white
@@ -103,10 +107,10 @@ def _coloured(rng: np.random.Generator, shape: tuple[int, ...], time: float) -> 
     return np.asarray(out)
 
 
-def _spoil(marker: Array, outliers: float, gaps: float, rng: np.random.Generator) -> None:
-    """Put outliers and gaps into one marker's points (T, 3), in place; the first 0.1 s are left alone."""
+def _corrupt(marker: Array, outliers: float, gaps: float, rng: np.random.Generator) -> None:
+    """Put outliers and gaps into the points of one marker (T, 3), in place; the first 0.1 s remain unchanged."""
     size, first = len(marker), RATE // 10
-    for _ in range(rng.poisson(outliers * size / 1.5)):  # for one or two samples the marker is taken for a reflection
+    for _ in range(rng.poisson(outliers * size / 1.5)):  # a reflection is mistaken for the marker for one or two samples
         start = int(rng.integers(first, size))
         way = rng.standard_normal(3)
         marker[start : start + int(rng.integers(1, 3))] += rng.uniform(0.01, 0.08) * way / np.linalg.norm(way)
