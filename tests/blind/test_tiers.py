@@ -158,7 +158,7 @@ def test_all_tiers_are_sealed_in_one_check_and_open_again(tmp_path, few):
 def test_answers_of_before_there_were_tiers_are_read(tmp_path):
     (tmp_path / "check").mkdir()
     seal(tmp_path / "check", tmp_path / "a.json", 1, [Answer("case_001", "single", ("tip_mass",), "large", {"seed": 3})])
-    told = unseal(tmp_path / "check", tmp_path / "a.json")[0]
+    restored = unseal(tmp_path / "check", tmp_path / "a.json")[0]
     old = {"name": "case_001", "kind": "single", "effects": ["tip_mass"], "size": "large", "seed": 3}
-    assert Answer.of(old) == told
-    assert (told.tier, told.names, told.kinds) == ("clean", (("tip_mass",),), (("mass_gravity",),))
+    assert Answer.of(old) == restored
+    assert (restored.tier, restored.names, restored.kinds) == ("clean", (("tip_mass",),), (("mass_gravity",),))
