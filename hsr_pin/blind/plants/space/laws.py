@@ -168,7 +168,7 @@ class CrossCoupling(Law):
 
 
 class Stiffening(elastic.Stiffening):
-    """Cubic spring along the direction of bending: M = K beta |b|^2 b."""
+    """Cubic spring along the direction of bending: ``M = K beta |b|^2 b``."""
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return joints.stiffness * self.cubic * np.abs(state.bend) ** 2 * state.bend, memory
