@@ -20,6 +20,8 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -52,6 +54,11 @@ def block_of(command: str) -> str:
     return text if text.startswith("|") else f"```text\n{text}```\n"
 
 
+def _renewed(fresh: Mapping[str, str], match: re.Match[str]) -> str:
+    """Return a block with its new output, if there is one."""
+    return match[1] + fresh[match["command"]] + match[3] if match["command"] in fresh else match[0]
+
+
 def main() -> int:
     """Run the command line, and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -62,22 +69,17 @@ def main() -> int:
     checking, wanted = chosen.check, chosen.only
     stale = []
 
-    def current(match: re.Match[str]) -> str:
-        command = match["command"]
-        if (
-            (is_slow(command) and (checking or chosen.quick))
-            or (SHARED in command and not (ROOT / SHARED).is_dir())
-            or wanted not in command
-        ):
-            return match[0]
-        fresh = match[1] + block_of(command) + match[3]
-        if fresh != match[0]:
-            stale.append(command)
-        return fresh
+    def is_asked(command: str) -> bool:
+        left_alone = is_slow(command) and (checking or chosen.quick)
+        return wanted in command and not left_alone and (SHARED not in command or (ROOT / SHARED).is_dir())
 
     for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        renewed = BLOCK.sub(current, text)
+        commands = [match["command"] for match in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+        fresh = {command: block_of(command) for command in commands if is_asked(command)}
+        text = page.read_text(encoding="utf-8")  # again: commands take minutes, in which the page may have been edited
+        renewed = BLOCK.sub(partial(_renewed, fresh), text)
+        blocks = zip(BLOCK.finditer(text), BLOCK.finditer(renewed), strict=True)
+        stale += [old["command"] for old, new in blocks if old[0] != new[0]]
         if not checking and renewed != text:
             page.write_text(renewed, encoding="utf-8")
     for command in stale:

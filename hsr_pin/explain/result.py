@@ -10,6 +10,7 @@ from typing import Any
 from hsr_pin.explain.recordings import Recordings
 from hsr_pin.explain.where import Map
 from hsr_pin.inference.decision import Loss
+from hsr_pin.inference.detection import detection_sentence
 from hsr_pin.inference.estimates import Estimate, estimates
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.search import Search
@@ -61,7 +62,8 @@ class Explanation:
         rungs = [f"{rung.name:<44} {rung.rms:9.3g} {100 * rung.share:7.1f} %" for rung in self.ladder]
         lines = [f"{self.recordings.model.name}: {self.headline}", self.verdict.sentence, ""]
         lines += [f"{'error on held-out trials':<44} {'[floors]':>9} {'of gap²':>9}", *rungs, ""]
-        return "\n".join([*lines, *map(str, self.estimates)])
+        limits = detection_sentence(self.search.detection)
+        return "\n".join([*lines, *map(str, self.estimates), *["", limits] * bool(limits)])
 
     @property
     def estimates(self) -> tuple[Estimate, ...]:

@@ -8,7 +8,7 @@ which the posterior keeps a simpler model, and if the gap is reported at all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from math import expm1, log, log1p, sqrt
 
@@ -74,11 +74,11 @@ def detection_sentence(limits: Iterable[DetectionLimit]) -> str:
     return f"A cause smaller than this would not have been found: {listed}." if listed else ""
 
 
-def parts_for_limits(parts: Iterable[Part], best: Candidate) -> list[Part]:
-    """Return the parts whose limits are computed: the first variant of every law that can be named and is not in the model."""
+def parts_for_limits(parts: Iterable[Part], credible: Collection[str]) -> list[Part]:
+    """Return the first variant of every law that can be named and that no credible model has; their limits are computed."""
     first: dict[str, Part] = {}
     for part in parts:
-        if part.name not in best.names and not part.flexible:
+        if part.name not in credible and not part.flexible:
             first.setdefault(part.name, part)
     return list(first.values())
 

@@ -27,8 +27,8 @@ from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
 from hsr_pin.inference.screening import from_one_basin, laws_first, screened
 
-#: A model is credible if the best model is at most this many times as probable.
-_ODDS = 20.0
+#: A model is credible if the best model is at most this many times as probable, in the search; probability of the credible sets.
+_ODDS, _CREDIBLE = 20.0, 0.95
 #: Largest number of models with the same number of causes that are expanded in one step.
 _BEAM = 3
 #: Least and largest number of full fits in a step.
@@ -47,7 +47,7 @@ class Search:
         candidates: all fitted models, the model without causes first.
         posterior: posterior over the fitted models, in their order, followed by models that were not fitted here.
         data: noise variance and number of coordinates of the recordings.
-        detection: sizes from which on causes that the best model lacks would have been found; empty if they were not computed.
+        detection: sizes from which on causes that no credible model has would have been found; empty if they were not computed.
     """
 
     candidates: tuple[Candidate, ...]
@@ -198,14 +198,15 @@ def judged(candidates: Sequence[Candidate], data: Data, calibration: Calibration
 def with_detection_limits(
     found: Search, problem: Problem, parts: Sequence[Part], pool: FitPool, calibration: Calibration, closed: float
 ) -> Search:
-    """Return the result of a search with the detection limits of the causes that its best model lacks.
+    """Return the result of a search with the detection limits of the causes that no credible model has.
 
     No cause is sought for a gap whose mean square of one coordinate is below ``closed``.
     """
     left, nominal = found.best.model.misfit, max(each.model.misfit for each in found.candidates if not each.names)
     share = calibration.share / (1 - calibration.share) * (nominal - left)
     least = max(share, 0.0 if found.best.names else closed - left)
-    asked = parts_for_limits(parts, found.best)
+    credible = {name for names in found.posterior.credible(_CREDIBLE) for name in names}
+    asked = parts_for_limits(parts, {*credible, *found.best.names})
     (proposals,) = pool.propose([(found.best, asked)])
     return replace(found, detection=detection_limits(problem, found.best, asked, proposals, found.data, calibration, least))
 

@@ -161,13 +161,16 @@ class _Columns:
         factor = {}
         for name, known in _UNITS.items():
             unit = units.get(name, next(iter(known)))
-            if unit not in known:
+            if not isinstance(unit, str) or unit not in known:
                 raise InputError(f"[units] {name} of {place}", expected=f"one of {', '.join(known)}", received=quoted(unit))
             factor[name] = known[unit]
-        constant = [1.0] * joints
+        constant, target = [1.0] * joints, command == "target"
         if "torque_constant" in document:
             constant = _numbers(document, "torque_constant", place, joints)
-        target = command == "target"
+            if target:
+                raise InputError(
+                    f"torque_constant of {place}", expected="[channels] torque, which it converts", received="target"
+                )
         commands = [factor["position"]] * joints if target else [factor["torque"] * each for each in constant]
         factors = (factor["time"], *[factor["position"]] * joints, *commands)
         return cls(str(channels["time"]) if "time" in channels else None, tuple(names), factors, target)

@@ -64,6 +64,7 @@ def test_joints_are_identified_by_name_in_any_order(folder):
         ("robot.toml", "[channels]", '[units]\nposition = "grad"\n[channels]', ("one of rad, deg", "'grad'")),
         ("robot.toml", "[channels]", "[servo]\nstiffness = [1, 2]\n[channels]", ("target, because there is a [servo]",)),
         ("robot.toml", 'time = "t"', "", ("time among the [channels]",)),
+        ("robot.toml", "[channels]", "[units]\nposition = [1]\n[channels]", ("one of rad, deg", "[1]")),
         ("robot.toml", "[channels]", 'encoders = "tip"\n[channels]', ("joint or motor", "'tip'")),
         ("trial_02.csv", "0.0069,", "0.0069,nan,", ("trial_02.csv:3", "finite numbers")),
     ],
@@ -122,6 +123,13 @@ def test_targets_and_units_are_read(arm):
     assert found.trials[0].position == pytest.approx(seen) and found.trials[0].command == pytest.approx(target)
     assert found.trials[0].time[-1] == pytest.approx(3.995) and found.robot.servo.stiffness == (20.0, 12.0)
     assert not found.robot.servo.guessed and found.robot.servo.limit == (np.inf, np.inf)
+
+
+def test_a_torque_constant_is_refused_beside_targets(arm):
+    document = arm[0] / "robot.toml"
+    document.write_text("torque_constant = [0.1, 0.1]\n" + document.read_text(encoding="utf-8"), encoding="utf-8")
+    with pytest.raises(InputError, match="torque_constant"):
+        read_robot(arm[0])
 
 
 def test_an_undescribed_servo_is_estimated_from_its_recordings(arm):

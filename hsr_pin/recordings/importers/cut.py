@@ -27,7 +27,7 @@ _NOISE, _SHARE = 8.0, 0.01
 
 
 def cut(trajectory: Trajectory, times: Sequence[float] | str, path: Path) -> list[Trajectory]:
-    """Return the trials in a recording, each with times from 0 on.
+    """Return the trials in a recording, each with times from 0 on; a single motion from rest is one trial.
 
     Args:
         trajectory: the recording.
@@ -35,12 +35,13 @@ def cut(trajectory: Trajectory, times: Sequence[float] | str, path: Path) -> lis
         path: file of the recording, for errors.
 
     Raises:
-        InputError: a time is outside the recording, or there is no rest between motions.
+        InputError: a time is outside the recording, or the arm never rests.
     """
     time = trajectory.time
     if isinstance(times, str):
-        begins = _after_rests(trajectory)
-        if not begins:
+        still = _still(trajectory)
+        begins = _after_rests(still, trajectory.step)
+        if not still.any():
             expected = f"rests of {_REST:g} s or more between motions, under a constant input"
             raise InputError("cut", expected=expected, received="none", hint="give the times with --cut T,T,...", file=path)
     else:
@@ -80,12 +81,11 @@ def _part(trajectory: Trajectory, first: int, last: int) -> Trajectory:
     )
 
 
-def _after_rests(trajectory: Trajectory) -> list[int]:
-    """Return the samples shortly before each motion that follows a rest and an earlier motion."""
-    still = _still(trajectory)
+def _after_rests(still: NDArray[np.bool_], step: float) -> list[int]:
+    """Return the samples shortly before each motion that follows a rest and an earlier motion, for samples every ``step`` [s]."""
     changes = np.flatnonzero(np.diff(still.astype(int)))
     ends = [int(k) + 1 for k in changes if still[k]]  # the arm begins to move
-    before = round(_BEFORE / trajectory.step)
+    before = round(_BEFORE / step)
     return [end - before for end in ends if not still[: end - before].all()]
 
 

@@ -47,6 +47,11 @@ def test_a_gap_in_a_marker_is_not_a_motion():
     assert len(cut(again, "auto", Path("take.csv"))) == len(CHANGES)
 
 
+def test_a_single_motion_is_one_trial():
+    (part,) = cut(recording(changes=(3.0,)), "auto", Path("take.csv"))
+    assert len(part.time) == len(recording().time)
+
+
 def test_given_times_are_used_as_they_are():
     parts = cut(recording(), (5.5, 10.5), Path("take.csv"))
     assert [round(part.time[-1] + STEP, 6) for part in parts] == [5.5, 5.0, 10.5]
