@@ -9,10 +9,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.report import _models, _notes, report, shown_runs, write_report
+from hsr_pin.diagnosis.report import _model, _notes, report, shown_runs, write_report
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import HEADLINES, STATUSES
-from hsr_pin.robot.specification import default_damping
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 VOID = {"meta", "link", "br", "hr", "img", "input"}
@@ -215,10 +214,10 @@ class TestInBrowser:
 
 
 def test_options_of_hsr_sim_hold_the_fitted_stiffness_and_damping(diagnosis):
-    (model, *_) = _models(diagnosis)
-    (options,) = model.options.values()
-    fit, trial = diagnosis.search.best.fit, diagnosis.experiment.runs[0].trial
+    best = diagnosis.search.best
+    fit = replace(best.fit, values=1.2 * best.fit.values)  # factors that differ from 1
+    (options,) = _model(replace(best, fit=fit), {1.11: 0.05}).options.values()
     words = dict(zip(options.split()[::2], options.split()[1::2], strict=True))
-    assert float(words["--keq"]) == pytest.approx(trial.keq * fit.named["keq_scale"], rel=1e-3)
-    damping = default_damping(trial.keq) if trial.damping is None else trial.damping
-    assert float(words["--damping"]) == pytest.approx(damping * fit.named["damping_scale"], rel=1e-3)
+    assert float(words["--keq"]) == pytest.approx(1.11 * fit.named["keq_scale"], rel=1e-3)
+    assert float(words["--damping"]) == pytest.approx(0.05 * fit.named["damping_scale"], rel=1e-3)
+    assert fit.named["keq_scale"] > 1.1
