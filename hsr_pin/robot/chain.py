@@ -14,13 +14,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hsr_pin.obstacles import Obstacle
 from hsr_pin.robot.sections import bodies_of
 from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array, Section
 
 #: Acceleration of gravity of Pinocchio [m/s^2].
 GRAVITY = 9.81
-_SAME = ("links", "placement", "mount", "bending", "sections")
+_SAME = ("links", "placement", "mount", "bending", "sections", "obstacles")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,7 @@ class Arms:
     cross_tilt: Array
     bending: str = "plane"
     sections: tuple[Section, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
 
     #: Names of the numbers that may differ.
     NUMBERS: ClassVar[tuple[str, ...]] = (
@@ -50,11 +52,11 @@ class Arms:
 
     @classmethod
     def of(cls, specifications: Sequence[ArmSpecification]) -> Arms:
-        """Combine arms with the same number of links, placement, mount, bending and sections."""
+        """Combine arms with the same number of links, placement, mount, bending, sections and obstacles."""
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
-        return cls(first.links, first.placement, first.mount, bending=first.bending, sections=first.sections, **numbers)
+        return cls(first.links, first.placement, first.mount, bending=first.bending, sections=first.sections, obstacles=first.obstacles, **numbers)
 
     def __len__(self) -> int:
         return len(self.keq)

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from hsr_pin.errors import SpecificationError, quoted
+from hsr_pin.obstacles import Obstacle
 from hsr_pin.robot.sections import whole
 from hsr_pin.trajectory import Array, Dataset, Section, Trial
 
@@ -64,6 +65,7 @@ class ArmSpecification:
         sections: sections of an arm in space, from the base to the tip; empty for a uniform arm. They define the distribution of
             the numbers along the arm: the arm's own numbers are those of all sections in series (see :meth:`in_sections`), and
             changing one of them changes all sections in proportion.
+        obstacles: rigid bodies that the arm may touch.
     """
 
     links: int = 4
@@ -81,6 +83,7 @@ class ArmSpecification:
     torsion: float = math.inf
     cross_tilt: float = 0.0
     sections: tuple[Section, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.links, bool) or not isinstance(self.links, (int, np.integer)) or not 1 <= self.links <= MAX_LINKS:
@@ -96,6 +99,7 @@ class ArmSpecification:
             if not isinstance(word, str) or word not in choices:
                 raise SpecificationError(name, expected=" or ".join(choices), received=quoted(word))
         self._check_torsion()
+        object.__setattr__(self, "obstacles", tuple(self.obstacles))
         if self.sections and self.bending == "plane":
             hint = 'an arm in space has bending="space"'
             raise SpecificationError(

@@ -12,10 +12,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect, effect_subset, stack
+from hsr_pin.obstacles import FRICTION, rows_in
 from hsr_pin.robot.chain import Arms, chain_of
 from hsr_pin.robot.model import build_model, rigid_body
 from hsr_pin.robot.sections import along_sections
-from hsr_pin.robot.space import space_model
+from hsr_pin.robot.space import base_rotations, space_model
+from hsr_pin.robot.specification import joint_arc_lengths
+from hsr_pin.simulation.contact import COMPONENTS, compiled, points_per_link
 from hsr_pin.simulation.integrator import HARDLY_DAMPED
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.reference import PinocchioSystem
@@ -129,8 +132,34 @@ class ArmBatch:
 
     @property
     def states(self) -> int:
-        """Number of internal states of the laws per joint."""
+        """Number of internal states of the laws and of friction with obstacles, per joint."""
+        rubbing = self.touch[2] >= 0
+        return self._law_states + (self.world.shape[1] * int(self.touch[3]) * COMPONENTS if rubbing else 0)
+
+    @property
+    def _law_states(self) -> int:
         return sum(law.states for law in self.laws)
+
+    @cached_property
+    def world(self) -> Array:
+        """The obstacles (B, O, ENTRIES) as :mod:`hsr_pin.simulation.contact` gets them."""
+        arms = self.arms
+        frames = base_rotations(arms).swapaxes(1, 2) if self.space else planar_frames(arms)
+        rows = rows_in(frames, arms.obstacles)
+        skin = np.empty((*rows.shape[:2], 3))
+        radius = arms.diameter / 2
+        start = joint_arc_lengths(arms.links, arms.placement)[0] * arms.length
+        skin[:] = np.stack([radius, radius, start], axis=-1)[:, None]
+        return np.concatenate([rows, skin], axis=2)
+
+    @cached_property
+    def touch(self) -> NDArray[np.int64]:
+        """The contact law without addresses; see :class:`hsr_pin.simulation.kernel.System`."""
+        points, first = 0, -1
+        if self.world.shape[1]:
+            points = points_per_link(chain_of(self.arms).reach, self.arms.diameter)
+            first = self._law_states if self.world[..., FRICTION].any() else -1
+        return np.array([0, 0, first, points], dtype=np.int64)
 
     @cached_property
     def arrays(self) -> Any:
@@ -152,26 +181,33 @@ class ArmBatch:
 
             points = np.zeros((len(self), 0)) if self.points is None else self.points
             names = ("spring", "damper", "stiff", "drag", "share", "profile")
-            return space_system(arms, dict(zip(names, (spring, damper, stiff, drag, share, profile), strict=True)), points)
+            joints = dict(zip(names, (spring, damper, stiff, drag, share, profile), strict=True))
+            return space_system(arms, joints, points, self.world, self.touch)
         chain = chain_of(arms)
         beyond = chain.mass[:, ::-1].cumsum(axis=1)[:, ::-1] - chain.mass
         # in one block: the compiled loops take one layout alone
-        joints = np.array(
+        bodies = np.array(
             (
                 *(chain.mass, chain.lever, chain.inertia, chain.reach, chain.mass * chain.lever + chain.reach * beyond),
                 *(spring, damper, stiff, drag, share, profile),
             )
         )
         whole = np.ascontiguousarray(chain.gravity), np.ascontiguousarray(arms.keq)
-        return System._make((*joints, *whole, np.zeros((0, 4), dtype=np.int64), np.zeros((0, 1, len(self)))))
+        return System._make(
+            (*bodies, *whole, np.zeros((0, 4), dtype=np.int64), np.zeros((0, 1, len(self))), self.world, self.touch)
+        )
 
     @cached_property
     def system(self) -> Any:
         """The arrays for the compiled loops, with the machine code of the laws."""
         from hsr_pin.simulation.laws import address  # late import: machine code is compiled only when needed
 
+        arrays = self.arrays
+        if self.world.shape[1]:
+            press, slide = compiled(self.space)
+            arrays = arrays._replace(touch=np.array([press.address, slide.address, *self.touch[2:]], dtype=np.int64))
         if not self.laws:
-            return self.arrays
+            return arrays
         rows, numbers, first = [], [self.numbers_of(law) for law in self.laws], 0
         for law in self.laws:
             update = address(law, "update", space=self.space) if law.states else 0
@@ -181,7 +217,7 @@ class ArmBatch:
         table = np.zeros((len(rows), max(len(n) for n in numbers), len(self)))
         for row, values in zip(table, numbers, strict=True):
             row[: len(values)] = values
-        return self.arrays._replace(laws=np.array(rows, dtype=np.int64), numbers=table)
+        return arrays._replace(laws=np.array(rows, dtype=np.int64), numbers=table)
 
     def pinocchio(self, solve: str) -> PinocchioSystem:
         """Return the batch for the loops with Pinocchio, which solve by "aba" or "rnea"."""
@@ -210,7 +246,7 @@ def batch_key(scenario: Scenario) -> object:
     """Return the properties that scenarios must share to be simulated in one batch."""
     arm = scenario.arm
     kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
-    return arm.links, arm.placement, arm.mount, arm.bending, arm.sections, kinds, len(scenario.markers), len(scenario.loads)
+    return arm.links, arm.placement, arm.mount, arm.bending, arm.sections, arm.obstacles, kinds, len(scenario.markers), len(scenario.loads)
 
 
 def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> Array:
@@ -231,3 +267,9 @@ def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> A
     product = np.ascontiguousarray(np.moveaxis(product, 2, 0))  # (B, N, points): the order of summation is independent of B
     averaged = 1 / (_WEIGHTS / product).sum(axis=2) if hook == "stiffness" else (_WEIGHTS * product).sum(axis=2)
     return np.array(np.broadcast_to(averaged, (count, links)))
+
+
+def planar_frames(arms: Arms) -> Array:
+    """Return the axes (B, 3, 3), as rows, of the bases of planar arms: along the arm, towards positive bending, and sideways."""
+    along, across = arms.frame()
+    return np.stack([along, across, np.cross(along, across)], axis=1)

@@ -101,7 +101,7 @@ def compile_loops(part: str, kernel: Any, equilibrium: Any, advance: Callable[..
     jit = compiler.jit
     plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
     for name in kernel.PARTS:
-        plain[name] = jit(getattr(kernel, name), inline=name not in ("add_joint_moments", "update_states"), **plain)
+        plain[name] = jit(getattr(kernel, name), inline=name not in ("add_joint_moments", "update_contacts", "update_states"), **plain)
     plain["mean_torque"] = plain.get("mean_torque") or jit(integrate.mean_torque, inline=True)
     plain["extrapolate"] = jit(integrate.extrapolate, **plain)
     for name in equilibrium.PARTS:
@@ -144,8 +144,8 @@ class _Compiler:
 
 
 def advance_packed(
-    joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, state: Array, impulse: Array, cell: float,
-    weights: Array, limit: Array,
+    joints: Array, gravity: Array, keq: Array, laws: Any, numbers: Array, world: Array, touch: Any, state: Array, impulse: Array,
+    cell: float, weights: Array, limit: Array,
 ) -> int:  # fmt: skip
     """Take steps of one cell each, as :func:`hsr_pin.simulation.integrate.advance`, with fewer arguments to save time per call.
 
@@ -153,7 +153,9 @@ def advance_packed(
     first fields of :class:`~hsr_pin.simulation.kernel.System`; the other arguments are as there.
     """
     j = joints
-    arms = System(j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers)
+    arms = System(
+        j[0], j[1], j[2], j[3], j[4], j[5], j[6], j[7], j[8], j[9], j[10], gravity, keq, laws, numbers, world, touch
+    )  # fmt: skip
     return advance(arms, state[0], state[1], state[2:], impulse, cell, weights, limit)
 
 
@@ -165,13 +167,13 @@ def _arguments() -> tuple[Any, ...]:
         return nb.Array(kind, dimensions, "C", readonly=readonly)
 
     fields = {name: reals(2) for name in System._fields}
-    fields |= {"keq": reals(1), "laws": reals(2, nb.int64), "numbers": reals(3)}
+    fields |= {"keq": reals(1), "laws": reals(2, nb.int64), "numbers": reals(3), "world": reals(3), "touch": reals(1, nb.int64)}
     system = nb.NamedTuple(list(fields.values()), System)
     state, number, whole = (reals(2), reals(2), reals(3)), nb.float64, nb.int64
     weights = reals(2, readonly=True)
     steps, out = (reals(1), weights, number, number, number), (reals(1), reals(3), reals(3), reals(1), reals(1), reals(2))
     each = (reals(2), weights, reals(1), number, number), (reals(1), reals(4), reals(4), reals(1), reals(2))
-    flags, few = reals(1, nb.boolean), (reals(3), reals(2), reals(1), reals(2, nb.int64), reals(3))
+    flags, few = reals(1, nb.boolean), (reals(3), reals(2), reals(1), reals(2, nb.int64), reals(3), reals(3), reals(1, nb.int64))
     return (
         nb.void(system, *state, reals(2), number, whole, *steps, *out).args,
         nb.void(system, whole, whole, *state[:2], reals(4), reals(2), number, whole, *each[0], *each[1]).args,

@@ -95,15 +95,15 @@ def extrapolate(
         v_now[:] = v
         for j in range(parts):
             mean_torque(impulse, t + step * j / parts, t + step * (j + 1) / parts, torque)
+            if memory:
+                if j:
+                    update_states(system, z, q, q_now, j * d, z_now)
+                else:
+                    z_now[:] = z
             if laws:
-                if memory:
-                    if j:
-                        update_states(system, z, q, q_now, j * d, z_now)
-                    else:
-                        z_now[:] = z
                 moment[:] = 0.0
                 add_joint_moments(system, q_now, v_now, z_now, moment)
-            substep(system, q_now, v_now, moment, torque, d, scratch)
+            substep(system, q_now, v_now, z_now, moment, torque, d, scratch)
             if j == 0:
                 for i in range(q.shape[1]):  # a loop, because array expressions would allocate memory
                     begin[i] += weights[0, k] * (v_now[0, i] - v[0, i]) / d

@@ -6,7 +6,7 @@ slowly. :mod:`hsr_pin.simulation.reference` has the same functions with Pinocchi
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, inf, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 
 from hsr_pin.trajectory import Array
 
-#: Rows of the scratch array for each link: cos, sin, rate of the link, J, hx, hy, 1/D, free torque.
+#: Rows of a substep's own numbers of each link: cos, sin, rate of the link, J, hx, hy, 1/D, free torque.
 SCRATCH = 8
-#: The same with one more row for the time integration.
-ROWS = SCRATCH + 1
+#: Rows that contacts add to: J (6 rows), the rows of H (9) and M (6), moment (3) and force (3).
+ADDED = 27
+#: Rows of the scratch array; the last one is for the time integration.
+ROWS = SCRATCH + ADDED + 1
 #: Functions that are compiled, in the order of their dependencies.
-PARTS = ("substep", "add", "interpolate", "bending_angle", "single_arm", "add_joint_moments", "update_states")
+PARTS = ("add_contacts", "substep", "add", "interpolate", "bending_angle", "single_arm", "add_joint_moments", "update_contacts", "update_states")
 
 
 class System(NamedTuple):
@@ -38,6 +40,9 @@ class System(NamedTuple):
         laws: (K, 4) for each law the addresses of its moment and its state update, the index of its first state, and its number
             of states.
         numbers: (K, P, B) parameters of the laws.
+        world: (B, O, ENTRIES) obstacles as in :mod:`hsr_pin.simulation.contact`.
+        touch: (4,) addresses of the contact law and of its state update, index of its first state or -1 without friction, and
+            number of points of contact of a link.
     """
 
     mass: Array
@@ -55,13 +60,15 @@ class System(NamedTuple):
     keq: Array
     laws: NDArray[np.int64]
     numbers: Array
+    world: Array
+    touch: NDArray[np.int64]
 
     def packed(self) -> tuple[Any, ...]:
-        """Return the fields as five arrays, the first of shape (11, B, N)."""
+        """Return the fields as seven arrays, the first of shape (11, B, N)."""
         return np.array(self[:11]), *self[11:]
 
 
-def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
+def substep(system: Any, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
     """Take a linearly implicit Euler step in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
 
     The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7) in the plane. All links
@@ -72,15 +79,19 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
         system: the arms.
         q: (B, N) angles [rad].
         v: (B, N) rates [rad/s].
+        z: (states, B, N) states of the laws and of the contacts.
         moment: (B, N) moments of the laws, which oppose bending [N m].
         torque: (B,) torque of the actuators [N m].
         d: step length [s].
-        scratch: (SCRATCH, N) workspace.
+        scratch: (ROWS, N) workspace.
     """
     count, links = q.shape
     c, s, omega, inertia = scratch[0], scratch[1], scratch[2], scratch[3]
     hx, hy, inverse, free = scratch[4], scratch[5], scratch[6], scratch[7]
+    obstacles = system.world.shape[1]
     for b in range(count):
+        if obstacles:
+            add_contacts(system, b, q, v, z, d, scratch[SCRATCH:])
         gx, gy = system.gravity[b, 0], system.gravity[b, 1]
         angle, rate = 0.0, 0.0
         for i in range(links):
@@ -106,6 +117,16 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
             fy -= ml * w2 * s[i] + m * gy
             xx += m
             yy += m
+            if obstacles:  # J_zz, the last row of H, M in the plane, and the force
+                j += scratch[SCRATCH + 5, i]
+                x += scratch[SCRATCH + 12, i]
+                y += scratch[SCRATCH + 13, i]
+                xx += scratch[SCRATCH + 15, i]
+                xy += scratch[SCRATCH + 16, i]
+                yy += scratch[SCRATCH + 18, i]
+                turn += scratch[SCRATCH + 23, i]
+                fx += scratch[SCRATCH + 24, i]
+                fy += scratch[SCRATCH + 25, i]
             stiff, drag = system.stiff[b, i], system.drag[b, i]
             u = system.share[b, i] * torque[b] - system.spring[b, i] * q[b, i] - system.damper[b, i] * v[b, i]
             u -= d * stiff * v[b, i] + moment[b, i] + turn
@@ -128,6 +149,15 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
             ay += alpha * rx - w2 * ry
             v[b, i] += d * a
             q[b, i] += d * v[b, i]
+
+
+def add_contacts(system: Any, b: int, q: Array, v: Array, z: Array, d: float, out: Array) -> None:
+    """Compute what contacts add to the links of an arm in a substep, as :func:`hsr_pin.simulation.contact.press`."""
+    first = max(system.touch[2], 0)
+    call_law(
+        system.touch[0], q[b], v[b], z[first:], system.reach[b], system.world[b], out, q.shape[0], b, system.reach.shape[1],
+        system.world.shape[1], system.touch[3], d,
+    )  # fmt: skip
 
 
 def add(total: Array, weight: float, term: Array) -> None:
@@ -162,6 +192,7 @@ def single_arm(system: Any, b: int) -> Any:
     return System(
         s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.lean[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
         s.drag[b:e], s.share[b:e], s.profile[b:e], s.gravity[b:e], s.keq[b:e], s.laws, np.ascontiguousarray(s.numbers[:, :, b:e]),
+        s.world[b:e], s.touch,
     )  # fmt: skip
 
 
@@ -189,3 +220,20 @@ def update_states(system: Any, z: Any, start: Any, end: Any, elapsed: float, out
         if system.laws[k, 3]:
             first, numbers = system.laws[k, 2], system.numbers[k]
             call_law(system.laws[k, 1], z[first:], start, end, numbers, out[first:], start.shape[0], start.shape[1], elapsed)
+    if system.world.shape[1]:
+        update_contacts(system, z, start, end, elapsed, out)
+
+
+def update_contacts(system: Any, z: Any, start: Any, end: Any, elapsed: float, out: Any) -> None:
+    """Compute the states of friction after a motion; no friction acts in a pose that was reached before the simulation."""
+    first = system.touch[2]
+    if first < 0:
+        return
+    if elapsed == inf:
+        out[first:] = 0.0
+        return
+    for b in range(start.shape[0]):
+        call_law(
+            system.touch[1], z[first:], start[b], end[b], system.reach[b], system.world[b], out[first:], start.shape[0], b,
+            system.reach.shape[1], system.world.shape[1], system.touch[3],
+        )  # fmt: skip

@@ -107,8 +107,8 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
     scope = {
         "Bending": Bending,
         "Parameters": parameter_tuple(kind),
-        "law": njit(_with_helpers(law)),
-        "place": njit(_with_helpers(kind.place)),
+        "law": njit(with_helpers(law)),
+        "place": njit(with_helpers(kind.place)),
         "sin": sin,
         "cos": cos,
         "__name__": kind.__module__,
@@ -124,7 +124,7 @@ def _compiled(kind: type[Effect], hook: str, options: tuple[tuple[str, str], ...
     return cached(partial(cfunc, signature), loop, error_model="numpy")[0]
 
 
-def _with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
+def with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
     """Return a law whose helper functions are compiled too."""
     from numba import njit
 
@@ -133,7 +133,7 @@ def _with_helpers(law: Callable[..., Any]) -> Callable[..., Any]:
         if scope.get(name) is vector.chosen:
             scope[name] = njit(_chosen)
         elif isinstance(scope.get(name), types.FunctionType):
-            scope[name] = njit(_with_helpers(scope[name]))
+            scope[name] = njit(with_helpers(scope[name]))
     return types.FunctionType(law.__code__, scope, law.__name__, law.__defaults__, law.__closure__)
 
 

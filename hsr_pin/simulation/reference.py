@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from hsr_pin.effects.effect import Bending, Effect, effect_subset, middles
-from hsr_pin.simulation import kernel
+from hsr_pin.simulation import contact, kernel
 from hsr_pin.simulation.kernel import ROWS
 from hsr_pin.trajectory import Array
 
@@ -52,21 +52,81 @@ class PinocchioSystem:
     def __post_init__(self) -> None:
         object.__setattr__(self, "laws", np.zeros((len(self.effects), 4)))  # one row per law, which the loops count
 
+    @property
+    def points(self) -> int:
+        """Number of points of contact of a link."""
+        return int(self.arrays.touch[3])
 
-def substep(system: PinocchioSystem, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
-    """Take a linearly implicit Euler step in place, as :func:`hsr_pin.simulation.kernel.substep`."""
+
+def substep(
+    system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float, scratch: Array
+) -> None:
+    """Take a linearly implicit Euler step in place, as :func:`hsr_pin.simulation.kernel.substep`.
+
+    With obstacles, "aba" is replaced by "rnea": the implicit part of a contact is no inertia that Pinocchio's ABA accepts.
+    """
     a = system.arrays
     tau = a.share * torque[:, None] - a.spring * q - (a.damper + d * a.stiff) * v - moment
     armature = d * (a.drag + d * a.stiff)
-    forward = _newton_euler if system.solve == "rnea" else pin.aba
+    touching = a.world.shape[1] > 0
     for b, (model, data) in enumerate(zip(system.models, system.data, strict=True)):
-        model.armature = armature[b]
-        v[b] += d * forward(model, data, q[b], v[b], tau[b])
+        if touching:
+            added, force = planar_contacts(system, b, q[b], v[b], z, d)
+            v[b] += d * _newton_euler(model, data, q[b], v[b], tau[b] - force, np.diag(armature[b]) + added)
+        elif system.solve == "rnea":
+            v[b] += d * _newton_euler(model, data, q[b], v[b], tau[b], np.diag(armature[b]))
+        else:
+            model.armature = armature[b]
+            v[b] += d * pin.aba(model, data, q[b], v[b], tau[b])
     q += d * v
 
 
-def _newton_euler(model: pin.Model, data: pin.Data, q: Array, v: Array, tau: Array) -> Array:
-    armature = np.diag(model.armature)
+def planar_contacts(system: PinocchioSystem, b: int, q: Array, v: Array, z: Array, d: float) -> tuple[Array, Array]:
+    """Return what contacts add to the mass matrix (N, N) and to the required torque (N,) of a planar arm in a substep."""
+    g = np.empty((contact.POSES, len(q)))
+    world, reach = system.arrays.world[b], system.arrays.reach[b]
+    contact.poses_in_plane(q, v, world[0, contact.START], reach, g)
+    moves = np.zeros((len(q), 6, len(q)))  # angular velocity and velocity of each link's joint per rate
+    for i in range(len(q)):
+        moves[i, 2, : i + 1] = 1.0
+        moves[i, 3, : i + 1], moves[i, 4, : i + 1] = g[1, : i + 1] - g[1, i], g[0, i] - g[0, : i + 1]
+    drift = np.zeros((6, len(q)))  # acceleration of each joint at constant rates
+    drift[3:5, 1:] = -np.cumsum(reach[:-1] * g[11, :-1] ** 2 * g[3:5, :-1], axis=1)
+    return contacts(system, b, g, moves, drift, z, d)
+
+
+def contacts(system: PinocchioSystem, b: int, g: Array, moves: Array, drift: Array, z: Array, d: float) -> tuple[Array, Array]:
+    """Return what contacts add to the mass matrix and to the required torque of an arm in a substep.
+
+    Args:
+        system: the arms.
+        b: index of the arm.
+        g: (POSES, N) poses of its links.
+        moves: (N, 6, C) angular velocity and velocity of each link at its joint per rate of the C coordinates.
+        drift: (6, N) the accelerations at constant rates.
+        z: (states, B, N) states.
+        d: length of the step [s].
+    """
+    out = np.empty((kernel.ADDED, g.shape[1]))
+    contact.press(g, _bristles(system, z)[:, :, b], system.arrays.reach[b], system.arrays.world[b], system.points, d, out)
+    mass, force = np.zeros((moves.shape[2],) * 2), np.zeros(moves.shape[2])
+    upper = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+    for i, (move, more) in enumerate(zip(moves, out.T, strict=True)):
+        cross = more[6:15].reshape(3, 3)
+        inertia = np.block([[more[upper], cross], [cross.T, more[15 + upper]]])
+        mass += move.T @ inertia @ move
+        force += move.T @ (inertia @ drift[:, i] + more[21:])
+    return mass, force
+
+
+def _bristles(system: PinocchioSystem, z: Array) -> Array:
+    """Return the tangential displacements (O points, 3, B, N) [m] in the states, as a view; zeros without friction."""
+    first, (count, obstacles) = system.arrays.touch[2], system.arrays.world.shape[:2]
+    shape = (obstacles * system.points, contact.COMPONENTS, count, system.arrays.reach.shape[1])
+    return z.real[first:].reshape(shape) if first >= 0 else np.zeros(shape)
+
+
+def _newton_euler(model: pin.Model, data: pin.Data, q: Array, v: Array, tau: Array, armature: Array) -> Array:
     bias = pin.rnea(model, data, q, v, np.zeros_like(v))
     model.armature = np.zeros_like(v)  # some versions of Pinocchio include the armature in CRBA
     upper = np.triu(pin.crba(model, data, q))
@@ -101,6 +161,23 @@ def update_states(system: PinocchioSystem, z: Array, start: Array, end: Array, e
     The joint angles change from ``start`` to ``end`` (B, N) [rad] within ``elapsed`` [s].
     """
     updated_states(system.effects, z, start, end, elapsed, out)
+    update_contacts(system, z, start, end, elapsed, out)
+
+
+def update_contacts(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
+    """Compute the states of friction after a motion, as :func:`hsr_pin.simulation.kernel.update_contacts`."""
+    arrays = system.arrays
+    if arrays.touch[2] < 0:
+        return
+    before, after, new = _bristles(system, z), _bristles(system, out), np.zeros((2, contact.POSES, arrays.reach.shape[1]))
+    poses = contact.poses_in_space if np.iscomplexobj(z) else contact.poses_in_plane
+    for b in range(len(start)):
+        world, reach = arrays.world[b], arrays.reach[b]
+        for pose, g in zip((start[b], end[b]), new, strict=True):
+            poses(pose, np.zeros_like(pose), world[0, contact.START], reach, g)
+        contact.slide(new[0], new[1], before[:, :, b], reach, world, system.points, after[:, :, b])
+    if np.isinf(elapsed):  # no friction acts in a pose that was reached before the simulation
+        after[:] = 0.0
 
 
 def updated_states(effects: tuple[Effect, ...], z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:

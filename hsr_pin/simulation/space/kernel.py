@@ -11,24 +11,27 @@ from typing import Any
 
 import numpy as np
 
+from hsr_pin.simulation.kernel import ADDED, add_contacts, call_law, update_contacts
 from hsr_pin.simulation.kernel import add as add
-from hsr_pin.simulation.kernel import call_law
 from hsr_pin.simulation.kernel import interpolate as interpolate
-from hsr_pin.simulation.space.elements import combined, cross, dot, drift, factors, plus, turned
+from hsr_pin.simulation.space.elements import Vector, combined, cross, dot, drift, factors, plus, turned
 from hsr_pin.simulation.space.system import SpaceSystem
 from hsr_pin.trajectory import Array
 
 #: Rows of the scratch array. For each coordinate: moment and force of the outboard chain per unit of acceleration, 1/D, free
-#: torque and axis; for each joint: direction of its link, angular velocity and drift. The last row is for the time integration.
-ROWS = 15
+#: torque and axis; for each joint: direction of its link, angular velocity and drift.
+SCRATCH = 14
+#: Rows of the scratch array: also what contacts add, (ADDED, N), and a row for the time integration.
+ROWS = SCRATCH + ADDED // 3 + 1
 #: Functions that are compiled, in the order of their dependencies.
 PARTS = (
-    *("dot", "cross", "plus", "factors", "turned", "drift", "combined", "place", "gather", "move", "substep", "mean_torque"),
-    *("add", "interpolate", "bending_angle", "single_arm", "bends", "add_joint_moments", "update_states"),
+    *("dot", "cross", "plus", "factors", "turned", "drift", "combined", "place", "add_contacts", "added", "gather", "move"),
+    *("substep", "mean_torque", "add", "interpolate", "bending_angle", "single_arm", "bends", "add_joint_moments"),
+    *("update_contacts", "update_states"),
 )
 
 
-def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
+def substep(system: Any, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
     """Take a linearly implicit Euler step in place: (M + d D + d^2 K) a = f(q, v) - d K v, v += d a, q += d v.
 
     The articulated-body algorithm (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, ch. 7), with every link in the
@@ -39,12 +42,15 @@ def substep(system: Any, q: Array, v: Array, moment: Array, torque: Array, d: fl
         system: the arms.
         q: (B, 3 N) coordinates [rad].
         v: (B, 3 N) rates [rad/s].
+        z: (states, B, N) complex states of the laws and of the contacts.
         moment: (B, 3 N) moments of the laws, which oppose bending [N m].
         torque: (B, U) torques and loads.
         d: step length [s].
         scratch: (ROWS, 3 N) workspace.
     """
     for b in range(q.shape[0]):
+        if system.world.shape[1]:
+            add_contacts(system, b, q, v, z, d, scratch[SCRATCH:])
         place(q[b], v[b], scratch)
         gather(system, b, q[b], v[b], moment[b], torque[b], d, scratch)
         move(system, b, q[b], v[b], d, scratch)
@@ -79,13 +85,19 @@ def place(q: Array, v: Array, scratch: Array) -> None:
         scratch[13, j], scratch[13, j + 1], scratch[13, j + 2] = bias
 
 
+def added(scratch: Array, row: int, i: int, links: int) -> Vector:
+    """Return three successive rows of what contacts add to link i."""
+    first = SCRATCH + row // 3  # rows of N links within rows of 3 N
+    return scratch[first, i], scratch[first, links + i], scratch[first, 2 * links + i]
+
+
 def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
     """Compute articulated inertias and forces from tip to base.
 
     The inertias are J, the rows of H, and M; symmetric matrices have six entries. For the angular acceleration alpha and the
     acceleration a of its joint, a link requires the moment J alpha + H a + n and the force H' alpha + M a + f.
     """
-    loads, sections = system.link.shape[1], system.inputs.shape[1]
+    loads, sections, links = system.link.shape[1], system.inputs.shape[1], len(q) // 3
     none = (0.0, 0.0, 0.0)
     h0, h1, h2, n, f = none, none, none, none, none
     j00, j01, j02, j11, j12, j22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -132,6 +144,14 @@ def gather(system: Any, b: int, q: Array, v: Array, moment: Array, torque: Array
                 force, turn = (torque[u], torque[u + 1], torque[u + 2]), (torque[u + 3], torque[u + 4], torque[u + 5])
                 f = plus(f, -1.0, force)
                 n = plus(plus(n, -1.0, turn), -system.place[b, k], cross(axis, force))
+        if system.world.shape[1]:
+            top, low = added(scratch, 0, i, links), added(scratch, 3, i, links)
+            j00, j01, j02, j11, j12, j22 = j00 + top[0], j01 + top[1], j02 + top[2], j11 + low[0], j12 + low[1], j22 + low[2]
+            h0, h1 = plus(h0, 1.0, added(scratch, 6, i, links)), plus(h1, 1.0, added(scratch, 9, i, links))
+            h2 = plus(h2, 1.0, added(scratch, 12, i, links))
+            top, low = added(scratch, 15, i, links), added(scratch, 18, i, links)
+            m00, m01, m02, m11, m12, m22 = m00 + top[0], m01 + top[1], m02 + top[2], m11 + low[0], m12 + low[1], m22 + low[2]
+            n, f = plus(n, 1.0, added(scratch, 21, i, links)), plus(f, 1.0, added(scratch, 24, i, links))
         # the joint
         f = plus(f, 1.0, combined(h0, h1, h2, bias))
         n = plus(n, 1.0, combined((j00, j01, j02), (j01, j11, j12), (j02, j12, j22), bias))
@@ -211,7 +231,7 @@ def single_arm(system: Any, b: int) -> Any:
     return SpaceSystem(
         s.mass[b:e], s.lever[b:e], s.inertia[b:e], s.reach[b:e], s.axial[b:e], s.spring[b:e], s.damper[b:e], s.stiff[b:e],
         s.drag[b:e], s.share[b:e], s.profile[b:e], s.twist[b:e], s.twist_damper[b:e], s.gravity[b:e], s.keq[b:e], s.laws,
-        np.ascontiguousarray(s.numbers[:, :, b:e]), s.link[b:e], s.place[b:e], s.inputs,
+        np.ascontiguousarray(s.numbers[:, :, b:e]), s.world[b:e], s.touch, s.link[b:e], s.place[b:e], s.inputs,
     )  # fmt: skip
 
 
@@ -248,3 +268,5 @@ def update_states(system: Any, z: Any, start: Any, end: Any, elapsed: float, out
         if system.laws[k, 3]:
             first, numbers = system.laws[k, 2], system.numbers[k]
             call_law(system.laws[k, 1], z[first:], before, after, numbers, out[first:], before.shape[0], before.shape[1], elapsed)
+    if system.world.shape[1]:
+        update_contacts(system, z, start, end, elapsed, out)

@@ -34,6 +34,7 @@ def _arguments() -> tuple[Any, ...]:
 
     fields = {name: reals(2) for name in SpaceSystem._fields}
     fields |= {"keq": reals(1), "laws": reals(2, nb.int64), "numbers": reals(3), "link": reals(2, nb.int64)}
+    fields |= {"world": reals(3), "touch": reals(1, nb.int64)}
     system = nb.NamedTuple(list(fields.values()), SpaceSystem)
     number, whole, complexes = nb.float64, nb.int64, nb.complex128
     state, weights = (reals(2), reals(2), reals(3, complexes)), reals(2, readonly=True)

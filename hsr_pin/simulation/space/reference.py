@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from hsr_pin.effects.effect import effect_subset
 from hsr_pin.robot.rotations import vectors
-from hsr_pin.simulation import integrate, reference
+from hsr_pin.simulation import contact, integrate, reference
 from hsr_pin.simulation.compiled import Loops
 from hsr_pin.simulation.reference import PinocchioSystem
 from hsr_pin.simulation.space import equilibrium, kernel
@@ -31,14 +31,18 @@ _CLEAR = 0.1
 _ORDER = vectors(np.eye(3))
 
 
-def substep(system: PinocchioSystem, q: Array, v: Array, moment: Array, torque: Array, d: float, scratch: Array) -> None:
+def substep(
+    system: PinocchioSystem, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float, scratch: Array
+) -> None:
     """Take a linearly implicit Euler step in place, as :func:`hsr_pin.simulation.space.kernel.substep`."""
     for b in range(len(q)):
-        v[b] += d * acceleration(system, b, q[b], v[b], moment[b], torque[b], d)
+        v[b] += d * acceleration(system, b, q[b], v[b], z, moment[b], torque[b], d)
     q += d * v
 
 
-def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Array, torque: Array, d: float) -> Array:
+def acceleration(
+    system: PinocchioSystem, b: int, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float
+) -> Array:
     """Return the joint accelerations (3 N,) [rad/s^2] of one arm, with the implicit terms of a step of length d [s]."""
     a, model, data = system.arrays, system.models[b], system.data[b]
     whole, omega, drift, blocks = _in_bodies(q, v)
@@ -57,9 +61,32 @@ def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, moment: Ar
     drive = (a.share[b][:, None] * (a.inputs @ np.column_stack([parts, np.zeros(len(parts))]))).ravel()
     right = drive - spring * q - (damper + d * stiff) * v - moment - blocks.T @ bias
     left = blocks.T @ inertia @ blocks + np.diag(d * (drag + d * stiff))
+    if a.world.shape[1]:
+        added, force = _contacts(system, b, q, v, z, d)
+        left, right = left + added, right - force
     out = np.zeros(len(q))
     out[moves] = np.linalg.solve(left[np.ix_(moves, moves)], right[moves])
     return out
+
+
+def _contacts(system: PinocchioSystem, b: int, q: Array, v: Array, z: Array, d: float) -> tuple[Array, Array]:
+    """Return what contacts add to the mass matrix (3 N, 3 N) and to the required torque (3 N,) of an arm in a substep."""
+    reach, links = system.arrays.reach[b], len(q) // 3
+    g, work = np.empty((contact.POSES, links)), np.empty((kernel.SCRATCH, 3 * links))
+    contact.poses_in_space(q, v, system.arrays.world[b, 0, contact.START], reach, g)
+    kernel.place(q, v, work)
+    moves, drift = np.zeros((links, 6, 3 * links)), np.zeros((6, links))
+    axes, bias, omega = work[8:11].T, work[13].reshape(-1, 3), g[9:12].T  # axes (3 N, 3): one for each coordinate
+    for i in range(links):
+        moves[i, :3, : 3 * i + 3] = axes[: 3 * i + 3].T
+        for j in range(3 * i + 3):
+            moves[i, 3:, j] = np.cross(axes[j], g[:3, i] - g[:3, j // 3])
+        drift[:3, i] = bias[: i + 1].sum(axis=0)
+        if i:
+            along = reach[i - 1] * g[3:6, i - 1]
+            spun = np.cross(omega[i - 1], np.cross(omega[i - 1], along))
+            drift[3:, i] = drift[3:, i - 1] + np.cross(drift[:3, i - 1], along) + spun
+    return reference.contacts(system, b, g, moves, drift, z, d)
 
 
 def rigid_torques(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Array) -> Array:
@@ -127,6 +154,7 @@ def add_joint_moments(system: PinocchioSystem, q: Array, v: Array, z: Array, mom
 def update_states(system: PinocchioSystem, z: Array, start: Array, end: Array, elapsed: float, out: Array) -> None:
     """Compute the states of the laws after a motion, as :func:`hsr_pin.simulation.space.kernel.update_states`."""
     reference.updated_states(system.effects, z, bends(start), bends(end), elapsed, out)
+    reference.update_contacts(system, z, start, end, elapsed, out)
 
 
 def single_arm(system: PinocchioSystem, b: int) -> PinocchioSystem:
@@ -148,7 +176,7 @@ def python_loops() -> Loops:
     }
     for module, names in (
         (integrate, ("extrapolate", "integrate", "integrate_separately", "advance")),
-        (equilibrium, ("laws_at", "equilibrium")),
+        (equilibrium, ("laws_at", "rest_in_contact", "equilibrium")),
     ):
         for name in names:
             function = getattr(module, name)

@@ -24,7 +24,7 @@ class SpaceSystem(NamedTuple):
         twist, twist_damper: (B, N) torsional stiffness [Nm/rad] and damping [Nm s/rad]; infinite stiffness means no twist.
         gravity: (B, 3) acceleration of gravity [m/s^2].
         keq: (B,) bending stiffness of the whole arm [Nm/rad].
-        laws, numbers: as for planar arms.
+        laws, numbers, world, touch: as for planar arms.
         link: (B, K) index of the link that each load acts on; -1 for the fixed half link.
         place: (B, K) distance of each load from the joint of its link [m].
         inputs: (N, S) share of each section's torque that drives each joint.
@@ -47,18 +47,22 @@ class SpaceSystem(NamedTuple):
     keq: Array
     laws: NDArray[np.int64]
     numbers: Array
+    world: Array
+    touch: NDArray[np.int64]
     link: NDArray[np.int64]
     place: Array
     inputs: Array
 
 
-def space_system(arms: Arms, joints: dict[str, Array], points: Array) -> SpaceSystem:
+def space_system(arms: Arms, joints: dict[str, Array], points: Array, world: Array, touch: NDArray[np.int64]) -> SpaceSystem:
     """Return the arrays of arms in space without their laws.
 
     Args:
         arms: the arms including the effects on their bodies.
         joints: (B, N) each: spring, damper, stiff, drag, share, profile.
         points: (B, K) arc lengths of the loads [m].
+        world: (B, O, ENTRIES) obstacles.
+        touch: (4,) as for planar arms.
     """
     chain, links = chain_of(arms), arms.links
     with np.errstate(invalid="ignore"):
@@ -75,9 +79,10 @@ def space_system(arms: Arms, joints: dict[str, Array], points: Array) -> SpaceSy
         "gravity": -GRAVITY * base_rotations(arms)[:, 2],
         "keq": arms.keq,
         "numbers": np.zeros((0, 1, len(arms))),
+        "world": world,
         "place": points - first,
         "inputs": inputs(arms.sections, links),
     }
-    whole = {"laws": np.zeros((0, 4), dtype=np.int64), "link": link.astype(np.int64)}
+    whole = {"laws": np.zeros((0, 4), dtype=np.int64), "link": link.astype(np.int64), "touch": touch}
     arrays = {name: np.array(value, dtype=float, order="C") for name, value in fields.items()} | whole
     return SpaceSystem(**arrays)
