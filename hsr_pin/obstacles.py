@@ -60,8 +60,8 @@ class Surface(NamedTuple):
 SILICONE = Surface.of("silicone")
 #: Number of entries of an obstacle in the arrays of the simulation; see :func:`row`.
 ENTRIES = 19
-#: Entry of the coefficient of friction.
-FRICTION = 18
+#: Entries of the contact law.
+STIFFNESS, DISSIPATION, FRICTION = 16, 17, 18
 #: Kinds of shapes, as numbers in the arrays of the simulation.
 HALF_SPACE, SPHERE, CYLINDER, BOX = range(4)
 

@@ -47,8 +47,8 @@ class ArmModel:
 
 @lru_cache(maxsize=4096)
 def rigid_body(specification: ArmSpecification) -> ArmSpecification:
-    """Return the arm with the stiffness and damping of Table I, as its Pinocchio model does not depend on them."""
-    return replace(specification, keq=ArmSpecification.keq, damping=ArmSpecification.damping)
+    """Return the arm without obstacles, with the stiffness and damping of Table I: its Pinocchio model depends on neither."""
+    return replace(specification, keq=ArmSpecification.keq, damping=ArmSpecification.damping, obstacles=())
 
 
 def build_model(specification: ArmSpecification) -> ArmModel:

@@ -38,7 +38,7 @@ VERSIONS = {"plane": 1, "space": 2}
 #: Mass of a link of zero length, relative to that of the link after it.
 SLIGHT = 1e-6
 
-_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if field.name != "sections")
+_FIELDS = tuple(field.name for field in dataclasses.fields(ArmSpecification) if field.name not in ("sections", "obstacles"))
 #: Attributes of arms in space only, and attributes that are text.
 _OF_SPACE, _WORDS = ("bending", "torsion", "cross_tilt"), ("placement", "mount", "bending")
 

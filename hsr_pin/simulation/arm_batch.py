@@ -141,11 +141,22 @@ class ArmBatch:
         return sum(law.states for law in self.laws)
 
     @cached_property
+    def frames(self) -> Array:
+        """The axes (B, 3, 3) of the bases in the world, as rows.
+
+        In a plane: along the straight arm, towards positive bending, sideways; in space: towards positive bending, sideways,
+        along.
+        """
+        if self.space:
+            return base_rotations(self.arms).swapaxes(1, 2)
+        along, across = self.arms.frame()
+        return np.stack([along, across, np.cross(along, across)], axis=1)
+
+    @cached_property
     def world(self) -> Array:
         """The obstacles (B, O, ENTRIES) as :mod:`hsr_pin.simulation.contact` gets them."""
         arms = self.arms
-        frames = base_rotations(arms).swapaxes(1, 2) if self.space else planar_frames(arms)
-        rows = rows_in(frames, arms.obstacles)
+        rows = rows_in(self.frames, arms.obstacles)
         skin = np.empty((*rows.shape[:2], 3))
         radius = arms.diameter / 2
         start = joint_arc_lengths(arms.links, arms.placement)[0] * arms.length
@@ -246,7 +257,17 @@ def batch_key(scenario: Scenario) -> object:
     """Return the properties that scenarios must share to be simulated in one batch."""
     arm = scenario.arm
     kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
-    return arm.links, arm.placement, arm.mount, arm.bending, arm.sections, arm.obstacles, kinds, len(scenario.markers), len(scenario.loads)
+    return (
+        arm.links,
+        arm.placement,
+        arm.mount,
+        arm.bending,
+        arm.sections,
+        arm.obstacles,
+        kinds,
+        len(scenario.markers),
+        len(scenario.loads),
+    )
 
 
 def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> Array:
@@ -267,9 +288,3 @@ def along(effects: Sequence[Effect], hook: str, links: int, count: int = 1) -> A
     product = np.ascontiguousarray(np.moveaxis(product, 2, 0))  # (B, N, points): the order of summation is independent of B
     averaged = 1 / (_WEIGHTS / product).sum(axis=2) if hook == "stiffness" else (_WEIGHTS * product).sum(axis=2)
     return np.array(np.broadcast_to(averaged, (count, links)))
-
-
-def planar_frames(arms: Arms) -> Array:
-    """Return the axes (B, 3, 3), as rows, of the bases of planar arms: along the arm, towards positive bending, and sideways."""
-    along, across = arms.frame()
-    return np.stack([along, across, np.cross(along, across)], axis=1)

@@ -26,6 +26,8 @@ from hsr_pin.trajectory import Array
 _MESSAGE = "hsr_pin: compiling the inner loops, {often}; this takes about half a minute"
 _KEPT = "once on this machine"
 _LOST = "in every process (no writable folder to store them; set NUMBA_CACHE_DIR to one)"
+#: Functions of the inner loops that are called instead of copied to where they are needed.
+_CALLED = ("add_contacts", "add_joint_moments", "update_contacts", "update_states")
 _LOCK = threading.RLock()
 
 
@@ -101,7 +103,7 @@ def compile_loops(part: str, kernel: Any, equilibrium: Any, advance: Callable[..
     jit = compiler.jit
     plain: dict[str, Any] = {"ROWS": kernel.ROWS, "call_law": _caller()}
     for name in kernel.PARTS:
-        plain[name] = jit(getattr(kernel, name), inline=name not in ("add_joint_moments", "update_contacts", "update_states"), **plain)
+        plain[name] = jit(getattr(kernel, name), inline=name not in _CALLED, **plain)
     plain["mean_torque"] = plain.get("mean_torque") or jit(integrate.mean_torque, inline=True)
     plain["extrapolate"] = jit(integrate.extrapolate, **plain)
     for name in equilibrium.PARTS:

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.obstacles import BOX, CYLINDER, FRICTION, SPHERE
+from hsr_pin.obstacles import BOX, CYLINDER, DISSIPATION, FRICTION, SPHERE, STIFFNESS
 from hsr_pin.obstacles import ENTRIES as SHAPE
 from hsr_pin.simulation.code_cache import cached
 from hsr_pin.simulation.kernel import ADDED
@@ -119,8 +119,8 @@ def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float,
                 tx, ty, tz = oy * rz - oz * ry, oz * rx - ox * rz, ox * ry - oy * rx  # omega x r
                 ux, uy, uz = g[6, i] + tx, g[7, i] + ty, g[8, i] + tz
                 closing = -(nx * ux + ny * uy + nz * uz)
-                stiff = w[16] * length * max(1.0 + w[17] * closing, 0.0)
-                normal, tangential = d * (d * stiff + w[16] * length * w[17] * depth), 0.0
+                stiff = w[STIFFNESS] * length * max(1.0 + w[DISSIPATION] * closing, 0.0)
+                normal, tangential = d * (d * stiff + w[STIFFNESS] * length * w[DISSIPATION] * depth), 0.0
                 push = stiff * (depth + d * closing)
                 fx, fy, fz = push * nx, push * ny, push * nz
                 if w[FRICTION] > 0.0:
@@ -171,6 +171,23 @@ def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float,
                 out[24, i] += fx
                 out[25, i] += fy
                 out[26, i] += fz
+
+
+def elastic_energy(g: Array, reach: Array, world: Array, points: int) -> float:
+    """Return the elastic energy [J] of the contacts of an arm, normal to the surfaces; arguments as for :func:`press`."""
+    total = 0.0
+    for w in world:
+        for i in range(len(reach)):
+            half = reach[i] / 2
+            if distance(w, *(g[:3, i] + half * g[3:6, i]))[0] >= half + w[RADIUS]:
+                continue
+            for m in range(points):
+                length = reach[i] / points
+                if i == len(reach) - 1 and m == points - 1:
+                    length = length / 2 + w[END]
+                depth = w[RADIUS] - distance(w, *(g[:3, i] + reach[i] * (m + 1) / points * g[3:6, i]))[0]
+                total += w[STIFFNESS] * length * max(depth, 0.0) ** 2 / 2
+    return total
 
 
 def slide(start: Array, end: Array, b: Array, reach: Array, world: Array, points: int, out: Array) -> None:
@@ -245,7 +262,6 @@ def poses_in_space(q: Array, v: Array, start: float, reach: Array, g: Array) -> 
         vz += reach[i] * (ox * ey - oy * ex)
 
 
-
 #: The loops that the time integration calls by their addresses, with pointers to whole arrays; z are reals in a plane, complex
 #: numbers in space.
 _LOOPS = """
@@ -274,8 +290,9 @@ def compiled(space: bool) -> tuple[Any, Any]:
 
     name = "in_space" if space else "in_plane"
     scope = {
-        **globals(),
-        "carray": carray,
+        **{"np": np, "carray": carray, "POSES": POSES, "ADDED": ADDED, "COMPONENTS": COMPONENTS, "ENTRIES": ENTRIES},
+        "START": START,
+        "__name__": __name__,
         "poses": njit(with_helpers(poses_in_space if space else poses_in_plane)),
         "press": njit(with_helpers(press), fastmath={"contract"}),
         "slide": njit(with_helpers(slide)),

@@ -12,6 +12,7 @@ from hsr_pin.errors import InputError
 from hsr_pin.robot.chain import chain_of
 from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.command import deliver
+from hsr_pin.simulation.contact import POSES, START, elastic_energy, poses_in_plane, poses_in_space
 from hsr_pin.simulation.integrator import TOLERANCE
 from hsr_pin.simulation.reference import contact_moments
 from hsr_pin.simulation.scenario import Scenario, Settled
@@ -32,7 +33,7 @@ class Energy:
 
     Attributes:
         kinetic: kinetic energy of the links.
-        stored: potential energy in gravity, springs and laws, relative to the straight arm.
+        stored: potential energy in gravity, springs, laws and contacts, relative to the straight arm.
         work: work of the torque since the start.
         least: energy of the springs at a displacement for which the tolerance is a considerable share [J].
     """
@@ -71,8 +72,9 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     q, v = motion.joint_angles, motion.joint_rates
     assert q is not None and v is not None  # always present in a simulated motion
     least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
+    touching = _in_contacts(batch, q) if scenario.arm.obstacles else 0.0
     if batch.space:
-        return _in_space(scenario, batch, q, v, least)
+        return _in_space(scenario, batch, q, v, least, touching)
     start: Any = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
     with np.errstate(over="ignore", invalid="ignore"):  # excessive torque
         given = _arriving(batch, scenario, scenario.torque, start)[: len(q) - 1]
@@ -85,7 +87,7 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     kinetic = (chain.mass * (speeds**2).sum(axis=0) + chain.inertia * omega**2).sum(axis=1) / 2
     springs = (arrays.spring * q**2).sum(axis=1) / 2 + sum(_stored(batch, law, q) for law in batch.laws)
     height = (chain.mass * (chain.gravity[0] @ places.swapaxes(0, 1).reshape(len(q), 2, -1))).sum(axis=1)
-    return Energy(kinetic, springs - height, np.append(0.0, brought.cumsum()), least)
+    return Energy(kinetic, springs + touching - height, np.append(0.0, brought.cumsum()), least)
 
 
 def _arriving(batch: ArmBatch, scenario: Scenario, torque: Array, start: complex) -> Array:
@@ -93,7 +95,7 @@ def _arriving(batch: ArmBatch, scenario: Scenario, torque: Array, start: complex
     return np.asarray(np.diff(deliver(batch, torque[:, None], np.array([start]), scenario.step).impulse[0]))
 
 
-def _in_space(scenario: Scenario, batch: ArmBatch, q: Array, v: Array, least: float) -> Energy:
+def _in_space(scenario: Scenario, batch: ArmBatch, q: Array, v: Array, least: float, touching: Any) -> Energy:
     from hsr_pin.simulation.space.account import kinetic_and_height, twisting, work_of_loads
 
     bends = q[:, :, 0] + 1j * q[:, :, 1]
@@ -105,7 +107,7 @@ def _in_space(scenario: Scenario, batch: ArmBatch, q: Array, v: Array, least: fl
     for section, start in enumerate(scenario.initial_torque):
         given = _arriving(batch, scenario, scenario.command[:, section], start)[: len(q) - 1]
         brought = brought + (given.conj() * ways[:, section]).real
-    return Energy(kinetic, springs + height, np.append(0.0, brought.cumsum()), least)
+    return Energy(kinetic, springs + touching + height, np.append(0.0, brought.cumsum()), least)
 
 
 def energy_obstacle(scenario: Scenario) -> str:
@@ -113,8 +115,20 @@ def energy_obstacle(scenario: Scenario) -> str:
     remembering = [
         effect.name for effect in scenario.effects if effect.states or effect.memories or effect.acts_through("command_delay")
     ]
+    if any(obstacle.friction for obstacle in scenario.arm.obstacles):
+        remembering.append("friction with obstacles")
     turned = any(np.any(np.asarray(load.moment)) for load in scenario.loads)  # their work does not follow from the samples
     return ", ".join(remembering) or ("an interpolated command" if scenario.interpolated else "moments of loads" * turned)
+
+
+def _in_contacts(batch: ArmBatch, q: Array) -> Array:
+    """Return the elastic energy of contacts with obstacles (T,) [J]."""
+    g, reach, world, points = np.empty((POSES, batch.links)), batch.arrays.reach[0], batch.world[0], int(batch.touch[3])
+    poses, found = poses_in_space if batch.space else poses_in_plane, np.zeros(len(q))
+    for t, pose in enumerate(q.reshape(len(q), -1)):
+        poses(pose, np.zeros_like(pose), world[0, START], reach, g)
+        found[t] = elastic_energy(g, reach, world, points)
+    return found
 
 
 def _stored(batch: ArmBatch, law: Effect, q: Array) -> Array:

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.simulation.contact import RADIUS
-from hsr_pin.simulation.reference import ROWS, add_joint_moments, single_arm, substep, update_states
+from hsr_pin.simulation.integrate import extrapolate
+from hsr_pin.simulation.reference import ROWS, add_joint_moments, single_arm, update_states
 from hsr_pin.trajectory import Array
 
 #: Residual torque [N m] at which the search stops, and the residual torque that is accepted if rounding prevents a smaller one.
@@ -92,33 +93,37 @@ def newton_step(joint: Array, link: Array, residual: Array, step: Array, work: A
         step[i] = right[i] - right[i - 1]
 
 
-def rest_in_contact(system: Any, farthest: float, torque: Array, q: Array, z: Any) -> bool:
+def rest_in_contact(system: Any, farthest: float, impulse: Array, q: Array, z: Any) -> bool:
     """Find the pose in which one arm among obstacles rests, and return whether there is one.
 
-    The arm moves without inertia in the steps of the time integration while the load rises from zero. The steps become longer
-    until they are Newton's. The surfaces keep no friction at rest.
+    The arm moves without inertia, in steps of the time integration, while the load rises from zero. The steps become longer until
+    they are Newton's. The surfaces keep no friction at rest.
 
     Args:
         system: the arm.
         farthest: largest change of all angles in a step [rad], so that no obstacle is passed over.
-        torque: (1,) torque, or (1, U) torques and loads in space.
+        impulse: (1, 2) integral of the torque over a cell of unit length; in space (1, 2, U).
         q: (1, C) initial coordinates [rad]; overwritten with those at rest.
         z: (2, states, 1, N) workspace for the states.
     """
-    size = q.shape[1]
-    moment, v, still, trial, last = np.zeros((5, 1, size))
-    part, scratch = np.zeros_like(torque), np.zeros((ROWS, size))
+    still, last, work = np.zeros_like(q), np.zeros_like(q), np.zeros((7, 1, q.shape[1]))
+    once, part, drive, scratch = (
+        np.ones((2, 1)),
+        np.zeros_like(impulse),
+        np.zeros_like(impulse[:, 0]),
+        np.zeros((ROWS, q.shape[1])),
+    )
     d = _SHORT
     for step in range(_STEPS):
         share = min(1.0, (step + 1) / _RISE)
-        part[:] = share * torque
-        laws_at(system, q, still, z, moment)
-        v[:] = 0.0
-        trial[:] = q
-        substep(system, trial, v, z[1], moment, part, d, scratch)
+        part[:] = share * impulse
+        still[:] = 0.0
+        z[0] = 0.0
+        update_states(system, z[0], still, q, inf, z[1])
+        extrapolate(system, q, still, z[1], part, 0.0, 1.0, d, once, work, z[0], drive, scratch)
         moved, back = 0.0, 0.0
-        for i in range(size):
-            change = trial[0, i] - q[0, i]
+        for i in range(q.shape[1]):
+            change = work[0, 0, i] - q[0, i]
             moved += abs(change)
             back -= change * last[0, i]
         if not moved < inf:
@@ -126,12 +131,12 @@ def rest_in_contact(system: Any, farthest: float, torque: Array, q: Array, z: An
         if moved > farthest:
             d /= 2
             continue
-        if back > 0.25 * (last[0] ** 2).sum():  # the arm swings about its rest
+        if moved > _DONE and back > 0.25 * (last[0] ** 2).sum():  # the arm swings about its rest
             d /= 4
         else:
             d = min(2 * d, _LONG)
-        last[:] = trial - q
-        q[:] = trial
+        last[:] = work[0] - q
+        q[:] = work[0]
         if share == 1.0 and d == _LONG and moved < _DONE:
             return True
     return False
@@ -154,8 +159,9 @@ def equilibrium(system: Any, arrays: Any, torque: Array, wanted: Array, q: Array
         for b in range(count):
             if wanted[b]:
                 farthest = arrays.world[b, 0, RADIUS] / arrays.reach[b].sum()  # the tip moves by less than the arm's radius
-                one, z = single_arm(system, b), np.zeros((2, states, 1, links))
-                found[b] = rest_in_contact(one, farthest, torque[b : b + 1], q[b : b + 1], z)
+                impulse, z = np.zeros((1, 2)), np.zeros((2, states, 1, links))
+                impulse[0, 1] = torque[b]
+                found[b] = rest_in_contact(single_arm(system, b), farthest, impulse, q[b : b + 1], z)
             if not found[b]:
                 q[b] = 0.0
         return

@@ -21,7 +21,17 @@ ADDED = 27
 #: Rows of the scratch array; the last one is for the time integration.
 ROWS = SCRATCH + ADDED + 1
 #: Functions that are compiled, in the order of their dependencies.
-PARTS = ("add_contacts", "substep", "add", "interpolate", "bending_angle", "single_arm", "add_joint_moments", "update_contacts", "update_states")
+PARTS = (
+    "add_contacts",
+    "substep",
+    "add",
+    "interpolate",
+    "bending_angle",
+    "single_arm",
+    "add_joint_moments",
+    "update_contacts",
+    "update_states",
+)
 
 
 class System(NamedTuple):

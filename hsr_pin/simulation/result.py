@@ -8,6 +8,7 @@ from enum import Enum
 import numpy as np
 
 from hsr_pin.errors import SimulationFailure
+from hsr_pin.simulation.contact_forces import ContactForces, contact_forces
 from hsr_pin.simulation.energy import SUSPICIOUS, Energy, energy, energy_obstacle
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array, Trajectory
@@ -59,6 +60,10 @@ class SimulationResult:
     def energy(self) -> Energy:
         """Return the energy balance of the motion; raises the errors of :func:`hsr_pin.simulation.energy.energy`."""
         return energy(self.scenario, self.trajectory)
+
+    def contact_forces(self) -> ContactForces:
+        """Return the forces of the obstacles on the arm."""
+        return contact_forces(self.scenario, self.trajectory)
 
     @property
     def warning(self) -> str:

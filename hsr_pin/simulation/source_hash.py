@@ -12,8 +12,10 @@ from typing import Any
 
 _HERE = Path(__file__).parent
 _SOURCES = {
-    "contact": tuple(_HERE / f"{name}.py" for name in ("contact", "kernel", "laws", "space/kernel", "space/elements"))
-    + (_HERE.parent / "obstacles.py",),
+    "contact": (
+        *(_HERE / f"{name}.py" for name in ("contact", "kernel", "laws", "space/kernel", "space/elements")),
+        _HERE.parent / "obstacles.py",
+    ),
     "laws": (_HERE / "laws.py", _HERE.parent / "effects" / "effect.py"),
     "loops": tuple(_HERE / f"{name}.py" for name in ("kernel", "integrate", "equilibrium", "compiled")),
     "marker_projection": tuple(_HERE / f"{name}.py" for name in ("marker_projection", "compiled")),

@@ -149,7 +149,9 @@ def equilibrium(system: Any, arrays: Any, torque: Array, wanted: Array, q: Array
         one, pose, near, far, after = single_arm(system, b), q[b : b + 1], q[b].copy(), inf, inf
         if arrays.world.shape[1]:
             farthest = arrays.world[b, 0, RADIUS] / arrays.reach[b].sum()
-            found[b] = rest_in_contact(one, farthest, torque[b : b + 1], pose, z)
+            impulse = np.zeros((1, 2, torque.shape[1]))
+            impulse[0, 1] = torque[b]
+            found[b] = rest_in_contact(one, farthest, impulse, pose, z)
             if not found[b]:
                 q[b] = 0.0
             continue

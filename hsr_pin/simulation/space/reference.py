@@ -40,9 +40,7 @@ def substep(
     q += d * v
 
 
-def acceleration(
-    system: PinocchioSystem, b: int, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float
-) -> Array:
+def acceleration(system: PinocchioSystem, b: int, q: Array, v: Array, z: Array, moment: Array, torque: Array, d: float) -> Array:
     """Return the joint accelerations (3 N,) [rad/s^2] of one arm, with the implicit terms of a step of length d [s]."""
     a, model, data = system.arrays, system.models[b], system.data[b]
     whole, omega, drift, blocks = _in_bodies(q, v)

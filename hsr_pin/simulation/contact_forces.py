@@ -1,0 +1,82 @@
+"""The forces of obstacles on an arm, computed from its motion."""
+
+from __future__ import annotations
+
+from ctypes import CFUNCTYPE, c_double, c_int64, c_void_p
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hsr_pin.errors import InputError
+from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.contact import COMPONENTS, POSES, START, compiled, poses_in_plane, poses_in_space
+from hsr_pin.simulation.kernel import ADDED
+from hsr_pin.trajectory import Array, Trajectory
+
+if TYPE_CHECKING:
+    from hsr_pin.simulation.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """The forces of O obstacles on an arm of N links, in the world frame.
+
+    Attributes:
+        by_link: (T, O, N, 3) force on each link [N].
+        moments: (T, O, N, 3) moments of these forces about the origin [N m].
+    """
+
+    by_link: Array
+    moments: Array
+
+    @property
+    def force(self) -> Array:
+        """Force of each obstacle (T, O, 3) [N]."""
+        return np.asarray(self.by_link.sum(axis=2))
+
+    @property
+    def point(self) -> Array:
+        """Point (T, O, 3) on the line of action of each force that is closest to the origin [m]; NaN without contact."""
+        force, moment = self.force, self.moments.sum(axis=2)
+        square = (force**2).sum(axis=2, keepdims=True)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(np.where(square > 0, np.cross(force, moment) / square, np.nan))
+
+
+def contact_forces(scenario: Scenario, motion: Trajectory) -> ContactForces:
+    """Return the forces of the obstacles in a simulated motion.
+
+    Friction follows from the displacements between the samples, which must be dense enough to show where a surface turns back.
+
+    Raises:
+        InputError: the motion has no joint angles, as one that was recorded.
+    """
+    if motion.joint_angles is None or motion.joint_rates is None:
+        raise InputError("contact forces", expected="a simulated motion", received="a motion without joint angles")
+    batch = ArmBatch.of([scenario])
+    world, points, links = batch.world[0], int(batch.touch[3]), batch.links
+    press, slide = (
+        CFUNCTYPE(None, *[c_void_p] * 6, *[c_int64] * 5, *more)(function.address)
+        for function, more in zip(compiled(batch.space), ([c_double], []), strict=True)
+    )
+    q = np.ascontiguousarray(motion.joint_angles.reshape(len(motion.joint_angles), -1))
+    v = np.ascontiguousarray(motion.joint_rates.reshape(q.shape))
+    reach = np.ascontiguousarray(batch.arrays.reach[0])
+    states = np.zeros((2, len(world), points * COMPONENTS, links), dtype=complex if batch.space else float)
+    found = np.zeros((len(q), len(world), ADDED, links))
+    for t in range(len(q)):
+        for o in range(len(world)):
+            body, old, new = (np.ascontiguousarray(part) for part in (world[o], states[0, o], states[1, o]))
+            if t:
+                slide(*(part.ctypes.data for part in (old, q[t - 1], q[t], reach, body, new)), 1, 0, links, 1, points)
+            states[0, o] = new
+            press(*(part.ctypes.data for part in (q[t], v[t], new, reach, body, found[t, o])), 1, 0, links, 1, points, 0.0)
+    g, poses = np.empty((POSES, links)), poses_in_space if batch.space else poses_in_plane
+    joint = np.empty((len(q), 1, links, 3))
+    for t in range(len(q)):
+        poses(q[t], v[t], world[0, START] if len(world) else 0.0, reach, g)
+        joint[t, 0] = g[:3].T
+    force, moment = -found[:, :, 24:27].swapaxes(2, 3), -found[:, :, 21:24].swapaxes(2, 3)
+    frame = batch.frames[0]
+    return ContactForces(force @ frame, (moment + np.cross(joint, force)) @ frame)
