@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hsr_pin.errors import InputError, SpecificationError, quoted
+from hsr_pin.obstacles import Obstacle
 from hsr_pin.parameters import finite
 
 Array = NDArray[np.float64]
@@ -229,6 +230,7 @@ class Dataset(Mapping[str, "Trial"]):
         smoothed: window of the moving average that was applied to the tracks, an odd number of samples, 1 for none; None if it is
             not declared.
         weighed: whether the mass is known, so that no fit changes it.
+        obstacles: rigid bodies that the arm may touch.
     """
 
     name: str
@@ -247,6 +249,7 @@ class Dataset(Mapping[str, "Trial"]):
     chain: tuple[int, str] | None = None
     smoothed: int | None = None
     weighed: bool = False
+    obstacles: tuple[Obstacle, ...] = ()
 
     def __getitem__(self, name: str) -> Trial:
         return {trial.name: trial for trial in self.trials}[name]

@@ -50,6 +50,22 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
     metavar="NAME:PARAM=VALUE",
     help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
 )
+@click.option("--ground", type=float, multiple=True, metavar="Z", help="Add a floor at this height [m]; the base is at 0.")
+@click.option("--wall", type=float, multiple=True, metavar="X", help="Add a wall across x at this place [m], facing the base.")
+@click.option(
+    "--post",
+    type=(float, float, float),
+    multiple=True,
+    metavar="X Z R",
+    help="Add a post across the plane of the arm, with its centre and its radius [m]; may be repeated.",
+)
+@click.option(
+    "--material",
+    metavar="WORD",
+    default="silicone",
+    show_default=True,
+    help="Softer surface of arm and obstacles: foam, silicone, rubber, plastic or metal.",
+)
 @click.option(
     "--against",
     metavar="DATASET",
@@ -104,7 +120,7 @@ def _print_and_write(runs: list[Run], options: dict[str, Any]) -> None:
 
 
 #: Options that may be combined with ``--against``, as the recording does not determine them.
-_WITH_AGAINST = ("against", "links", "placement", "effects", "as_json", "dynamics")
+_WITH_AGAINST = ("material", "against", "links", "placement", "effects", "as_json", "dynamics")
 
 
 def _compare(options: dict[str, Any]) -> None:

@@ -70,8 +70,9 @@ def title(runs: Sequence[Run], dynamics: str) -> str:
     stiffness = "" if len({run.arm.keq for run in runs}) > 1 else f", Keq {arm.keq:.4g} Nm/rad, C {arm.damping:.4g} Nm s/rad"
     effects = "".join(f", {effect.name}" for effect in runs[0].effects)
     links = "1 link" if arm.links == 1 else f"{arm.links} links"
+    obstacles = "" if not arm.obstacles else f", {len(arm.obstacles)} obstacle" + "s" * (len(arm.obstacles) > 1)
     space = ", in space" if arm.bending == "space" else ""
-    return f"{links}{space}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{effects}"
+    return f"{links}{space}{stiffness}, {arm.mount}, joints at {arm.placement}, {dynamics.upper()}{obstacles}{effects}"
 
 
 def _cells(run: Run) -> list[str]:

@@ -13,6 +13,7 @@ from hsr_pin.cli.progress import progress
 from hsr_pin.effects.catalogue import parse_effect
 from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError, PressureError, SimulationFailure
+from hsr_pin.obstacles import Cylinder, HalfSpace, Obstacle, Surface
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.robot.combinations import Combination, combinations
 from hsr_pin.robot.pressure import PAPER
@@ -20,8 +21,9 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.drive import Drive, checked_duration, pressure_step, torque_step
 from hsr_pin.simulation.measures import TipMeasures, measure_tip
 from hsr_pin.simulation.motion import Dynamics, default_dynamics
+from hsr_pin.simulation.result import SimulationResult
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.trajectory import Dataset, Trajectory, Trial
+from hsr_pin.trajectory import Array, Dataset, Trajectory, Trial
 
 _DURATION = 3.0
 #: Description of every dataset that is written here.
@@ -37,6 +39,7 @@ class Run:
         trajectory: simulated motion; None before the simulation.
         tabulated: row of Table II of the paper that the run reproduces, if any.
         notes: notes for the user, one sentence each.
+        forces: (2, T, O, 3) forces of the obstacles [N], and the points where they act [m]; None without obstacles.
     """
 
     arm: ArmSpecification
@@ -45,6 +48,7 @@ class Run:
     trajectory: Trajectory | None = None
     tabulated: Combination | None = None
     notes: tuple[str, ...] = ()
+    forces: Array | None = None
 
     @property
     def torque(self) -> float:
@@ -94,7 +98,7 @@ class Run:
     @property
     def drawn(self) -> Drawn:
         """Run in the form used for pictures."""
-        return Drawn(self.label, self.arm, self.motion)
+        return Drawn(self.label, self.arm, self.motion, forces=self.forces)
 
 
 def planned(options: dict[str, Any]) -> list[Run]:
@@ -112,7 +116,7 @@ def planned(options: dict[str, Any]) -> list[Run]:
     duration = checked_duration(_DURATION if options["duration"] is None else options["duration"])
     runs = [_from_pressures(options, pair, duration) for pair in options["pressures"]]
     if options["torque"] or not stepped:
-        arm = arm_from(options)
+        arm = _arm(options)
         runs += [Run(arm, torque_step(arm, torque, duration)) for torque in options["torque"]]
         if not stepped:
             runs = [_from_table(arm, row, duration) for row in _tabulated(arm.keq)]
@@ -122,9 +126,18 @@ def planned(options: dict[str, Any]) -> list[Run]:
     return runs
 
 
+def _arm(options: dict[str, Any]) -> ArmSpecification:
+    """Return the arm with the obstacles that the options describe."""
+    surface = Surface.of(options["material"])._asdict()
+    obstacles: list[Obstacle] = [HalfSpace(point=(0.0, 0.0, height), **surface) for height in options["ground"]]
+    obstacles += [HalfSpace(point=(x, 0.0, 0.0), normal=(-np.copysign(1.0, x), 0.0, 0.0), **surface) for x in options["wall"]]
+    obstacles += [Cylinder(centre=(x, 0.0, z), radius=radius, **surface) for x, z, radius in options["post"]]
+    return replace(arm_from(options), obstacles=tuple(obstacles))
+
+
 def common_dynamics(runs: list[Run]) -> Dynamics:
     """Return the default dynamics for the longest chain of all runs."""
-    return default_dynamics(max(run.arm.links for run in runs), runs[0].arm.bending == "space")
+    return default_dynamics(max((run.arm for run in runs), key=lambda arm: arm.links))
 
 
 def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
@@ -139,9 +152,28 @@ def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:
             result = simulate(run.drive.scenario(run.arm, run.effects), dynamics=dynamics)
         except SimulationFailure as failure:
             raise SimulationFailure(f"run {number} ({run.label}): {failure}", failure.result) from failure
-        warnings = (result.warning,) if result.warning else ()
-        done.append(replace(run, trajectory=run.drive.noted_in(result.trajectory), notes=run.notes + warnings))
+        run = replace(run, trajectory=run.drive.noted_in(result.trajectory))
+        if run.arm.obstacles:
+            found = result.contact_forces()
+            run = replace(run, forces=np.stack([found.force, found.point]), notes=(*run.notes, *_contacts(result, found.force)))
+        done.append(replace(run, notes=(*run.notes, result.warning) if result.warning else run.notes))
     return done
+
+
+def _contacts(result: SimulationResult, forces: Array) -> list[str]:
+    """Return a sentence on the contact with each obstacle, from the forces (T, O, 3) [N]."""
+    obstacles, time = result.scenario.arm.obstacles, result.trajectory.time
+    found = []
+    for number, (obstacle, force) in enumerate(zip(obstacles, np.linalg.norm(forces, axis=2).T, strict=True), 1):
+        name = f"obstacle {number} ({obstacle.shape.replace('_', ' ')})"
+        if not force.any():
+            found.append(f"{name}: no contact")
+            continue
+        found.append(
+            f"{name}: contact from {time[np.argmax(force > 0)]:.3g} s, "
+            f"largest force {force.max():.3g} N, {force[-1]:.3g} N at the end"
+        )
+    return found
 
 
 def dataset(runs: list[Run], dynamics: str) -> Dataset:
@@ -162,6 +194,7 @@ def dataset(runs: list[Run], dynamics: str) -> Dataset:
         ),
         description=DESCRIPTION,
         chain=(arm.links, arm.placement),
+        obstacles=arm.obstacles,
         notes=(f"simulated: {arm.links} links, placement {arm.placement}, dynamics {dynamics}, effects {effects}",),
     )
 
@@ -203,7 +236,7 @@ def _from_table(arm: ArmSpecification, row: Combination, duration: float) -> Run
 
 def _from_pressures(options: dict[str, Any], pair: tuple[float, float], duration: float) -> Run:
     own = {"keq": repr(float(PAPER.stiffness(pair)))} if options["keq"] is None else {}
-    arm = arm_from(options | own)
+    arm = _arm(options | own)
     return Run(arm, pressure_step(arm, pair, duration), notes=_stiffness_note(arm, pair))
 
 
@@ -222,7 +255,7 @@ def _stiffness_note(arm: ArmSpecification, pair: tuple[float, float]) -> tuple[s
 def _from_file(options: dict[str, Any], effects: tuple[Effect, ...]) -> Run:
     from hsr_pin.recordings.command_file import read_commands  # imported here, as it is not needed without a file
 
-    arm = arm_from(options)
+    arm = _arm(options)
     commands = read_commands(options["input_file"], max_pressure=PAPER.max_pressure, duration=options["duration"])
     torque = commands.torque if commands.pressures is None else PAPER.torque(commands.pressures, arm.keq)
     assert torque is not None  # a file has either torques or pressures

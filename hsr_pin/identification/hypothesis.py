@@ -253,21 +253,9 @@ class Hypothesis:
                 else "laws that are defined for planar arms"
             )
             raise IdentificationError("effects", expected=expected, received=wrong)
-        declared = self.declared(experiment, run)
-        numbers = {name: np.full(len(values), float(getattr(declared, name))) for name in Arms.NUMBERS}
-        for name, number in _FACTORS.items():
-            numbers[number] = numbers[number] * self.factor(name, run, values)
-        return ArmBatch(
-            Arms(
-                declared.links,
-                declared.placement,
-                declared.mount,
-                bending=declared.bending,
-                sections=declared.sections,
-                **numbers,
-            ),
-            self.effects_at(values, run.trial.keq / experiment.levels[0], run.trial.keq),
-        )
+        arms = Arms.of([self.declared(experiment, run)] * len(values))
+        scaled = {number: getattr(arms, number) * self.factor(name, run, values) for name, number in _FACTORS.items()}
+        return ArmBatch(replace(arms, **scaled), self.effects_at(values, run.trial.keq / experiment.levels[0], run.trial.keq))
 
     def declared(self, experiment: Prepared, run: Run) -> ArmSpecification:
         """Return the arm as declared for a run, on this chain, with an extended bending limit for fits."""

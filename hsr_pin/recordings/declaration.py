@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
+from hsr_pin.obstacles import Obstacle
 from hsr_pin.recordings.document import Section, read_document
+from hsr_pin.recordings.obstacles import obstacles_of
 from hsr_pin.recordings.plausible import implausible_payload, implausible_size
 from hsr_pin.recordings.poses import PARTS
 from hsr_pin.recordings.sections import channels_of, declared_whole, sections_of, torque_columns
@@ -76,6 +78,7 @@ class Declaration:
     chain: tuple[int, str] | None
     smoothed: int | None
     weighed: bool
+    obstacles: tuple[Obstacle, ...]
 
     @property
     def inputs(self) -> tuple[tuple[str, ...], ...]:
@@ -100,7 +103,17 @@ def read_declaration(path: Path) -> Declaration:
     """
     top = read_document(path)
     newer = _version(top) == VERSIONS[1]
-    top.only("format", "name", "description", "robot", "marker", "trial", "simulation", *(_TABLES_IN_SPACE if newer else ()))
+    top.only(
+        "format",
+        "name",
+        "description",
+        "robot",
+        "marker",
+        "trial",
+        "simulation",
+        "obstacle",
+        *(_TABLES_IN_SPACE if newer else ()),
+    )
     robot = top.section("robot")
     robot.only(*_ROBOT, *(_ROBOT_IN_SPACE if newer else ()))
     length = robot.number("length", "m")
@@ -145,6 +158,7 @@ def read_declaration(path: Path) -> Declaration:
         chain=_chain(top),
         smoothed=_smoothed(robot),
         weighed=_weighed(robot),
+        obstacles=obstacles_of(top),
         posed=tuple(m for m, values in zip(markers, top.values["marker"], strict=True) if values.get("orientation")),
     )
     taken = {*declaration.columns, *torque_columns(len(sections))}

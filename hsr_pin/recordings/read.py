@@ -81,6 +81,7 @@ def read_dataset(path: str | Path) -> Dataset:
         chain=declaration.chain,
         smoothed=declaration.smoothed,
         weighed=declaration.weighed,
+        obstacles=declaration.obstacles,
     )
 
 

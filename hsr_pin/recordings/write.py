@@ -13,6 +13,7 @@ import numpy as np
 from hsr_pin.errors import OutputError, RecordingError
 from hsr_pin.output import DRAFT, draft_of, left_by_killed
 from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSIONS, read_declaration
+from hsr_pin.recordings.obstacles import obstacle_lines
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.sections import torque_columns
 from hsr_pin.trajectory import Channel, Dataset, Section, Trajectory, Trial
@@ -160,6 +161,7 @@ def _declaration(dataset: Dataset) -> str:
         lines.append(_entry("torsion", dataset.torsion, "Nm/rad"))
     damped = any(trial.damping is not None for trial in dataset.trials)
     lines += [line for section in dataset.sections for line in _section(section, damped)]
+    lines += [line for obstacle in dataset.obstacles for line in obstacle_lines(obstacle)]
     lines += [line for channel in dataset.channels for line in _channel(channel)]
     if dataset.chain:
         links, placement = dataset.chain

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from hsr_pin.replay.bodies import Body, bodies, poses
 from hsr_pin.replay.drawn import Drawn
 from hsr_pin.replay.labels import label
+from hsr_pin.replay.obstacles import COLOUR, FORCE, arrows, shape
 from hsr_pin.replay.viewer import Path, Visualizer
 from hsr_pin.replay.viewer import animation as ma
 from hsr_pin.replay.viewer import geometry as mg
@@ -73,6 +74,8 @@ def draw(viewer: Visualizer, runs: Sequence[Drawn]) -> Clip:
         _draw_trail(place["simulated_trail"], run.tip_path + _front(run), colour, 0.06 * run.arm.diameter)
         if run.measured is not None:
             _draw_measured(place, run, clip, animation)
+        if run.arm.obstacles:
+            _draw_obstacles(place, run, clip, animation, float(np.linalg.norm(high - low)))
         if len(runs) > 1:
             height = 0.1 * run.arm.length
             place["label"].set_object(*label(run.label.split(" (")[0], f"#{colour:06x}", height))
@@ -156,6 +159,25 @@ def _draw_measured(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Anim
     if run.tip in run.common:
         trail = run.measured.marker(run.tip.name) + front
         _draw_trail(place["measured_trail"], trail, MEASURED, 0.08 * run.arm.diameter, between=False)
+
+
+def _draw_obstacles(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Animation, extent: float) -> None:
+    for number, obstacle in enumerate(run.arm.obstacles, 1):
+        node = place[f"obstacle_{number}"]
+        geometry, placement = shape(obstacle, extent)
+        node.set_object(geometry, mg.MeshLambertMaterial(color=COLOUR))
+        node.set_transform(placement)
+    if run.forces is None:
+        return
+    starts, ends = arrows(run.forces[0], run.forces[1], extent)
+    front = _front(run)
+    for o in range(starts.shape[1]):
+        node = place[f"force_{o + 1}"]
+        node.set_object(mg.Cylinder(1.0, 1.0), mg.MeshBasicMaterial(color=FORCE))
+        start, end = (_at_frames(clip.time, run.simulated.time, points[:, o]) for points in (starts, ends))
+        seen = np.isfinite(start).all(axis=1) & np.isfinite(end).all(axis=1)
+        rod = _rod(np.nan_to_num(start) + front, np.nan_to_num(end) + front, 0.05 * run.arm.diameter)
+        _animate(animation, node.path, clip, visible=seen, **rod)
 
 
 def _draw_trail(node: Visualizer, path: Array, colour: int, size: float, *, between: bool = True) -> None:

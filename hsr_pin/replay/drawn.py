@@ -19,12 +19,14 @@ class Drawn:
         arm: the simulated arm.
         simulated: simulated motion, with joint angles.
         measured: measured motion of the same markers; None without a measurement.
+        forces: (2, T, O, 3) forces of the obstacles of the arm [N], and the points where they act [m]; None if unknown.
     """
 
     label: str
     arm: ArmSpecification
     simulated: Trajectory
     measured: Trajectory | None = None
+    forces: Array | None = None
 
     def __post_init__(self) -> None:
         angles = self.simulated.joint_angles

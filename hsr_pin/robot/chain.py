@@ -56,7 +56,15 @@ class Arms:
         first = specifications[0]
         assert all(getattr(other, name) == getattr(first, name) for other in specifications for name in _SAME)
         numbers = {n: np.array([getattr(s, n) for s in specifications], dtype=float) for n in cls.NUMBERS}
-        return cls(first.links, first.placement, first.mount, bending=first.bending, sections=first.sections, obstacles=first.obstacles, **numbers)
+        return cls(
+            first.links,
+            first.placement,
+            first.mount,
+            bending=first.bending,
+            sections=first.sections,
+            obstacles=first.obstacles,
+            **numbers,
+        )
 
     def __len__(self) -> int:
         return len(self.keq)

@@ -132,6 +132,7 @@ class ArmSpecification:
             bending=dataset.bending,  # type: ignore[arg-type]
             torsion=dataset.torsion,
             sections=dataset.sections,
+            obstacles=dataset.obstacles,
         )
         return replace(declared, **changes)
 

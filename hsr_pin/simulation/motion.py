@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hsr_pin.errors import InputError
+from hsr_pin.robot.chain import Arms
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation import equilibrium, integrate, reference
 from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.command import Delivered, apply_compiled_law, apply_numpy_law, deliver
@@ -25,14 +27,14 @@ Dynamics = Literal["compiled", "aba", "rnea"]
 MANY_LINKS = 64
 
 
-def default_dynamics(links: int, space: bool) -> Dynamics:
-    """Return the default dynamics of an arm: Pinocchio for few links, the compiled loops for many.
+def default_dynamics(arm: ArmSpecification | Arms) -> Dynamics:
+    """Return the default dynamics of an arm: Pinocchio for few links, the compiled loops for many or among obstacles.
 
     The memory of Pinocchio grows with the cube of the number of links, that of the compiled loops linearly.
     """
-    if links > MANY_LINKS:
+    if arm.links > MANY_LINKS or arm.obstacles:
         return "compiled"
-    return "rnea" if space else "aba"
+    return "rnea" if arm.bending == "space" else "aba"
 
 
 @dataclass(frozen=True, eq=False)

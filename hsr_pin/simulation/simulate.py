@@ -23,7 +23,8 @@ def simulate(
     Args:
         scenario: the arm, its command and its initial state.
         dynamics: "aba" or "rnea" with Pinocchio, which start immediately, or "compiled", which is a hundred times as fast for
-            many scenarios. Default: "aba", for an arm in space "rnea", for more than 64 links "compiled".
+            many scenarios. Default: "aba", for an arm in space "rnea", for more than 64 links or among obstacles
+            "compiled".
         integrator: a name from ``hsr_pin.simulation.integrator``.
         tolerance: largest error of a step, at the tip [m].
         step: largest step length [s], used instead of a tolerance.
@@ -32,6 +33,6 @@ def simulate(
     Raises:
         SimulationFailure: the arm exceeded its bending limit, the motion diverged, or there is no initial equilibrium.
     """
-    dynamics = dynamics or default_dynamics(scenario.arm.links, scenario.arm.bending == "space")
+    dynamics = dynamics or default_dynamics(scenario.arm)
     (result,) = simulate_batch([scenario], dynamics=dynamics, integrator=integrator, tolerance=tolerance, step=step)
     return result.raise_on_failure() if raise_on_failure else result

@@ -119,14 +119,14 @@ def test_friction_holds_an_arm_round_a_post_up_to_the_exponential_of_the_angle()
     bent = np.zeros((80, 3))
     bent[30:49, 0] = np.pi / 2 / 19  # it hangs over the post
     limit = np.exp(friction * np.pi / 2)
-    for pull, slides in ((0.8 * limit, False), (1.3 * limit, True)):
+    for pull, slides in ((0.8 * limit, False), (1.15 * limit, True)):
         loads = (Load(0.14, force=(-pull, 0.0, 0.0)), Load(0.4, force=(0.0, 0.0, -1.0)))
         run = simulate(Scenario(arm, time, np.zeros((301, 2)), Pose(bent), loads=loads), dynamics="compiled")
         horizontal, _, vertical = run.contact_forces().force[-1, 0]
         way = run.trajectory.positions[-1, -1, 2] - run.trajectory.positions[-101, -1, 2]
         if slides:
             assert horizontal / vertical == pytest.approx(limit, rel=0.02)
-            assert way > 1e-3
+            assert way > 5e-4
         else:
             assert horizontal / vertical < 0.98 * limit
             assert abs(way) < 2e-5
@@ -137,7 +137,7 @@ def test_a_long_step_is_one_of_newtons_and_returns_to_rest(space):
     """The implicit part of a contact is its exact stiffness: the error after a step is of second order."""
     ground = replace(GROUND, friction=0.0)
     arm = ArmSpecification(
-        links=6, placement="shifted", mount="horizontal", keq=1.0, tip_mass=0.3, obstacles=(ground,), **({"bending": "space"} if space else {})
+        links=6, placement="shifted", mount="horizontal", keq=1.0, tip_mass=0.3, obstacles=(ground,), bending=("plane", "space")[space]
     )  # fmt: skip
     torque = np.zeros((2, 2)) if space else np.zeros(2)
     scenario = Scenario(arm, np.array([0.0, 0.01]), torque)

@@ -70,7 +70,7 @@ def test_inverse_dynamics_undoes_forward_dynamics():
     batch.__dict__["arrays"] = batch.arrays._replace(stiff=0 * q, drag=0 * q)  # a plain step of length 1
     moment, after = np.zeros_like(q), v.copy()
     add_joint_moments(batch.pinocchio("aba"), q, v, np.zeros((0, 6, 4)), moment)
-    kernel.substep(batch.arrays, q.copy(), after, moment, torque, 1.0, np.zeros((kernel.SCRATCH, 4)))
+    kernel.substep(batch.arrays, q.copy(), after, moment[None][:0], moment, torque, 1.0, np.zeros((kernel.SCRATCH, 4)))
     found = joint_torques(ARM, q, v, after - v, laws)
     np.testing.assert_allclose(found, np.repeat(torque[:, None], 4, axis=1), rtol=0, atol=1e-11)
 

@@ -73,7 +73,7 @@ def test_accelerations_of_the_recursion_are_those_of_the_mass_matrix(placement, 
     after = []
     for way, system in ((kernel, batch.arrays), (reference, batch.pinocchio("rnea"))):
         rates = v.copy()
-        way.substep(system, q.copy(), rates, moment, np.tile(np.linspace(-1, 1, 14), (4, 1)), 0.01, np.zeros((kernel.ROWS, 15)))
+        way.substep(system, q.copy(), rates, np.zeros((0, 4, 5), complex), moment, np.tile(np.linspace(-1, 1, 14), (4, 1)), 0.01, np.zeros((kernel.ROWS, 15)))
         after.append(rates)
     assert np.abs(after[0] - after[1]).max() < 1e-10 * np.abs(after[0] - v).max()
 
