@@ -8,7 +8,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "hsr_pin"
 
 #: Each room may import itself and the rooms before it.
-FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "trajectory"]
+FOUNDATION = ["collector", "errors", "loopback", "resources", "output", "parallel", "parameters", "obstacles", "trajectory"]
 WAY = [*FOUNDATION, "robot", "effects", "simulation", "inference", "identification", "diagnosis"]
 #: What else a command may call.
 MAY_SHOW = ["report", "explain", "robots"]

@@ -137,7 +137,7 @@ def _arm(options: dict[str, Any]) -> ArmSpecification:
 
 def common_dynamics(runs: list[Run]) -> Dynamics:
     """Return the default dynamics for the longest chain of all runs."""
-    return default_dynamics(max((run.arm for run in runs), key=lambda arm: arm.links))
+    return default_dynamics(max((run.arm for run in runs), key=lambda arm: arm.links), runs[0].effects)
 
 
 def simulated(runs: list[Run], dynamics: Dynamics) -> list[Run]:

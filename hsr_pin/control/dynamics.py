@@ -27,7 +27,7 @@ from hsr_pin.trajectory import Array
 
 #: Methods through which known effects may act, so that the model stays linear in springs, dampers and input.
 _KNOWABLE = ("arm", "stiffness", "damping", "actuation")
-_HOOKS = (*_KNOWABLE, "actuator_response", "command_delay", "moment", "contact_force", "update", "observe")
+_HOOKS = (*_KNOWABLE, "actuator_response", "command_delay", "moment", "contact_force", "obstacle", "update", "observe")
 
 
 @dataclass(frozen=True, eq=False)

@@ -250,6 +250,14 @@ class Effect(ABC):
         """
         return 0.0 * aside
 
+    def obstacle(self, length: Array, diameter: Array) -> Array | None:
+        """Return an obstacle that planar arms touch, as :func:`hsr_pin.obstacles.row`, (B, ENTRIES); None if there is none.
+
+        Its axes are those of the base: along the straight arm, towards positive bending, and sideways. The ``length`` and the
+        ``diameter`` of the arms (B,) are in [m].
+        """
+        return None
+
     @staticmethod
     def place(p: Any) -> Any:
         """Return the relative arc length at which the force of :meth:`contact_force` acts; the default is the tip."""

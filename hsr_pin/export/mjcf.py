@@ -140,7 +140,7 @@ def _equilibrium(model: CorrectedModel) -> Array:
     from hsr_pin.simulation.motion import Engine, default_dynamics
 
     batch = model.batch
-    engine = Engine(batch, default_dynamics(batch.arms))
+    engine = Engine(batch, default_dynamics(batch.arms, batch.effects))
     nothing = np.zeros((1, model.inputs), dtype=complex) if batch.space else np.zeros(1)
     command = engine.deliver(np.zeros((2, *nothing.shape), dtype=nothing.dtype), nothing, 1.0)
     pose, found = engine.settled(command.initial, np.ones(1, dtype=bool), np.zeros((1, batch.coordinates)))

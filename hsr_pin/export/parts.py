@@ -62,7 +62,7 @@ def sort(model: CorrectedModel, major: int) -> Parts:
                 missing.append(f"{effect.name}: {why} ({numbers(effect)})")
             else:
                 called.append(effect)
-        elif effect.acts_through("contact_force"):
+        elif effect.acts_through("contact_force") or effect.acts_through("obstacle"):
             missing.append(f"{effect.name}: add the contact of the arm to the world of MuJoCo ({numbers(effect)})")
     muscles = [effect for effect in model.batch.actuator_effects if any(_is_on(effect))]
     delay = float(sum(np.max(effect.command_delay()) for effect in muscles))

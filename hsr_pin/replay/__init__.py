@@ -5,6 +5,7 @@
 - ``drawn``: Drawn: a run as input of every picture
 - ``labels``: text in the scene
 - ``live``: animation in the browser
+- ``obstacles``: obstacles and their forces
 - ``page``: animation as a self-contained HTML file
 - ``plots``: figures of tip paths and errors
 - ``viewer``: meshcat, imported without its warnings

@@ -7,6 +7,8 @@
 - ``code_cache``: the cache of machine code, tolerant of damaged files and a full disk
 - ``command``: the torque that arrives at the arms for a known command
 - ``compiled``: the loops as machine code
+- ``contact``: forces of obstacles and the state of friction, for the compiler
+- ``contact_forces``: the forces of obstacles in a motion
 - ``drive``: commands over time: steps of torque or pressure, and commands from files
 - ``energy``: the energy balance of a motion
 - ``equilibrium``: the equilibrium pose of an arm under a constant torque

@@ -72,7 +72,7 @@ def energy(scenario: Scenario, motion: Trajectory) -> Energy:
     q, v = motion.joint_angles, motion.joint_rates
     assert q is not None and v is not None  # always present in a simulated motion
     least = scenario.arm.keq * (_SMALL * TOLERANCE / scenario.arm.length) ** 2 / 2
-    touching = _in_contacts(batch, q) if scenario.arm.obstacles else 0.0
+    touching = _in_contacts(batch, q) if batch.world.shape[1] else 0.0
     if batch.space:
         return _in_space(scenario, batch, q, v, least, touching)
     start: Any = scenario.start.torque if isinstance(scenario.start, Settled) else scenario.torque[0]
@@ -115,7 +115,7 @@ def energy_obstacle(scenario: Scenario) -> str:
     remembering = [
         effect.name for effect in scenario.effects if effect.states or effect.memories or effect.acts_through("command_delay")
     ]
-    if any(obstacle.friction for obstacle in scenario.arm.obstacles):
+    if ArmBatch.of([scenario]).touch[2] >= 0:
         remembering.append("friction with obstacles")
     turned = any(np.any(np.asarray(load.moment)) for load in scenario.loads)  # their work does not follow from the samples
     return ", ".join(remembering) or ("an interpolated command" if scenario.interpolated else "moments of loads" * turned)

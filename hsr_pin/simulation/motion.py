@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from hsr_pin.effects.effect import Effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.specification import ArmSpecification
@@ -27,12 +28,12 @@ Dynamics = Literal["compiled", "aba", "rnea"]
 MANY_LINKS = 64
 
 
-def default_dynamics(arm: ArmSpecification | Arms) -> Dynamics:
+def default_dynamics(arm: ArmSpecification | Arms, effects: Sequence[Effect] = ()) -> Dynamics:
     """Return the default dynamics of an arm: Pinocchio for few links, the compiled loops for many or among obstacles.
 
     The memory of Pinocchio grows with the cube of the number of links, that of the compiled loops linearly.
     """
-    if arm.links > MANY_LINKS or arm.obstacles:
+    if arm.links > MANY_LINKS or arm.obstacles or any(effect.acts_through("obstacle") for effect in effects):
         return "compiled"
     return "rnea" if arm.bending == "space" else "aba"
 

@@ -33,6 +33,6 @@ def simulate(
     Raises:
         SimulationFailure: the arm exceeded its bending limit, the motion diverged, or there is no initial equilibrium.
     """
-    dynamics = dynamics or default_dynamics(scenario.arm)
+    dynamics = dynamics or default_dynamics(scenario.arm, scenario.effects)
     (result,) = simulate_batch([scenario], dynamics=dynamics, integrator=integrator, tolerance=tolerance, step=step)
     return result.raise_on_failure() if raise_on_failure else result

@@ -133,14 +133,17 @@ def growth(name, frequencies, ratio):
     model.appendBodyToJoint(1, pin.Inertia(1.0, np.zeros(3), np.zeros((3, 3))), pin.SE3.Identity())
     count = len(frequencies)
     spring, damper = frequencies[:, None] ** 2, 2 * ratio * frequencies[:, None]
-    arrays = SimpleNamespace(share=np.zeros((count, 1)), spring=spring, stiff=spring, damper=damper, drag=damper)
+    joints = {"share": np.zeros((count, 1)), "spring": spring, "stiff": spring, "damper": damper, "drag": damper}
+    arrays = SimpleNamespace(**joints, world=np.zeros((count, 0, 1)))
     system = PinocchioSystem(arrays, (model,) * count, (model.createData(),) * count, (), "aba")
     columns = []
     for start in ((1.0, 0.0), (0.0, 1.0)):
         q, v = (np.full((count, 1), x) for x in start)
         work, z, torque = np.zeros((7, count, 1)), np.zeros((0, count, 1)), np.zeros(count)
         weights = Integrator(name, step=1.0).weights
-        integrate.extrapolate(system, q, v, z, np.zeros((count, 2)), 0.0, 1.0, 1.0, weights, work, z, torque, np.zeros((9, 1)))
+        integrate.extrapolate(
+            system, q, v, z, np.zeros((count, 2)), 0.0, 1.0, 1.0, weights, work, z, torque, np.zeros((integrate.ROWS, 1))
+        )
         columns.append(work[:2, :, 0].T)
     return np.abs(np.linalg.eigvals(np.stack(columns, axis=-1))).max()
 

@@ -73,7 +73,16 @@ def test_accelerations_of_the_recursion_are_those_of_the_mass_matrix(placement, 
     after = []
     for way, system in ((kernel, batch.arrays), (reference, batch.pinocchio("rnea"))):
         rates = v.copy()
-        way.substep(system, q.copy(), rates, np.zeros((0, 4, 5), complex), moment, np.tile(np.linspace(-1, 1, 14), (4, 1)), 0.01, np.zeros((kernel.ROWS, 15)))
+        way.substep(
+            system,
+            q.copy(),
+            rates,
+            np.zeros((0, 4, 5), complex),
+            moment,
+            np.tile(np.linspace(-1, 1, 14), (4, 1)),
+            0.01,
+            np.zeros((kernel.ROWS, 15)),
+        )
         after.append(rates)
     assert np.abs(after[0] - after[1]).max() < 1e-10 * np.abs(after[0] - v).max()
 
@@ -85,7 +94,9 @@ def test_a_whole_run_is_the_exact_motion_of_pinocchios_chain():
     system = ArmBatch.of([scenario]).pinocchio("rnea")
 
     def slope(_, y):
-        return np.append(y[6:], reference.acceleration(system, 0, y[:6], y[6:], np.zeros(6), np.array([0.3, 0.2]), 0.0))
+        return np.append(
+            y[6:], reference.acceleration(system, 0, y[:6], y[6:], np.zeros((0, 1, 2)), np.zeros(6), np.array([0.3, 0.2]), 0.0)
+        )
 
     exact = solve_ivp(slope, time[[0, -1]], [*start.ravel(), *np.zeros(6)], "Radau", time, rtol=1e-9, atol=1e-11).y[:6].T
     run = simulate(scenario, tolerance=1e-8)

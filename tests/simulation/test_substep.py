@@ -43,7 +43,9 @@ def accelerations(arms, q, v, torque, dynamics="aba", armature=0.0):
     batch.__dict__["arrays"] = batch.arrays._replace(stiff=nothing, drag=same)
     way, system = (kernel, batch.system) if dynamics == "compiled" else (reference, batch.pinocchio(dynamics))
     after = v.copy()
-    way.substep(system, q.copy(), after, nothing[None][:0], nothing, np.full(len(q), torque), 1.0, np.zeros((kernel.SCRATCH, q.shape[1])))
+    way.substep(
+        system, q.copy(), after, nothing[None][:0], nothing, np.full(len(q), torque), 1.0, np.zeros((kernel.SCRATCH, q.shape[1]))
+    )
     return after - v
 
 

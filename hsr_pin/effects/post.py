@@ -1,0 +1,49 @@
+"""A post beside the arm, across its plane, that the arm may touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr_pin.effects.effect import Effect, option
+from hsr_pin.obstacles import CYLINDER, SILICONE, Surface, row
+from hsr_pin.parameters import parameter
+from hsr_pin.trajectory import Array
+
+#: Radius of the post [m]. Motions hardly depend on it: a thicker post acts like one that is closer to the arm.
+RADIUS = 0.01
+
+
+@dataclass(frozen=True)
+class Post(Effect):
+    """A post across the plane of a planar arm; the force is that of :class:`hsr_pin.obstacles.Surface`."""
+
+    name = "post"
+    lacks = "an obstacle beside the arm holds it back at one place"
+    cause = "a post, an edge or a finger that it touches"
+    citation = "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact (1975)"
+    kind = "contact"
+    passive = True
+
+    hardness: float = parameter(
+        0.0, lower=0.0, upper=1e7, unit="N/m^2", scale=1e4, amplitude=True, description="force per depth and length in contact"
+    )
+    distance: float = parameter(
+        0.02, lower=0.0, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the post"
+    )
+    at: float = parameter(
+        0.7, lower=0.1, upper=1.2, unit="1", scale=0.1, start_count=3, description="relative arc length beside which the post is"
+    )
+    friction: float = parameter(0.0, lower=0.0, upper=2.0, unit="1", scale=0.3, description="coefficient of friction")
+    side: str = option("positive", "negative", description="side of the post")
+
+    @property
+    def in_space(self) -> bool:
+        return False
+
+    def obstacle(self, length: Array, diameter: Array) -> Array:
+        aside = (self.distance + RADIUS + diameter / 2) * (1.0 if self.side == "positive" else -1.0)
+        centre = np.stack(np.broadcast_arrays(self.at * length, aside, 0.0), axis=-1)
+        surface = Surface(self.hardness, SILICONE.dissipation, self.friction)
+        return row(CYLINDER, centre, np.eye(3), (RADIUS, np.inf, 0.0), surface)
