@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import inf, pi
 from typing import Any, ClassVar, NamedTuple
@@ -193,6 +193,30 @@ class Box(Obstacle):
 
 #: The shapes by their words in a ``dataset.toml``.
 SHAPES: dict[str, type[Obstacle]] = {kind.shape: kind for kind in (HalfSpace, Sphere, Cylinder, Box)}
+
+
+def to_dict(obstacle: Obstacle) -> dict[str, Any]:
+    """Return an obstacle as the entries of a document; None for an infinite length."""
+    values = {field.name: getattr(obstacle, field.name) for field in fields(obstacle)}
+    plain = {name: list(v) if isinstance(v, tuple) else None if v == inf else float(v) for name, v in values.items()}
+    return {"shape": obstacle.shape, **plain}
+
+
+def from_dict(entries: Mapping[str, Any]) -> Obstacle:
+    """Return the obstacle of :func:`to_dict`.
+
+    Raises:
+        InputError: the shape is unknown, an entry is none of the shape's, or a value is invalid.
+    """
+    values = {name: inf if value is None else value for name, value in entries.items() if name != "shape"}
+    shape = entries.get("shape")
+    if not isinstance(shape, str) or shape not in SHAPES:
+        raise InputError("shape of an obstacle", expected=", ".join(SHAPES), received=quoted(shape))
+    known = [field.name for field in fields(SHAPES[shape])]
+    for name in values:
+        if name not in known:
+            raise InputError(f"obstacle of shape {shape}", expected=", ".join(known), received=quoted(name))
+    return SHAPES[shape](**values)
 
 
 def row(kind: int, centre: Any, axes: Any, sizes: Any, surface: Surface) -> NDArray[np.float64]:

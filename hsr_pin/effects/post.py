@@ -27,15 +27,17 @@ class Post(Effect):
     passive = True
 
     hardness: float = parameter(
-        0.0, lower=0.0, upper=1e7, unit="N/m^2", scale=1e4, amplitude=True, description="force per depth and length in contact"
+        0.0, lower=0.0, upper=3e6, unit="N/m^2", scale=1e5, amplitude=True, description="force per depth and length in contact"
     )
-    distance: float = parameter(
-        0.02, lower=0.0, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the post"
+    gap: float = parameter(
+        0.02, lower=0.001, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the post"
     )
     at: float = parameter(
         0.7, lower=0.1, upper=1.2, unit="1", scale=0.1, start_count=3, description="relative arc length beside which the post is"
     )
-    friction: float = parameter(0.0, lower=0.0, upper=2.0, unit="1", scale=0.3, description="coefficient of friction")
+    friction: float = parameter(
+        0.0, lower=0.0, upper=1.5, unit="1", scale=0.3, start_count=1, description="coefficient of friction"
+    )
     side: str = option("positive", "negative", description="side of the post")
 
     @property
@@ -43,7 +45,7 @@ class Post(Effect):
         return False
 
     def obstacle(self, length: Array, diameter: Array) -> Array:
-        aside = (self.distance + RADIUS + diameter / 2) * (1.0 if self.side == "positive" else -1.0)
+        aside = (self.gap + RADIUS + diameter / 2) * (1.0 if self.side == "positive" else -1.0)
         centre = np.stack(np.broadcast_arrays(self.at * length, aside, 0.0), axis=-1)
         surface = Surface(self.hardness, SILICONE.dissipation, self.friction)
         return row(CYLINDER, centre, np.eye(3), (RADIUS, np.inf, 0.0), surface)

@@ -1,4 +1,4 @@
-"""An obstacle or a tether that restrains the arm at one place."""
+"""A tether that restrains the arm at one place."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ SOFT = 0.005
 
 @dataclass(frozen=True)
 class Restraint(Effect):
-    """Elastic contact at one place, on one side, without friction: f = -contact_stiffness max(|x| - distance, 0).
+    """Elastic force at one place, on one side: f = -contact_stiffness max(|x| - distance, 0).
 
     x is the displacement from the line of the straight arm. The force increases as a parabola over the first 5 mm. A hard wall
     has a large stiffness.
     """
 
     name = "restraint"
-    lacks = "beyond a distance an object holds the arm back"
-    cause = "a wall, a post or a table that it touches, a hose that goes taut"
+    lacks = "beyond a distance something tied to the arm holds it back"
+    cause = "a hose or a cable that goes taut, a rubber band"
     citation = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)"
     kind = "contact"
     passive = True

@@ -25,10 +25,10 @@ class Wall(Effect):
     passive = True
 
     hardness: float = parameter(
-        0.0, lower=0.0, upper=1e7, unit="N/m^2", scale=1e4, amplitude=True, description="force per depth and length in contact"
+        0.0, lower=0.0, upper=3e6, unit="N/m^2", scale=1e5, amplitude=True, description="force per depth and length in contact"
     )
-    distance: float = parameter(
-        0.1, lower=0.0, upper=1.0, unit="m", scale=0.02, start_count=6, description="distance of the wall from the base"
+    gap: float = parameter(
+        0.02, lower=0.001, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the wall"
     )
     angle: float = parameter(
         pi / 2,
@@ -36,10 +36,12 @@ class Wall(Effect):
         upper=pi,
         unit="rad",
         scale=0.5,
-        start_count=3,
-        description="direction from the base to the wall: 0 along the straight arm, pi/2 towards positive bending",
+        start_count=5,
+        description="direction towards the wall: 0 along the straight arm, pi/2 towards positive bending",
     )
-    friction: float = parameter(0.0, lower=0.0, upper=2.0, unit="1", scale=0.3, description="coefficient of friction")
+    friction: float = parameter(
+        0.0, lower=0.0, upper=1.5, unit="1", scale=0.3, start_count=1, description="coefficient of friction"
+    )
 
     @property
     def in_space(self) -> bool:
@@ -49,5 +51,6 @@ class Wall(Effect):
         c, s = np.cos(self.angle), np.sin(self.angle)
         none, one = 0 * c, 0 * c + 1
         axes = np.stack([np.stack(each, axis=-1) for each in ((s, -c, none), (none, none, one), (-c, -s, none))], axis=-2)
-        centre = np.stack([self.distance * c, self.distance * s, none], axis=-1)
+        away = np.maximum(length * c, 0.0) + diameter / 2 + self.gap  # from the base
+        centre = np.stack([away * c, away * s, none], axis=-1)
         return row(HALF_SPACE, centre, axes, np.zeros(3), Surface(self.hardness, SILICONE.dissipation, self.friction))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.export.model import CorrectedModel
+from hsr_pin.export.solids import Solid, angles_of, quaternion, solids_of
 from hsr_pin.robot.appearance import colour, shape
 from hsr_pin.robot.chain import GRAVITY, Arms, chain_of
 from hsr_pin.robot.rotations import rotations, vectors
@@ -25,8 +26,6 @@ from hsr_pin.trajectory import Array
 #: Rotation axes of the hinges for bending towards x, bending towards y, and twist.
 _AXES = ("0 1 0", "-1 0 0", "0 0 1")
 _WAYS = ("x", "y", "twist")
-#: Cosine of the pitch below which only the sum or the difference of roll and yaw is known within rounding.
-LOCKED = 1e-9
 
 
 @dataclass(frozen=True)
@@ -129,6 +128,7 @@ class Bodies:
         rpy: roll, pitch and yaw [rad] of the base in the world frame, in which the markers are seen.
         gravity: (3,) gravity in the world frame [m/s^2].
         shape: dimensions for drawing.
+        solids: obstacles that the arm may touch.
     """
 
     links: tuple[Link, ...]
@@ -138,12 +138,12 @@ class Bodies:
     rpy: tuple[float, float, float]
     gravity: Array
     shape: dict[str, object]
+    solids: tuple[Solid, ...]
 
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
         """Quaternion (w, x, y, z) of the base: Rz(yaw) Ry(pitch) Rx(roll)."""
-        (a, b), (c, s), (e, f) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in self.rpy)
-        return c * a * e + s * b * f, c * b * e - s * a * f, s * a * e + c * b * f, c * a * f - s * b * e
+        return quaternion(self.rpy)
 
     @property
     def gravity_is_turned(self) -> bool:
@@ -191,6 +191,7 @@ def bodies_of(model: CorrectedModel) -> Bodies:
         rpy=base,
         gravity=gravity,
         shape=shape(arm),
+        solids=solids_of(model),
     )
 
 
@@ -229,16 +230,6 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
     turn = sum(turned, 0j).real
     sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints rotate about -y of the world
     return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
-
-
-def angles_of(turn: Array) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw [rad] of a rotation matrix (3, 3); the yaw is 0 if a pitch of a quarter turn leaves it open."""
-    x, y, z = turn.T
-    level = math.hypot(x[0], x[1])
-    pitch = math.atan2(-x[2], level)
-    if level < LOCKED:
-        return math.atan2(-z[1], y[1]), pitch, 0.0
-    return math.atan2(y[2], z[2]), pitch, math.atan2(x[1], x[0])
 
 
 def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:

@@ -18,6 +18,7 @@ from hsr_pin.export.schema import ARM_SECTION, DIAGNOSIS, FIT
 from hsr_pin.identification.arm_document import levels
 from hsr_pin.identification.hypothesis import LINKS
 from hsr_pin.identification.part import ARM, SESSION
+from hsr_pin.obstacles import from_dict, to_dict
 from hsr_pin.recordings.files import LARGEST_RESULT
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.text import read_text
@@ -80,6 +81,7 @@ def _model(document: dict[str, Any], declared: dict[str, Any], keq: float | None
         bending=declared.get("bending", "plane"),
         torsion=math.inf if torsion is None else float(torsion),
         sections=sections,
+        obstacles=tuple(map(from_dict, declared.get("obstacles", ()))),
         **_floats(declared, "length", "mass", "diameter"),
         **_floats({"tip_mass": 0.0, **level}, "keq", "damping", "tip_mass"),
     )
@@ -134,6 +136,7 @@ def _declared(document: dict[str, Any], dataset: str | Path | None) -> dict[str,
         chain: dict[str, Any] = {name: document[name] for name in ("links", "placement") if name in document}
         found = {name: getattr(read, name) for name in ("length", "mass", "diameter", "mount", "bending", "torsion")}
         found["sections"] = [asdict(section) for section in read.sections]
+        found["obstacles"] = [to_dict(obstacle) for obstacle in read.obstacles]
         found["inputs"] = [asdict(channel) for channel in read.channels if channel.torque]
         return {**found, "levels": rows, "markers": markers, **chain}
     if "arm" not in document:

@@ -12,7 +12,7 @@ from hsr_pin.errors import EffectError
 from hsr_pin.export.elements import Elements, elements_of
 from hsr_pin.export.law_text import helpers
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.export.plain import approximate, numbers, unseen
+from hsr_pin.export.plain import approximate, contact_law, numbers, unseen
 
 #: Effects on the command that the MuJoCo actuator can express, in series.
 _LINEAR = {"actuator_lag", "torque_bias", "torque_offset", "turned_actuation", "dead_time"}
@@ -51,7 +51,7 @@ class Parts:
 def sort(model: CorrectedModel, major: int) -> Parts:
     """Assign the effects of a model to elements of a major version of MuJoCo, to the module, or to the list of missing ones."""
     elements: dict[str, Elements] = {}
-    called, missing = [], [*approximate(model), *unseen(model)]
+    called, missing = [], [*approximate(model), *unseen(model), *contact_law(model)]
     for effect in model.effects:
         if effect.acts_through("moment"):
             native = elements_of(effect, model, major=major)
@@ -62,7 +62,7 @@ def sort(model: CorrectedModel, major: int) -> Parts:
                 missing.append(f"{effect.name}: {why} ({numbers(effect)})")
             else:
                 called.append(effect)
-        elif effect.acts_through("contact_force") or effect.acts_through("obstacle"):
+        elif effect.acts_through("contact_force"):
             missing.append(f"{effect.name}: add the contact of the arm to the world of MuJoCo ({numbers(effect)})")
     muscles = [effect for effect in model.batch.actuator_effects if any(_is_on(effect))]
     delay = float(sum(np.max(effect.command_delay()) for effect in muscles))
@@ -79,6 +79,7 @@ def sort(model: CorrectedModel, major: int) -> Parts:
         except EffectError as error:
             missing.append(f"{effect.name}: {error}")
     lost = {line.partition(":")[0] for line in missing} - {
+        "contact law",
         "dead_time",
         "marker_offset",
         "markers_beside",

@@ -7,6 +7,7 @@ import numpy as np
 from hsr_pin.effects.effect import Effect
 from hsr_pin.export.bodies import Bodies
 from hsr_pin.export.model import CorrectedModel
+from hsr_pin.obstacles import DISSIPATION, STIFFNESS
 
 #: Number of links from which hinges in space move like rotation vectors within 0.5 mm (checked by a test).
 ENOUGH = 10
@@ -65,6 +66,14 @@ def approximate(model: CorrectedModel) -> tuple[str, ...]:
     return (f"joints: {hinges}; the error decreases as 1/N^2, and {model.arm.links} links are {_sufficient(model.arm.links)}",)
 
 
+def contact_law(model: CorrectedModel) -> tuple[str, ...]:
+    """Return a sentence on the contact law, which no format has, if there are obstacles."""
+    if not model.batch.world.shape[1]:
+        return ()
+    numbers = "; ".join(f"{row[STIFFNESS]:g} N/m^2, {row[DISSIPATION]:g} s/m" for row in model.batch.world[0])
+    return (f"contact law: force per depth and length, and dissipation, of each obstacle: {numbers}; the simulator has its own",)
+
+
 def _sufficient(links: int) -> str:
     return "enough" if links >= ENOUGH else f"few; use {ENOUGH} or more"
 
@@ -77,7 +86,7 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
         bodies: bodies of the model.
         springs: whether the format has springs.
     """
-    lines = [*approximate(model), *unseen(model)]
+    lines = [*approximate(model), *unseen(model), *contact_law(model)]
     if not springs:
         lines += _springs(model, bodies)
     if bodies.gravity_is_turned:
@@ -88,6 +97,8 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
     for effect in model.effects:
         if effect.acts_through("actuation"):
             lines.append(f"{effect.name}: shares of the command at the joints, from base to tip: {share}")
+        elif effect.acts_through("obstacle"):
+            continue  # a solid of the file
         elif not any(effect.acts_through(hook) for hook in _REPRESENTED) and not _is_even_friction(effect):
             lines.append(f"{effect.name}: {effect.lacks} ({numbers(effect)})")
     return (*lines, *_actuator(model, bodies))

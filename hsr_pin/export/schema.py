@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 
 from hsr_pin.errors import InputError, quoted
 from hsr_pin.identification.part import ARM, SESSION
+from hsr_pin.obstacles import from_dict
 from hsr_pin.robot.specification import MAX_LINKS, RANGES
 from hsr_pin.trajectory import BENDS, MOUNTS
 
@@ -108,6 +109,15 @@ def _of_arm(*names: str) -> dict[str, Check]:
     return {field: number(*RANGES[field][1:]) for field in names}
 
 
+def _an_obstacle(value: Any, way: str) -> None:
+    """Check one obstacle."""
+    _check_table(value, way)
+    try:
+        from_dict(value)
+    except InputError as error:
+        raise InputError(f"{way}: {error.subject}", expected=error.expected, received=error.received) from error
+
+
 _LENGTH = number(0.0, RANGES["length"][2])
 _LINKS = {"links": number(1, MAX_LINKS), "placement": word("base", "mid", "shifted")}
 _EFFECT = table({"name": text}, {"parameters": named(number()), "options": named(text)})
@@ -125,6 +135,7 @@ ARM_SECTION = table(
         "sections": each(table(_of_arm("length", "mass", "keq", "damping"), {})),
         "inputs": each(table({"name": name, "unit": name, "torque": each(number())}, {})),
         "effects": each(_EFFECT),
+        "obstacles": each(_an_obstacle),
     },
 )
 _CANDIDATE = table({"effects": each(text), "parameters": _parameters}, {"options": named(text), "resized": each(text)})

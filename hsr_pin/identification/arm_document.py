@@ -11,6 +11,7 @@ from typing import Any
 
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.inference.fit import Fit
+from hsr_pin.obstacles import to_dict
 from hsr_pin.robot.specification import default_damping
 from hsr_pin.trajectory import Dataset, Marker
 
@@ -25,6 +26,7 @@ def arm_to_json(experiment: Experiment, fit: Fit) -> dict[str, Any]:
         "mount": dataset.mount,
         **_of_space(dataset),
         "levels": levels([(run.trial.keq, run.trial.damping, run.trial.tip_mass) for run in experiment.runs]),
+        **({"obstacles": [to_dict(obstacle) for obstacle in dataset.obstacles]} if dataset.obstacles else {}),
         "markers": [_marker(marker) for marker in dataset.markers],
         "links": hypothesis.links,
         "placement": hypothesis.placement,

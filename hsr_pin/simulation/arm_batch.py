@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from hsr_pin.effects.effect import Effect, effect_subset, stack
-from hsr_pin.obstacles import ENTRIES, FRICTION, rows_in
+from hsr_pin.obstacles import ENTRIES, FRICTION, STIFFNESS, rows_in
 from hsr_pin.robot.chain import Arms, chain_of
 from hsr_pin.robot.model import build_model, rigid_body
 from hsr_pin.robot.sections import along_sections
@@ -158,7 +158,8 @@ class ArmBatch:
         arms = self.arms
         rows = rows_in(self.frames, arms.obstacles)
         own = [found for e in self.effects if (found := e.obstacle(arms.length, arms.diameter)) is not None]
-        rows = np.concatenate([rows, *(np.broadcast_to(row, (len(self), ENTRIES))[:, None] for row in own)], axis=1)
+        each = (np.broadcast_to(row, (len(self), ENTRIES))[:, None] for row in own if np.any(row[..., STIFFNESS]))
+        rows = np.concatenate([rows, *each], axis=1)
         skin = np.empty((*rows.shape[:2], 3))
         radius = arms.diameter / 2
         start = joint_arc_lengths(arms.links, arms.placement)[0] * arms.length

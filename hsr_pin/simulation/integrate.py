@@ -80,13 +80,14 @@ def extrapolate(
     Returns:
         Two errors of the first arm, as sums over the joints [rad], infinite if they are not finite: the error at the end of the
         step, and the error of the cubic interpolation at its middle, estimated from the initial accelerations of the interpolant
-        and of the motion.
+        and of the motion; among obstacles, which may stop the arm within the step, from the last ones too.
     """
     h = step * cell
     q_new, v_new, q_low, v_low, q_now, v_now, moment = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
     work[:] = 0.0
-    begin = scratch[ROWS - 1]
+    begin, end = scratch[ROWS - 1], scratch[ROWS - 2]
     begin[:] = 0.0
+    last, touching = weights.shape[1] - 1, system.world.shape[1] > 0
     laws, memory = system.laws.shape[0], z.shape[0]
     for k in range(weights.shape[1]):
         parts = k + 1
@@ -103,6 +104,8 @@ def extrapolate(
             if laws:
                 moment[:] = 0.0
                 add_joint_moments(system, q_now, v_now, z_now, moment)
+            if touching and k == last:
+                end[:] = v_now[0]
             substep(system, q_now, v_now, z_now, moment, torque, d, scratch)
             if j == 0:
                 for i in range(q.shape[1]):  # a loop, because array expressions would allocate memory
@@ -115,6 +118,12 @@ def extrapolate(
     for i in range(q.shape[1]):
         error += abs(q_new[0, i] - q_low[0, i]) + _RATE * h * abs(v_new[0, i] - v_low[0, i])
         bow += abs(6 * (q_new[0, i] - q[0, i]) - h * (4 * v[0, i] + 2 * v_new[0, i]) - h * h * begin[i]) / 32
+    if touching:  # the mean acceleration of the last substep, at 1 - 1 / (2 p) of the step
+        x, late = 1.0 - 0.5 / (last + 1), 0.0
+        for i in range(q.shape[1]):
+            bent = (12 * x - 6) * (q[0, i] - q_new[0, i]) + h * ((6 * x - 4) * v[0, i] + (6 * x - 2) * v_new[0, i])
+            late += abs(bent - h * (last + 1) * (v_now[0, i] - end[i])) / 32
+        bow = max(bow, late)
     return error if isfinite(error) else inf, bow if isfinite(bow) else inf
 
 

@@ -18,8 +18,8 @@ from hsr_pin.trajectory import Array
 SCRATCH = 8
 #: Rows that contacts add to: J (6 rows), the rows of H (9) and M (6), moment (3) and force (3).
 ADDED = 27
-#: Rows of the scratch array; the last one is for the time integration.
-ROWS = SCRATCH + ADDED + 1
+#: Rows of the scratch array; the last two are for the time integration.
+ROWS = SCRATCH + ADDED + 2
 #: Functions that are compiled, in the order of their dependencies.
 PARTS = (
     "add_contacts",

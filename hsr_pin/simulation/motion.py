@@ -24,6 +24,8 @@ from hsr_pin.simulation.integrator import FIRST, LONGEST, Integrator
 from hsr_pin.trajectory import Array
 
 Dynamics = Literal["compiled", "aba", "rnea"]
+#: Factor on the tolerance of a step among obstacles, where the errors of an impact do not average out.
+_AMONG_OBSTACLES = 0.3
 #: Largest number of links for which the loops with Pinocchio are the default.
 MANY_LINKS = 64
 
@@ -245,7 +247,8 @@ class Engine:
             return np.full(len(self.batch), inf), 1.0, 1.0, np.array(until, order="C")
         first, longest = (2.0 ** round(np.log2(time / command.cell)) for time in (FIRST, LONGEST))
         until = command.until_together if together else command.until
-        return method.tolerance / self.batch.arms.length, max(first, 1 / 16), max(longest, 1.0), until
+        tolerance = method.tolerance * (_AMONG_OBSTACLES if self.batch.world.shape[1] else 1.0)
+        return tolerance / self.batch.arms.length, max(first, 1 / 16), max(longest, 1.0), until
 
 
 def _space_loops() -> Loops:

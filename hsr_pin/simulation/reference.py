@@ -53,6 +53,11 @@ class PinocchioSystem:
         object.__setattr__(self, "laws", np.zeros((len(self.effects), 4)))  # one row per law, which the loops count
 
     @property
+    def world(self) -> Array:
+        """The obstacles (B, O, ENTRIES)."""
+        return self.arrays.world  # type: ignore[no-any-return]
+
+    @property
     def points(self) -> int:
         """Number of points of contact of a link."""
         return int(self.arrays.touch[3])

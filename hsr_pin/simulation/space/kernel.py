@@ -21,8 +21,8 @@ from hsr_pin.trajectory import Array
 #: Rows of the scratch array. For each coordinate: moment and force of the outboard chain per unit of acceleration, 1/D, free
 #: torque and axis; for each joint: direction of its link, angular velocity and drift.
 SCRATCH = 14
-#: Rows of the scratch array: also what contacts add, (ADDED, N), and a row for the time integration.
-ROWS = SCRATCH + ADDED // 3 + 1
+#: Rows of the scratch array: also what contacts add, (ADDED, N), and two rows for the time integration.
+ROWS = SCRATCH + ADDED // 3 + 2
 #: Functions that are compiled, in the order of their dependencies.
 PARTS = (
     *("dot", "cross", "plus", "factors", "turned", "drift", "combined", "place", "add_contacts", "added", "gather", "move"),
