@@ -1,4 +1,4 @@
-"""Changes from one recording of an arm to the next: its plain parameters, and its rest pose."""
+"""Changes of the plain parameters of an arm from one recording to the next."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arm import Arm, Array
 from ..program import Trial
-from .law import Law, random_seed, strength
+from .law import Law, strength
 
 
 @dataclass(frozen=True)
@@ -64,21 +64,3 @@ class TorqueGain(Law, name="torque_gain"):
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return tau * (1 + self.change)
-
-
-@dataclass(frozen=True)
-class RestingPlace(Law, name="resting_place"):
-    """Scatter of the rest pose from trial to trial, constant within a trial.
-
-    Real arms show it if they are set up by hand or have a little friction. The law is a small moment along the arm, another one
-    in each trial.
-
-    spread: largest bending of the whole arm [rad]; seed: seed of the moments, combined with the session time.
-    """
-
-    spread: float = strength(0.01, limit=0.1)
-    seed: int = random_seed()
-
-    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        own = np.random.default_rng([self.seed, round(100 * clock)]).uniform(-1, 1)
-        return tau + self.spread * own * keq
