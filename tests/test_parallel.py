@@ -122,7 +122,7 @@ def test_fits_that_take_longest_begin_first_and_candidates_come_as_they_were_ask
         begun = ()
 
         def submit(self, function, /, *arguments, **named):
-            self.begun += ([part.name for part in arguments[1].hypothesis.parts],)
+            self.begun += ([part.name for part in arguments[2].hypothesis.parts],)
             return Serial().submit(function, *arguments, **named)
 
     experiment, executor = prepare(released), Noting()

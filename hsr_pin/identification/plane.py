@@ -154,4 +154,4 @@ def farthest_seen(run: Run, experiment: Experiment) -> int:
 
 
 def _slope(x: Array, y: Array) -> Estimate:
-    return Estimate(float(x @ y / max(float(x @ x), 1e-30)), -np.inf, np.inf)
+    return Estimate(float(x @ y / max(float(x @ x), 1e-30)))

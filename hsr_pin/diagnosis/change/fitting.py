@@ -13,7 +13,7 @@ from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.identification.evaluation import FRACTION, simulate_run
 from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.parallel import Shared, run
+from hsr_pin.parallel import Shared, run, with_shared
 from hsr_pin.trajectory import Array
 
 #: Number of links and tolerance of a time step [m at the tip] of the coarse chain, which suffices for differences of predictions.
@@ -207,18 +207,12 @@ class ChangeFitPool:
         self, change_hypotheses: Sequence[ChangeHypothesis], assumed: Fitted | None = None
     ) -> list[InitialEstimate]:
         """Return the initial estimates of the changes that can be simulated, the most promising first."""
-        answers = run(self._executor, _initial_estimate, [(self._shared, change, assumed) for change in change_hypotheses])
+        answers = run(
+            self._executor, with_shared, [(self._shared, initial_estimates, each, assumed) for each in change_hypotheses]
+        )
         return sorted((estimate for estimate in answers if estimate is not None), key=lambda estimate: estimate.square)
 
     def refined(self, estimates: Sequence[InitialEstimate]) -> list[Fitted]:
         """Return the fits from initial estimates, the best first."""
-        answers = run(self._executor, _refined, [(self._shared, estimate) for estimate in estimates])
+        answers = run(self._executor, with_shared, [(self._shared, refined, estimate) for estimate in estimates])
         return sorted(answers, key=lambda fitted: fitted.square)
-
-
-def _initial_estimate(shared: Shared[Frame], change: ChangeHypothesis, assumed: Fitted | None) -> InitialEstimate | None:
-    return initial_estimates(shared.get(), change, assumed)
-
-
-def _refined(shared: Shared[Frame], estimate: InitialEstimate) -> Fitted:
-    return refined(shared.get(), estimate)

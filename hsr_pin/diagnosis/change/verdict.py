@@ -21,12 +21,14 @@ from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.diagnosis.change.size import Size, left_out, sizes
 from hsr_pin.diagnosis.change.swing import apparent_damping_range
-from hsr_pin.diagnosis.change.words import changes_in_words, listed, millimetres
+from hsr_pin.diagnosis.change.words import changes_in_words
+from hsr_pin.diagnosis.verdict import millimetres
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.inference import Cause, Data, Decision, Loss, Model, Posterior, decide, posterior
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.evidence import variance
 from hsr_pin.inference.model import information
+from hsr_pin.inference.verdict import listed
 
 #: Largest distance of the current recording from its prediction without a change, as a multiple of the expected scatter.
 _FARTHER = 2.0

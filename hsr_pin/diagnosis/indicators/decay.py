@@ -296,7 +296,7 @@ def _trend(swings: list[Swing], values: list[float]) -> Estimate:
         shares[members] = shares[members] / np.median(shares[members]) - 1
         centred[members] -= doubled[members].mean()
     if len(swings) < _CYCLES or np.ptp(centred) < np.log2(_RANGE):
-        return Estimate(np.nan, -np.inf, np.inf)
+        return Estimate(np.nan)
     trials = [swing.trial for swing in swings]
     slope, own = slope_of(centred, shares, trials), []
     for name in dict.fromkeys(trials):  # a trend in a single trial is not significant

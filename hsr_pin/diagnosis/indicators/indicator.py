@@ -13,19 +13,6 @@ from hsr_pin.identification.jackknife import Estimate
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Kinds of physics that an indicator may point to, including errors of the measurement.
-KINDS = (
-    "elastic",
-    "damping",
-    "friction",
-    "creep",
-    "actuation_time",
-    "actuation_map",
-    "mass_gravity",
-    "contact",
-    "measurement",
-)
-
 
 @dataclass(frozen=True, eq=False)
 class Indicator(ABC):
@@ -42,7 +29,7 @@ class Indicator(ABC):
     @property
     @abstractmethod
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of physics from :data:`KINDS` that it points to; none if the arm behaves like the nominal model."""
+        """Kinds of physics that it points to (:data:`hsr_pin.effects.effect.KINDS`); none if the arm behaves like the model."""
 
     @abstractmethod
     def numbers(self) -> dict[str, Any]:

@@ -125,10 +125,10 @@ def length(experiment: Experiment) -> Length | None:
     two_sided = part.min() < -0.3 and part.max() > 0.3
     design = np.stack([np.ones(len(part)), part**2, *([part] if two_sided else [])], axis=1)
     if len(experiment.runs) < 3:
-        fitted = tuple(Estimate(float(b), -np.inf, np.inf) for b in np.linalg.lstsq(design, arc, rcond=None)[0])
+        fitted = tuple(Estimate(float(b)) for b in np.linalg.lstsq(design, arc, rcond=None)[0])
     else:
         fitted = coefficients_of(design, arc, trials)
-    sided = fitted[2] if two_sided else Estimate(0.0, -np.inf, np.inf)
+    sided = fitted[2] if two_sided else Estimate(0.0)
     reached = max(marker.arc_length for marker in experiment.markers)
     every = -(-len(angle) // _DOTS)
     return Length(

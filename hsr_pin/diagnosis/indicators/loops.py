@@ -241,7 +241,7 @@ def _waits(motion: Bending, stood: list[tuple[float, float, float, int]]) -> lis
 def _by_trial(waits: list[Wait]) -> Estimate:
     """Return the mean width over the range of bending, with an interval from leaving out single trials."""
     if not waits:
-        return Estimate(np.nan, -np.inf, np.inf)
+        return Estimate(np.nan)
     shares = np.array([wait.width / wait.size for wait in waits])
     return coefficients_of(np.ones((len(waits), 1)), shares, [wait.trial for wait in waits])[0]
 
@@ -280,7 +280,7 @@ def _cycles(motion: Bending) -> list[Cycle]:
 
 def _at_no_speed(cycles: list[Cycle]) -> tuple[Estimate, Estimate]:
     """Return the ratio of width to height extrapolated to zero frequency, and the delay [s] that explains the rest."""
-    nothing = Estimate(np.nan, -np.inf, np.inf)
+    nothing = Estimate(np.nan)
     if len(cycles) < _CYCLES or np.ptp([cycle.frequency for cycle in cycles]) < 0.5 * min(cycle.frequency for cycle in cycles):
         return nothing, nothing
     frequency = np.array([cycle.frequency for cycle in cycles])

@@ -208,7 +208,7 @@ def rests(experiment: Experiment) -> Rests | None:
         for rest, origin in zip(kept, _origins(kept, one_sided), strict=True)
         if rest.side and np.isfinite(origin)
     ]
-    towards = faded = Estimate(np.nan, -np.inf, np.inf)
+    towards = faded = Estimate(np.nan)
     if sided:
         trials, offsets, lessened = zip(*sided, strict=True)
         towards = coefficients_of(np.ones((len(sided), 1)), np.array(offsets), trials)[0]

@@ -139,7 +139,7 @@ def _stiffer(angles: Array, squares: Array) -> tuple[Estimate, Estimate]:
     From trials on two perpendicular lines, only the difference between these two directions can be determined.
     """
     if len(angles) < _TRIALS:
-        return (Estimate(np.nan, -np.inf, np.inf),) * 2
+        return (Estimate(np.nan),) * 2
     twice = np.stack([np.cos(2 * angles), np.sin(2 * angles)], axis=1)
     _, spread, ways = np.linalg.svd(twice - twice.mean(axis=0), full_matrices=False)
     ways = ways[spread > _SPREAD * np.sqrt(len(angles))]
