@@ -41,6 +41,11 @@ def mean_of(values: Sequence[float] | Array) -> Estimate:
     return Estimate(value, value - reach, value + reach)
 
 
+def mean_by_trial(values: Sequence[float], trials: Sequence[object]) -> Estimate:
+    """Return the mean of values, with a jackknife interval that leaves out one trial at a time."""
+    return coefficients_of(np.ones((len(values), 1)), np.array(values), trials)[0]
+
+
 def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) -> tuple[Estimate, ...]:
     """Return the least-squares coefficients of ``values`` (n,) on ``design`` (n, k), with jackknife intervals.
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .arm import Array
-from .laws.law import Law, random_seed, strength
+from .laws.law import Law, random_of_trial, random_seed, strength
 from .nuisance import Nuisance
 from .program import RATE, Program, Trial
 
@@ -32,7 +32,7 @@ class RestingPlace(Law, name="resting_place"):
     seed: int = random_seed()
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        own = np.random.default_rng([self.seed, round(100 * clock)]).uniform(-1, 1)
+        own = random_of_trial(self.seed, clock).uniform(-1, 1)
         return tau + self.spread * own * keq
 
 
@@ -85,7 +85,7 @@ class Artefacts:
         return asdict(self)
 
     def _disturbed(self, trial: Trial) -> Trial:
-        rng = np.random.default_rng([self.seed, round(100 * trial.clock)])
+        rng = random_of_trial(self.seed, trial.clock)
         at, side = float(rng.uniform(0.55, 1.0)), float(rng.choice([-1.0, 1.0]))
         return replace(
             trial,

@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.indicators.bending import Bending, bending
 from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_of
+from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_by_trial, mean_of
 from hsr_pin.identification.prepared import Run
 from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
@@ -242,8 +242,7 @@ def _by_trial(waits: list[Wait]) -> Estimate:
     """Return the mean width over the range of bending, with an interval from leaving out single trials."""
     if not waits:
         return Estimate(np.nan)
-    shares = np.array([wait.width / wait.size for wait in waits])
-    return coefficients_of(np.ones((len(waits), 1)), shares, [wait.trial for wait in waits])[0]
+    return mean_by_trial([wait.width / wait.size for wait in waits], [wait.trial for wait in waits])
 
 
 def _cycles(motion: Bending) -> list[Cycle]:

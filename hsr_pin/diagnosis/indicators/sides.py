@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from hsr_pin.diagnosis.indicators.decay import decay
-from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded, rounded_range
 from hsr_pin.diagnosis.indicators.lines import Lines
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
 from hsr_pin.report.inline_svg import ROLES
@@ -70,10 +70,10 @@ class Sides(Indicator):
 
     @property
     def sentence(self) -> str:
-        low, high = rounded(float(self.frequencies.min())), rounded(float(self.frequencies.max()))
         text = (
             f"Along the lines of {counted(len(self.angles), 'trial')} the arm oscillates at "
-            f"{low if low == high else f'{low} to {high}'} Hz with a damping ratio of {rounded(float(np.median(self.dampings)))}"
+            f"{rounded_range(float(self.frequencies.min()), float(self.frequencies.max()))} Hz with a damping ratio of "
+            f"{rounded(float(np.median(self.dampings)))}"
         )
         if self.unequal:
             return (

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..arm import Array
-from .law import Joints, Law, Nodes, State, one_of, strength, uniform
+from .law import Joints, Law, Nodes, State, bristle, one_of, slider, strength, uniform
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,10 @@ class DryFriction(Law, name="dry_friction"):
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         if self.form == "prandtl":
-            z = np.clip(memory + state.rate * state.dt, -self.bristle, self.bristle)
+            z = slider(memory, state, self.bristle)
         else:
             excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
-            top = self.bristle * (1 + excess)
-            # Exact for a constant rate, so that stiff bristles do not limit the step.
-            end = np.sign(state.rate) * top
-            z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
+            z = bristle(memory, state, self.bristle * (1 + excess))
         return self.level * joints.keq / self.bristle * z, z
 
 

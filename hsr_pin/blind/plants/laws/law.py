@@ -69,6 +69,22 @@ class Nodes(NamedTuple):
     angle: Array
 
 
+def slider(memory: Array, state: State, reach: float) -> Array:
+    """Return the deflection of a spring in series with a slider after a step: it follows the bending up to `reach` [rad]."""
+    return np.clip(memory + state.rate * state.dt, -reach, reach)
+
+
+def bristle(memory: Array, state: State, top: Array | float) -> Array:
+    """Return LuGre's bristle deflection after a step, which tends to `top` [rad]: exact for a constant rate."""
+    end = np.sign(state.rate) * top
+    return np.asarray(end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top))
+
+
+def random_of_trial(seed: int, clock: float) -> np.random.Generator:
+    """Return random numbers that belong to the trial at this session time [s]."""
+    return np.random.default_rng([seed, round(100 * clock)])
+
+
 def drawn(draw: Callable[[np.random.Generator], Any], *, default: Any, kw_only: bool = False, **metadata: Any) -> Any:
     """Return a field of a law whose random value is ``draw(rng)``."""
     return field(default=default, kw_only=kw_only, metadata={"draw": draw, **metadata})

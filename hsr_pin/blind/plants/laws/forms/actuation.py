@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arm import Array
 from ...program import RATE
-from ..law import Joints, Law, State, drawn, random_seed, strength, uniform
+from ..law import Joints, Law, State, drawn, random_of_trial, random_seed, strength, uniform
 from .scale import KEQ, scaling
 
 
@@ -108,7 +108,7 @@ class JitteredDelay(Law, name="dead_time", variant="jittered"):
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         packet = np.floor(t * RATE + 1e-6).astype(int)  # index of the command at each instant
         first, index = np.unique(packet, return_index=True)
-        rng = np.random.default_rng([self.seed, round(100 * clock)])
+        rng = random_of_trial(self.seed, clock)
         late = self.delay * (1 + self.jitter * rng.uniform(-1, 1, first.size))
         arrival = np.maximum.accumulate(t[index] + late)
         known = np.searchsorted(arrival, t, side="right") - 1
@@ -129,7 +129,7 @@ class RestartedDelay(Law, name="dead_time", variant="restarted"):
     seed: int = random_seed()
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        own = np.random.default_rng([self.seed, round(100 * clock)]).uniform(-1, 1)
+        own = random_of_trial(self.seed, clock).uniform(-1, 1)
         late = self.delay * (1 + self.spread * own)
         return np.interp(t - late, t, tau)
 

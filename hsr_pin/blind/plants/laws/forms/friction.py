@@ -7,14 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arm import Array
-from ..law import Joints, Law, State, strength, uniform
+from ..law import Joints, Law, State, bristle, slider, strength, uniform
 from .scale import moment_scale, scaling
-
-
-def _bristle(memory: Array, state: State, top: Array | float) -> Array:
-    """Return LuGre's bristle deflection after a step, which tends to `top`: exact for a constant rate."""
-    end = np.sign(state.rate) * top
-    return np.asarray(end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top))
 
 
 @dataclass(frozen=True)
@@ -35,7 +29,7 @@ class StribeckFriction(Law, name="dry_friction", variant="stribeck"):
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
-        z = _bristle(memory, state, self.bristle * (1 + excess))
+        z = bristle(memory, state, self.bristle * (1 + excess))
         return self.level * moment_scale(self.scale, joints) / self.bristle * z, z
 
 
@@ -53,7 +47,7 @@ class LoadFriction(Law, name="dry_friction", variant="load"):
     bristle: float = 0.005
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        z = np.clip(memory + state.rate * state.dt, -self.bristle, self.bristle)
+        z = slider(memory, state, self.bristle)
         return self.level * (abs(state.tau) + self.idle * joints.keq) / self.bristle * z, z
 
 
@@ -72,7 +66,7 @@ class BaseFriction(Law, name="dry_friction", variant="base"):
     scale: str = scaling(default="stiffness")
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
-        z = np.clip(memory + state.rate * state.dt, -self.bristle, self.bristle)
+        z = slider(memory, state, self.bristle)
         return self.level * moment_scale(self.scale, joints) * np.exp(-self.fall * joints.s) / self.bristle * z, z
 
 
