@@ -62,7 +62,6 @@ def report(found: Explanation) -> str:
             channels=_channels(found),
             caption=caption,
             motion=Markup(inline(_motion(found, index), "motion", caption)),
-            percent=lambda share: f"{100 * share:.1f} %".replace("-0.0", "0.0"),
         )
     )
 

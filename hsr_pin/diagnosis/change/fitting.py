@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,12 +12,9 @@ from scipy.optimize import least_squares
 from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.identification.evaluation import FRACTION, simulate_run
-from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.parallel import Shared, run, with_shared
 from hsr_pin.trajectory import Array
 
-#: Number of links and tolerance of a time step [m at the tip] of the coarse chain, which suffices for differences of predictions.
-_LINKS, _TOLERANCE = 8, 5e-4
 #: Number of start points, without and with shape parameters, and their least distance from the bounds [scales].
 _STARTS, _SHAPES, _INSIDE = 2, 3, 0.2
 #: Range of factors on the size of a probe in an initial estimate, which covers the distance to the next probe.
@@ -88,17 +85,13 @@ def moved(frame: Frame, change: ChangeHypothesis, changed: Array, runs: Sequence
     experiment = frame.pair.experiment
     late, changed = change.delays(changed)
     points = np.vstack([change.values(changed), change.before])
-    model = change.hypothesis if fine else _rough(change.hypothesis)
+    model = change.hypothesis if fine else change.hypothesis.rough
     found = []
     for k in runs:
         seen = np.moveaxis(simulate_run(experiment, experiment.runs[k], model, points).positions[..., experiment.axes], 1, -1)
         seen = np.nan_to_num(seen, nan=experiment.dataset.length)
         found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]) + (frame.pair.later(k, late) if late.any() else 0.0))
     return found
-
-
-def _rough(model: Hypothesis) -> Hypothesis:
-    return replace(model, links=min(_LINKS, model.links), tolerance=max(_TOLERANCE, model.tolerance))
 
 
 def initial_estimates(frame: Frame, change: ChangeHypothesis, assumed: Fitted | None = None) -> InitialEstimate | None:

@@ -241,7 +241,8 @@ def judge(found: ChangeEvidence, loss: Loss | None = None) -> ChangeVerdict:
         each = ", or ".join(" with ".join(one) for one in decision.sets)
         return said("ambiguous", f"These recordings do not determine what has changed: {common}{each} ({share}).", decision.sets)
     if not decision.sets:
-        further_kinds = [kind for kind in decision.kinds if kind not in _kinds_of(found, decision.names)]
+        known = {kind for name, kind in found.posterior.kinds.items() if name in decision.names}
+        further_kinds = [kind for kind in decision.kinds if kind not in known]
         of_kind = [f"something of the kind {kind} ({KINDS[kind]})" for kind in further_kinds]
         return said(
             "partly_identified", f"{listed([*decision.names, *of_kind])} has changed, together with other causes ({share})."
@@ -253,13 +254,8 @@ def judge(found: ChangeEvidence, loss: Loss | None = None) -> ChangeVerdict:
     )
 
 
-def _kinds_of(found: ChangeEvidence, names: Sequence[str]) -> set[str]:
-    return {cause.kind for model in found.posterior.models for cause in model.causes if cause.name in names}
-
-
 def _confidence(judged: Posterior) -> dict[str, float]:
-    names = {cause.name for model in judged.models for cause in model.causes}
-    stated = {name: judged.of_name(name) for name in names} | {kind: judged.of_kind(kind) for kind in KINDS}
+    stated = {name: judged.of_name(name) for name in judged.kinds} | {kind: judged.of_kind(kind) for kind in KINDS}
     return {name: round(value, 3) for name, value in sorted(stated.items()) if value >= _LISTED}
 
 
