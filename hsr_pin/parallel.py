@@ -86,6 +86,11 @@ class _Local(Shared[T]):
         return self._thing
 
 
+def with_shared(packed: Shared[Any], function: Callable[..., T], *arguments: Any) -> T:
+    """Return ``function(thing, *arguments)`` for a shared thing; a task of :func:`run`."""
+    return function(packed.get(), *arguments)
+
+
 def shared(thing: T, executor: Executor) -> Shared[T]:
     """Wrap an object that many tasks of an executor need."""
     return _Local(thing) if isinstance(executor, Serial) else Shared(thing)

@@ -100,21 +100,18 @@ def finite(name: str, value: Any, expected: str = "a finite number") -> float:
     return number
 
 
-def parameter(
-    neutral: float,
-    *,
-    lower: float,
-    upper: float,
-    unit: str,
-    scale: float,
-    description: str,
-    amplitude: bool = False,
-    level_exponent: int = 0,
-    start_count: int = 3,
-) -> Any:
-    """Return a dataclass field that declares a :class:`Parameter`; its default is the neutral value."""
-    fact = Parameter("?", unit, neutral, lower, upper, scale, amplitude, description, level_exponent, start_count)
-    return dataclasses.field(default=neutral, metadata={"parameter": fact})
+def amplitude(scale: float, unit: str, *, lower: float, upper: float, description: str, level_exponent: int = 0) -> Any:
+    """Return a dataclass field that declares an amplitude, a :class:`Parameter` whose default and neutral value is 0."""
+    return _field(Parameter("?", unit, 0.0, lower, upper, scale, True, description, level_exponent))
+
+
+def shape(start: float, scale: float, unit: str, *, lower: float, upper: float, description: str, start_count: int = 3) -> Any:
+    """Return a dataclass field that declares a shape parameter, a :class:`Parameter` whose default is its initial value."""
+    return _field(Parameter("?", unit, start, lower, upper, scale, False, description, start_count=start_count))
+
+
+def _field(fact: Parameter) -> Any:
+    return dataclasses.field(default=fact.neutral, metadata={"parameter": fact})
 
 
 @cache

@@ -2,10 +2,8 @@
 
 import importlib.util
 import sys
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -13,7 +11,9 @@ from hsr_pin.effects import parse_effect
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import step_scenario
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.trajectory import Dataset, Trajectory, Trial
+from hsr_pin.trajectory import Dataset
+
+from .filmed import filmed
 
 # The same examples at every run: a change is judged by what it changed. New ones: pytest --hypothesis-profile=default
 settings.register_profile("repeatable", derandomize=True, print_blob=True)
@@ -43,15 +43,10 @@ def script(request):
 @pytest.fixture(scope="session")
 def heavy_tip():
     """A dataset of four short steps of an arm that carries 30 g more at its tip than is declared."""
-    generator = np.random.default_rng(5)
-    trials = []
-    for number, torque in enumerate((0.4, 0.8, -0.6, 1.0), 1):
-        scenario = step_scenario(ArmSpecification(links=10, placement="mid"), torque, duration=1.0, step=0.02)
-        motion = simulate(replace(scenario, effects=(parse_effect("tip_mass:mass=0.03"),))).trajectory
-        seen = motion.positions + 1e-4 * generator.standard_normal(motion.positions.shape)
-        recording = Trajectory(motion.time, motion.markers, seen, torque=motion.torque)
-        trials.append(Trial(f"trial_{number:02d}", recording, keq=1.11, damping=scenario.arm.damping))
-    return Dataset("heavy-tip", 0.24, 0.15, 0.04, "hanging", tuple(trials), description="four <short> steps & a weight")
+    arm, mass = ArmSpecification(links=10, placement="mid"), (parse_effect("tip_mass:mass=0.03"),)
+    steps = [step_scenario(arm, torque, duration=1.0, step=0.02, effects=mass) for torque in (0.4, 0.8, -0.6, 1.0)]
+    trials = filmed([simulate(step).trajectory for step in steps], 1e-4, 5, (1.11, arm.damping))
+    return Dataset("heavy-tip", 0.24, 0.15, 0.04, "hanging", trials, description="four <short> steps & a weight")
 
 
 def pytest_collection_modifyitems(items):

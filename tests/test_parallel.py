@@ -28,7 +28,9 @@ from hsr_pin.parallel import Serial, Shared, for_each, open_executor, prepare_wo
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose, Scenario
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker
+
+from .filmed import filmed
 
 #: How the main modules of the scripts begin: tasks for workers, and a thread that kills one of them.
 HEAD = """
@@ -88,13 +90,10 @@ def cluster():
 def released():
     """Three releases, whose initial pose is fitted again for every model."""
     time, markers = 0.02 * np.arange(41), (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
-    arm, noise, trials = ArmSpecification(links=10, placement="mid"), np.random.default_rng(0), []
-    for number, bend in enumerate((0.5, 0.8, -0.6), 1):
-        scenario = Scenario(arm, time, np.zeros(41), Pose(np.full(10, bend / 10)), (EFFECTS["dry_friction"](0.03),), markers)
-        motion = simulate(scenario).trajectory
-        seen = motion.positions + 2e-4 * noise.standard_normal(motion.positions.shape)
-        trials.append(Trial(f"trial_{number:02d}", Trajectory(time, markers, seen), 1.11, 0.05))
-    return Dataset("released", 0.24, 0.15, 0.04, "hanging", tuple(trials))
+    arm, friction = ArmSpecification(links=10, placement="mid"), (EFFECTS["dry_friction"](0.03),)
+    bent = [Pose(np.full(10, bend / 10)) for bend in (0.5, 0.8, -0.6)]
+    motions = [simulate(Scenario(arm, time, np.zeros(41), pose, friction, markers)).trajectory for pose in bent]
+    return Dataset("released", 0.24, 0.15, 0.04, "hanging", filmed(motions, 2e-4, 0, driven=False))
 
 
 def found(executor, dataset):
@@ -122,7 +121,7 @@ def test_fits_that_take_longest_begin_first_and_candidates_come_as_they_were_ask
         begun = ()
 
         def submit(self, function, /, *arguments, **named):
-            self.begun += ([part.name for part in arguments[1].hypothesis.parts],)
+            self.begun += ([part.name for part in arguments[2].hypothesis.parts],)
             return Serial().submit(function, *arguments, **named)
 
     experiment, executor = prepare(released), Noting()

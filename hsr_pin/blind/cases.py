@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TypeVar
@@ -90,14 +90,26 @@ def plan_clean(seed: int, count: int, programs: Sequence[str] = PROGRAMS) -> tup
 
 def _contents(rng: np.random.Generator, count: int) -> list[Content]:
     number = quotas(count, SHARES)
-    found: list[Content] = [("none", (), ())] * number["none"]
-    found += [("single", (effect,), (size,)) for effect, size in crossed(rng, list(CATALOGUE), number["single"])]
-    found += [("outside", (law,), (size,)) for law, size in crossed(rng, list(OUTSIDE), number["outside"])]
+    found = contents_of(rng, number, {"none": (), "single": CATALOGUE, "outside": OUTSIDE})
     pairs = list(combinations(CATALOGUE, 2))
     order = rng.permutation(len(pairs))
     for k in range(number["pair"]):
         first, second = (str(rng.choice(PAIR_SIZES)) for _ in range(2))
         found.append(("pair", pairs[order[k % len(pairs)]], (first, second)))
+    return found
+
+
+def contents_of(
+    rng: np.random.Generator, number: Mapping[str, int], laws: Mapping[str, Iterable[str]], among: Sequence[str] = tuple(SIZES)
+) -> list[Content]:
+    """Return the contents of a ``number`` of cases of each kind: one of its ``laws`` in one size, or nothing if it has none."""
+    found: list[Content] = []
+    for kind, names in laws.items():
+        known = list(names)
+        if known:
+            found += [(kind, (law,), (size,)) for law, size in crossed(rng, known, number[kind], among)]
+        else:
+            found += [(kind, (), ())] * number[kind]
     return found
 
 

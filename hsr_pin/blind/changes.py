@@ -57,14 +57,13 @@ class ChangeScore:
         """Rates of right answers, by their description."""
         changed = [o for o in self.outcomes if o.answer.kind != "nothing"]
         same = [o for o in self.outcomes if o.answer.kind == "nothing"]
-        judged = [right for right in self.sizes if right is not None]
         return {
-            "change named alone or among the alternatives": _right(changed),
-            **{f"the same, {kind}": _right([o for o in changed if o.answer.kind == kind]) for kind in _KINDS},
-            "unchanged, nothing has changed": _right(same),
-            "unchanged, something has": Rate(sum(o.status == "unchanged" for o in changed), len(changed)),
-            "wrong names, all pairs": Rate(sum(o.wrong_name for o in self.outcomes), len(self.outcomes)),
-            "size within its 95 % interval": Rate(sum(judged), len(judged)),
+            "change named alone or among the alternatives": Rate.among(o.exact for o in changed),
+            **{f"the same, {kind}": Rate.among(o.exact for o in changed if o.answer.kind == kind) for kind in _KINDS},
+            "unchanged, nothing has changed": Rate.among(o.exact for o in same),
+            "unchanged, something has": Rate.among(o.status == "unchanged" for o in changed),
+            "wrong names, all pairs": Rate.among(o.wrong_name for o in self.outcomes),
+            "size within its 95 % interval": Rate.among(right for right in self.sizes if right is not None),
         }
 
     def document(self) -> dict[str, Any]:
@@ -72,7 +71,7 @@ class ChangeScore:
         return {
             "pairs": len(self.outcomes),
             "missing": list(self.missing),
-            "rates": {name: {"hits": rate.hits, "of": rate.of, "ci95": list(rate.interval)} for name, rate in self.rates.items()},
+            "rates": {name: rate.document() for name, rate in self.rates.items()},
             "outcomes": [
                 {**document_of(outcome), "size_right": size} for outcome, size in zip(self.outcomes, self.sizes, strict=True)
             ],
@@ -144,7 +143,3 @@ def _step_interval(reported: Mapping[str, Any], ratio: bool) -> tuple[float, flo
     step = log(after / before) if ratio else after - before
     (a, b), (c, d) = ends
     return step - hypot(b, c), step + hypot(a, d)
-
-
-def _right(among: Sequence[Outcome]) -> Rate:
-    return Rate(sum(o.exact for o in among), len(among))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.cases import MOUNTS, Case, Content, balanced, crossed, quotas
+from hsr_pin.blind.cases import MOUNTS, Case, balanced, contents_of, quotas
 from hsr_pin.blind.plants.laws.law import Law
 from hsr_pin.blind.plants.plant import nuisance_of
 from hsr_pin.blind.plants.program import LEVELS
@@ -28,10 +28,7 @@ ROD_EVERY, ROD_PROGRAMS = 6, ("steps", "steps+releases", "steps+payload")
 
 def plan_in_space(rng: np.random.Generator, count: int) -> list[Case]:
     """Return a number of balanced cases."""
-    number = quotas(count, SHARES)
-    contents: list[Content] = [("none", (), ())] * number["none"]
-    for kind, laws in (("single", CATALOGUE), ("outside", OUTSIDE)):
-        contents += [(kind, (law,), (size,)) for law, size in crossed(rng, list(laws), number[kind])]
+    contents = contents_of(rng, quotas(count, SHARES), {"none": (), "single": CATALOGUE, "outside": OUTSIDE})
     recordings = zip(*(balanced(rng, choices, count) for choices in (PROGRAMS, MOUNTS)), strict=True)
     rods, cases = rng.integers(ROD_EVERY), []
     for k, (content, (done, mount)) in enumerate(zip(contents, recordings, strict=True)):

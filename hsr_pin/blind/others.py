@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.blind.answers import Answer
-from hsr_pin.blind.cases import PAIR_SIZES, Case, Content, balanced, crossed, quotas
+from hsr_pin.blind.cases import PAIR_SIZES, Case, Content, balanced, contents_of, quotas
 from hsr_pin.blind.kinds import names_of
 from hsr_pin.blind.plants.others import NAMES, plant
 from hsr_pin.blind.plants.scaling import SIZES
@@ -33,9 +33,7 @@ def plan_others(rng: np.random.Generator, count: int) -> list[Case]:
 
 def _contents(rng: np.random.Generator, name: str, count: int) -> list[Content]:
     number, own = quotas(count, SHARES), plant(name)
-    found: list[Content] = [("none", (), ())] * number["none"]
-    for kind, laws in (("single", own.CATALOGUE), ("outside", own.OUTSIDE)):
-        found += [(kind, (law,), (size,)) for law, size in crossed(rng, list(laws), number[kind], tuple(SIZES))]
+    found = contents_of(rng, number, {"none": (), "single": own.CATALOGUE, "outside": own.OUTSIDE})
     for _ in range(number["pair"]):
         laws = rng.choice(list(own.CATALOGUE), 2, replace=False)
         found.append(("pair", tuple(map(str, laws)), tuple(str(rng.choice(PAIR_SIZES)) for _ in laws)))

@@ -114,9 +114,9 @@ def _change_facts(change: Change, nuisance: Nuisance) -> dict[str, Any]:
 def _redrawn(law: Law, rng: np.random.Generator) -> Law:
     """Return the law for another session: the random phases of gusts and pulses are drawn again."""
     own: dict[str, Any] = {}
-    names: Sequence[str] = [field.name for field in fields(law)]  # type: ignore[arg-type]
+    names: Sequence[str] = [field.name for field in fields(law)]
     if "seed" in names:
         own["seed"] = int(rng.integers(1 << 31))
     if "phase" in names:
         own["phase"] = float(rng.uniform(0, 2 * np.pi))
-    return replace(law, **own)  # type: ignore[type-var]
+    return replace(law, **own)

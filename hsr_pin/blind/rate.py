@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -11,6 +13,12 @@ class Rate:
 
     hits: int
     of: int
+
+    @classmethod
+    def among(cls, answers: Iterable[bool]) -> Rate:
+        """Return the rate of true answers."""
+        known = list(answers)
+        return cls(sum(known), len(known))
 
     @property
     def share(self) -> float:
@@ -26,6 +34,10 @@ class Rate:
             return 0.0, 1.0
         low, high = binomtest(self.hits, self.of).proportion_ci()
         return float(low), float(high)
+
+    def document(self) -> dict[str, Any]:
+        """Return the rate as a JSON document."""
+        return {"hits": self.hits, "of": self.of, "ci95": list(self.interval)}
 
     def __str__(self) -> str:
         if not self.of:

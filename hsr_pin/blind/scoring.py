@@ -72,7 +72,7 @@ class Score:
         return {
             "cases": len(self.outcomes),
             "missing": list(self.missing),
-            "rates": {name: {"hits": rate.hits, "of": rate.of, "ci95": list(rate.interval)} for name, rate in self.rates.items()},
+            "rates": {name: rate.document() for name, rate in self.rates.items()},
             "confusion": {"rows": list(self.rows), "columns": list(self.columns), "counts": [list(row) for row in self.counts]},
             **more,
             "outcomes": [document_of(outcome) for outcome in self.outcomes],
@@ -131,10 +131,10 @@ def _rates(found: Sequence[Outcome]) -> dict[str, Rate]:
         **{f"exact, single effects, {size}": _exact([o for o in single if o.answer.size == size]) for size in ("below", *SIZES)},
         **{f"exact, {kind}": _exact([o for o in clean if o.answer.kind == kind]) for kind in ("pair", "none", "outside")},
         **_tier_rates(found),
-        "wrong names, all cases": Rate(sum(o.wrong_name for o in found), len(found)),
-        "any name, none and outside": Rate(sum(bool(o.sets) and not o.exact for o in unnamed), len(unnamed)),
+        "wrong names, all cases": Rate.among(o.wrong_name for o in found),
+        "any name, none and outside": Rate.among(bool(o.sets) and not o.exact for o in unnamed),
         "truth among the alternatives, ambiguous verdicts": _exact(named),
-        "shrinkage within 10 % of the oracle's": Rate(sum(map(_near_oracle, judged)), len(judged)),
+        "shrinkage within 10 % of the oracle's": Rate.among(map(_near_oracle, judged)),
     }
 
 
@@ -150,23 +150,23 @@ def _tier_rates(found: Sequence[Outcome]) -> dict[str, Rate]:
         for plant in plants:
             own = [o for o in cases if o.answer.facts.get("plant") == plant]
             rates[f"{plant}: exact or among the alternatives"] = _exact(own)
-            rates[f"{plant}: wrong"] = Rate(sum(o.grade == "wrong" for o in own), len(own))
+            rates[f"{plant}: wrong"] = Rate.among(o.grade == "wrong" for o in own)
         if cases:
             rates[f"{tier}: exact or among the alternatives"] = _exact(cases)
-            rates[f"{tier}: kind right"] = Rate(sum(o.kind_right for o in cases), len(cases))
-            rates[f"{tier}: silent"] = Rate(sum(o.grade == "silent" for o in cases), len(cases))
-            rates[f"{tier}: wrong"] = Rate(sum(o.grade == "wrong" for o in cases), len(cases))
+            rates[f"{tier}: kind right"] = Rate.among(o.kind_right for o in cases)
+            rates[f"{tier}: silent"] = Rate.among(o.grade == "silent" for o in cases)
+            rates[f"{tier}: wrong"] = Rate.among(o.grade == "wrong" for o in cases)
     if {o.answer.tier for o in found} - {"clean"}:
         for kind in ("none", "outside"):
             messy = [o for o in found if (o.answer.tier, o.answer.kind) == ("messy", kind)]
-            rates[f"messy: no name, {kind}"] = Rate(sum(not o.sets or o.exact for o in messy), len(messy))
+            rates[f"messy: no name, {kind}"] = Rate.among(not o.sets or o.exact for o in messy)
         outside = [o for o in found if o.answer.kind == "outside"]
-        rates["kind right, outside"] = Rate(sum(o.kind_right for o in outside), len(outside))
+        rates["kind right, outside"] = Rate.among(o.kind_right for o in outside)
     return rates
 
 
 def _exact(among: Sequence[Outcome]) -> Rate:
-    return Rate(sum(o.exact for o in among), len(among))
+    return Rate.among(o.exact for o in among)
 
 
 def _near_oracle(outcome: Outcome) -> bool:

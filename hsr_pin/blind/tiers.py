@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.blind.cases import INPUTS, MOUNTS, PAIR_SIZES, PROGRAMS, Case, Content, balanced, crossed, plan_clean, quotas
+from hsr_pin.blind.cases import INPUTS, MOUNTS, PAIR_SIZES, PROGRAMS, Case, Content, balanced, contents_of, plan_clean, quotas
 from hsr_pin.blind.plants.laws import CATALOGUE, FORMS, OUTSIDE, PARAMETERS
 from hsr_pin.errors import InputError
 
@@ -98,26 +98,16 @@ def _recorded(rng: np.random.Generator, tier: str, contents: Sequence[Content], 
 
 def _messy(rng: np.random.Generator, count: int) -> list[Content]:
     number = quotas(count, MESSY_SHARES)
-    found: list[Content] = [("none", (), ())] * number["none"]
-    for kind, names in (("single", CATALOGUE), ("outside", OUTSIDE)):
-        found += _singles(rng, kind, list(names), number[kind])
-    return found
+    return contents_of(rng, number, {"none": (), "single": CATALOGUE, "outside": OUTSIDE}, PAIR_SIZES)
 
 
 def _forms(rng: np.random.Generator, count: int) -> list[Content]:
-    return _singles(rng, "form", list(FORMS), count)
+    return contents_of(rng, {"form": count}, {"form": FORMS}, PAIR_SIZES)
 
 
 def _changes(rng: np.random.Generator, count: int) -> list[Content]:
-    number = quotas(count, CHANGE_SHARES)
-    found: list[Content] = [("nothing", (), ())] * number["nothing"]
-    for kind, names in (("appears", CATALOGUE), ("grows", CATALOGUE), ("parameter", PARAMETERS)):
-        found += _singles(rng, kind, list(names), number[kind])
-    return found
-
-
-def _singles(rng: np.random.Generator, kind: str, names: Sequence[str], count: int) -> list[Content]:
-    return [(kind, (law,), (size,)) for law, size in crossed(rng, names, count, PAIR_SIZES)]
+    laws = {"nothing": (), "appears": CATALOGUE, "grows": CATALOGUE, "parameter": PARAMETERS}
+    return contents_of(rng, quotas(count, CHANGE_SHARES), laws, PAIR_SIZES)
 
 
 def _other(rng: np.random.Generator, program: str, programs: Sequence[str]) -> str:

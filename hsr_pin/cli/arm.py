@@ -49,6 +49,12 @@ def arm_options(command: Command) -> Command:
     return command
 
 
+def effect_option(command: Command) -> Command:
+    """Add the option ``--effect`` to a command, which passes texts for :func:`hsr_pin.effects.parse_effect`."""
+    text = "Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated."
+    return click.option("--effect", "effects", multiple=True, metavar="NAME:PARAM=VALUE", help=text)(command)
+
+
 def chain_options(command: Command) -> Command:
     """Add the options ``--links`` and ``--placement`` of the model chain to a command; see :func:`chain_from`."""
     own = "as simulated, else"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import click
@@ -55,6 +55,18 @@ def ignore_closed_pipe() -> Iterator[None]:
 def discard_output() -> None:
     """Discard all further output to standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def print_lines(screen: Callable[[int], Iterable[str | Text]]) -> None:
+    """Print the lines that a report has for the width of the terminal."""
+    to = console()
+    for line in screen(to.width):
+        to.print(line, soft_wrap=True)
+
+
+def written_line(paths: Sequence[str]) -> Text:
+    """Return a line with the names of the files that were written."""
+    return Text(f"wrote {', '.join(paths)}", style="green")
 
 
 def print_written_files(paths: Sequence[str]) -> None:

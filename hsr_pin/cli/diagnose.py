@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import Grouped, exit_process, run
-from hsr_pin.cli.judging import loss_from, progress
+from hsr_pin.cli.judging import effects_from, loss_from, print_and_write, progress
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import trial_options, trials_from
 from hsr_pin.parallel import open_executor
@@ -67,45 +66,17 @@ def command(dataset: str, **options: Any) -> None:
 
         run_since(dataset, options)
         return
-    _print_and_write(_diagnosis(dataset, options), [name for name in files.values() if name not in (None, "-")], options)
+    found = _diagnosis(dataset, options)
+    from hsr_pin.cli.diagnose_report import print_report
 
-
-def _print_and_write(diagnosis: Diagnosis, files: list[str], options: dict[str, Any]) -> None:
-    """Print the verdict and write the files."""
-    from hsr_pin.cli.console import ignore_closed_pipe
-    from hsr_pin.cli.diagnose_report import print_report, print_written
-
-    with ignore_closed_pipe():
-        if options["json_file"] == "-":
-            click.echo(_document(diagnosis))
-        else:
-            print_report(diagnosis, files)
-    written: list[str] = []
-    try:
-        for name in _write(diagnosis, options):
-            written.append(name)
-    finally:
-        if options["json_file"] != "-":
-            print_written(written)
-
-
-def _document(diagnosis: Diagnosis) -> str:
-    import json
-
-    from hsr_pin.diagnosis.document import to_json
-
-    return json.dumps(to_json(diagnosis), indent=2, allow_nan=False, ensure_ascii=False)
+    written = [name for name in files.values() if name not in (None, "-")]
+    print_and_write(options, found.to_json, lambda: print_report(found, written), found.to_html)
 
 
 def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
-    from hsr_pin.effects import effect_named
     from hsr_pin.recordings.read import read_dataset
 
-    effects = None
-    if options["effects"] is not None:
-        effects = [name.strip() for name in options["effects"].split(",")]
-        for name in effects:  # before the recordings are read, which takes longer
-            effect_named(name)
+    effects = effects_from(options)
     given = {name: options[name] for name in ("max_effects", "seed")} | chain_from(options) | trials_from(options)
     loss = loss_from(options)
     with open_executor(options["jobs"], options["cluster"]) as executor:
@@ -115,20 +86,6 @@ def _diagnosis(dataset: str, options: dict[str, Any]) -> Diagnosis:
         with progress(options["max_effects"] + _OTHER_STAGES) as (report_stage, advance):
             given |= {"tell": report_stage, "advance": advance}
             return diagnose(recordings, effects=effects, loss=loss, **given, executor=executor)
-
-
-def _write(diagnosis: Diagnosis, options: dict[str, Any]) -> Iterator[str]:
-    """Write the requested files, and yield the name of each file once it is written."""
-    if options["json_file"] not in (None, "-"):
-        from hsr_pin.output import write_text
-
-        write_text(options["json_file"], _document(diagnosis) + "\n")
-        yield options["json_file"]
-    if options["html_file"] is not None:
-        from hsr_pin.diagnosis.report import write_report
-
-        write_report(diagnosis, options["html_file"])
-        yield options["html_file"]
 
 
 def main() -> None:

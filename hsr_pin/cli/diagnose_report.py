@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from hsr_pin.cli.console import console
+from hsr_pin.cli.console import print_lines, written_line
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.words import advice, where_sentence
 from hsr_pin.inference.detection import detection_sentence
@@ -30,16 +30,7 @@ _COLOURS = {
 
 def print_report(diagnosis: Diagnosis, files: Sequence[str] = ()) -> None:
     """Print the verdict, the error budget, the best models, the location of the gap and advice, with a line left for files."""
-    to = console()
-    lines = screen(diagnosis, to.width, files)
-    for line in lines[:-1] if files else lines:
-        to.print(line, soft_wrap=True)
-
-
-def print_written(files: Sequence[str]) -> None:
-    """Print a line with the names of the files that were written, if there are any."""
-    if files:
-        console().print(_written(files), soft_wrap=True)
+    print_lines(lambda width: screen(diagnosis, width, files)[: -1 if files else None])
 
 
 def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -> list[Text]:
@@ -56,7 +47,7 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
         rest += _wrapped(f"limit: {limits}", width)
     rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
     rest += _notes(diagnosis, width)
-    rest += [_written(written)] if written else []
+    rest += [written_line(written)] if written else []
     models = _models(diagnosis, width, LINES - len(verdict) - len(ladder) - len(rest))
     spare = LINES - len(verdict) - len(ladder) - len(models) - len(rest)
     lines: list[Text] = []
@@ -65,10 +56,6 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
             lines, spare = [*lines, Text()], spare - 1
         lines += block
     return lines
-
-
-def _written(files: Sequence[str]) -> Text:
-    return Text(f"wrote {', '.join(files)}", style="green")
 
 
 def _ladder(diagnosis: Diagnosis, width: int) -> list[Text]:

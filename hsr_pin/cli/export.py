@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.arm import ARM_OPTIONS, arm_from, arm_options
+from hsr_pin.cli.arm import ARM_OPTIONS, arm_from, arm_options, effect_option
 from hsr_pin.cli.command import exit_process, run
 from hsr_pin.cli.outputs import check_outputs, dataset_folder, force_option
 
@@ -24,13 +24,7 @@ _FROM_RESULT = ("damping", "length", "mass", "diameter", "bending", "torsion")
 @click.option("-o", "--output", metavar="FILE", required=True, help="File to write, possibly with a Python module.")
 @click.option("--from", "result", metavar="RESULT.json", help="Result of hsr-fit --json or hsr-diagnose --json.")
 @click.option("--dataset", metavar="DATASET", help="Recordings, for a result that does not contain their declaration.")
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="NAME:PARAM=VALUE",
-    help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
-)
+@effect_option
 @click.option(
     "--mujoco", type=click.Choice(["3", "4"]), default="4", show_default=True, help="Major version of MuJoCo for an MJCF file."
 )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from hsr_pin.cli.arm import chain_from, chain_options
 from hsr_pin.cli.command import Grouped, exit_process, run
+from hsr_pin.cli.judging import progress
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 from hsr_pin.cli.trials import listed, trial_options, trials_from
 
@@ -61,7 +61,7 @@ def command(dataset: str, **options: Any) -> None:
     """
     _check(dataset, options)
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is imported, as its threads slow down these small problems
-    with _progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as report_stage:
+    with progress(_STAGES + sum(bool(options[name]) for name in ("profile", "paper", "study"))) as (report_stage, _):
         found = _identified(dataset, options, report_stage)
         profiles, paper, study = _more(found, options, report_stage)
     _print_and_write(found, profiles, paper, study, options)
@@ -114,27 +114,6 @@ def _effect(text: str) -> Effect:
     from hsr_pin.effects.effect import neutral
 
     return parse_effect(text) if ":" in text else neutral(effect_named(text.strip()))
-
-
-@contextmanager
-def _progress(stages: int) -> Iterator[Callable[[str], None]]:
-    """Yield a function to call at each stage, which updates a progress bar on a terminal and otherwise does nothing."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from hsr_pin.cli.console import console
-
-    screen = console(stderr=True)
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-        task = bar.add_task("starting", total=stages)
-        begun = 0
-
-        def report_stage(stage: str) -> None:
-            nonlocal begun
-            bar.update(task, description=stage, completed=begun)
-            begun += 1
-
-        yield report_stage
 
 
 def _check(dataset: str, options: dict[str, Any]) -> None:

@@ -1,10 +1,13 @@
-"""Loss function and progress bar of the commands that diagnose causes."""
+"""Candidates, loss function, progress bar and output of the commands that diagnose causes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import json
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+import click
 
 if TYPE_CHECKING:
     from hsr_pin.inference import Loss
@@ -18,6 +21,61 @@ def loss_from(options: dict[str, Any]) -> Loss | None:
     from hsr_pin.inference import Loss
 
     return None if options["loss"] is None else Loss.of(options["loss"])
+
+
+def effects_from(options: dict[str, Any], others: Collection[str] = ()) -> list[str] | None:
+    """Return the candidates given by the option, names of effects or of ``others``; None for the default.
+
+    Raises:
+        EffectError: a name is unknown; it is refused before the recordings are read, which takes longer.
+    """
+    if options["effects"] is None:
+        return None
+    from hsr_pin.effects import effect_named
+
+    names = [name.strip() for name in options["effects"].split(",")]
+    for name in names:
+        if name not in others:
+            effect_named(name)
+    return names
+
+
+def print_and_write(
+    options: dict[str, Any], document: Callable[[], dict[str, Any]], show: Callable[[], None], write_html: Callable[[str], None]
+) -> None:
+    """Print a report, or JSON if that goes to standard output, and write the requested files.
+
+    The names of the files that were written are printed, also after an error.
+
+    Args:
+        options: options of the command, with the names of the files.
+        document: function that returns the result for JSON.
+        show: function that prints the report.
+        write_html: function that writes the report to a file.
+    """
+    from hsr_pin.cli.console import console, ignore_closed_pipe, written_line
+    from hsr_pin.output import write_text
+
+    def text() -> str:
+        return json.dumps(document(), indent=2, allow_nan=False, ensure_ascii=False)
+
+    json_file, html_file = options["json_file"], options["html_file"]
+    with ignore_closed_pipe():
+        if json_file == "-":
+            click.echo(text())
+        else:
+            show()
+    written: list[str] = []
+    try:
+        if json_file not in (None, "-"):
+            write_text(json_file, text() + "\n")
+            written.append(json_file)
+        if html_file is not None:
+            write_html(html_file)
+            written.append(html_file)
+    finally:
+        if written and json_file != "-":
+            console().print(written_line(written), soft_wrap=True)
 
 
 @contextmanager

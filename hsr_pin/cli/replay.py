@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.arm import chain_from, chain_options
+from hsr_pin.cli.arm import chain_from, chain_options, effect_option
 from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import check_outputs, dataset_argument, dataset_folder, force_option
 
@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 @dataset_argument
 @click.option("--trial", metavar="N", help="Number of the trial, from 1, or its name.  [default: the first]")
 @chain_options
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="NAME:PARAM=VALUE",
-    help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
-)
+@effect_option
 @click.option("--html", metavar="FILE.html", help="Write the animation into one self-contained file.")
 @click.option("--plot", metavar="FILE.png", help="Draw tip paths, markers and error against time (.png, .pdf or .svg).")
 @click.option("--json", "as_json", is_flag=True, help="Print the errors as one JSON document, for programs.")

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import click
-
+from hsr_pin.cli.judging import loss_from, print_and_write, progress
 from hsr_pin.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,23 +29,9 @@ def run_robot(dataset: str, options: dict[str, Any]) -> None:
     if options["train"]:
         raise InputError("--train", expected="--test with the trials to hold out", received=options["train"])
     found = _explained(dataset, options)
-    from hsr_pin.cli.console import console, ignore_closed_pipe
-    from hsr_pin.cli.diagnose_report import print_written
+    from hsr_pin.cli.console import print_lines
 
-    with ignore_closed_pipe():
-        if options["json_file"] == "-":
-            click.echo(_document(found))
-        else:
-            to = console()
-            for line in screen(found, to.width):
-                to.print(line, soft_wrap=True)
-    written: list[str] = []
-    try:
-        for name in _write(found, options):
-            written.append(name)
-    finally:
-        if options["json_file"] != "-":
-            print_written(written)
+    print_and_write(options, found.to_json, lambda: print_lines(lambda width: screen(found, width)), found.to_html)
 
 
 def screen(found: Explanation, width: int) -> list[str]:
@@ -75,7 +58,6 @@ def screen(found: Explanation, width: int) -> list[str]:
 
 
 def _explained(dataset: str, options: dict[str, Any]) -> Explanation:
-    from hsr_pin.cli.judging import loss_from, progress
     from hsr_pin.cli.trials import listed
     from hsr_pin.robots.explain import explain_robot, explain_robot_change
     from hsr_pin.robots.read import read_robot
@@ -93,19 +75,3 @@ def _explained(dataset: str, options: dict[str, Any]) -> Explanation:
             expected = "one earlier session of the robot and no --test"
             raise InputError("--since", expected=expected, received="several sessions or --test")
         return explain_robot_change(recordings, options["since"][0], **given)
-
-
-def _document(found: Explanation) -> str:
-    return json.dumps(found.to_json(), indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def _write(found: Explanation, options: dict[str, Any]) -> Iterator[str]:
-    """Write the requested files, and yield the name of each file once it is written."""
-    if options["json_file"] not in (None, "-"):
-        from hsr_pin.output import write_text
-
-        write_text(options["json_file"], _document(found) + "\n")
-        yield options["json_file"]
-    if options["html_file"] is not None:
-        found.to_html(options["html_file"])
-        yield options["html_file"]

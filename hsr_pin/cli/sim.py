@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hsr_pin.cli.arm import arm_options
+from hsr_pin.cli.arm import arm_options, effect_option
 from hsr_pin.cli.command import Grouped, exit_process, run
 from hsr_pin.cli.outputs import check_outputs, force_option
 
@@ -43,13 +43,7 @@ _EPILOG = "Example: hsr-sim --links 4 --keq 1.11 runs the three pressure combina
     help="Dynamics: Pinocchio's articulated-body algorithm (aba) or recursive Newton-Euler algorithm (rnea), or compiled loops "
     "(compiled).  [default: aba, in space rnea; compiled beyond 64 links]",
 )
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="NAME:PARAM=VALUE",
-    help="Add an effect to the paper's model, e.g. dry_friction:level=0.05; may be repeated.",
-)
+@effect_option
 @click.option("--ground", type=float, multiple=True, metavar="Z", help="Add a floor at this height [m]; the base is at 0.")
 @click.option("--wall", type=float, multiple=True, metavar="X", help="Add a wall across x at this place [m], facing the base.")
 @click.option(

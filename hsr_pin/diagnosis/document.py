@@ -17,6 +17,7 @@ from hsr_pin.inference.document import (
     candidates_to_json,
     detection_to_json,
     estimates_to_json,
+    millimetres_or_null,
     number_or_null,
     posterior_to_json,
     verdict_to_json,
@@ -40,13 +41,13 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "posterior": None if diagnosis.search is None else posterior_to_json(diagnosis.search, verdict.decision, diagnosis.loss),
         "arm": None if diagnosis.search is None else arm_to_json(diagnosis.experiment, diagnosis.search.best.fit),
         "ladder": [_rung(rung, length) for rung in diagnosis.ladder],
-        "noise_floor_mm": _mm(diagnosis.experiment.noise_rms),
+        "noise_floor_mm": millimetres_or_null(diagnosis.experiment.noise_rms),
         "candidates": [] if diagnosis.search is None else candidates_to_json(diagnosis.search, _candidate),
         "where": _where(diagnosis.where),
         "next_experiment": [
             {"name": each.name, "separation": number_or_null(each.separation)} for each in diagnosis.next_experiment
         ],
-        "limits": {"closed_mm": _mm(diagnosis.limits.closed), "share": number_or_null(diagnosis.limits.share)},
+        "limits": {"closed_mm": millimetres_or_null(diagnosis.limits.closed), "share": number_or_null(diagnosis.limits.share)},
         "fingerprint": None if diagnosis.indicators is None else diagnosis.indicators.to_json(),
         "repeats": None if diagnosis.repeatability is None else diagnosis.repeatability.to_json(),
         "detection_limits": [] if diagnosis.search is None else detection_to_json(diagnosis.search),
@@ -58,10 +59,10 @@ def _left(left: Remainder | None) -> dict[str, float | None] | None:
     if left is None:
         return None
     return {
-        "mm": _mm(left.rms),
+        "mm": millimetres_or_null(left.rms),
         "percent_of_length": number_or_null(100 * left.rms / left.length),
         "share": number_or_null(left.share),
-        "not_repeatable_mm": None if left.not_repeatable is None else _mm(left.not_repeatable),
+        "not_repeatable_mm": None if left.not_repeatable is None else millimetres_or_null(left.not_repeatable),
     }
 
 
@@ -69,10 +70,10 @@ def _rung(rung: Rung, length: float) -> dict[str, Any]:
     return {
         "rung": rung.name,
         "effects": sorted(rung.effects),
-        "heldout_rms_mm": _mm(rung.rms),
+        "heldout_rms_mm": millimetres_or_null(rung.rms),
         "heldout_rms_percent": number_or_null(100 * rung.rms / length),
         "share": number_or_null(rung.share),
-        "ci95_mm": [_mm(bound) for bound in rung.interval],
+        "ci95_mm": [millimetres_or_null(bound) for bound in rung.interval],
     }
 
 
@@ -83,8 +84,8 @@ def _candidate(candidate: Candidate) -> dict[str, Any]:
         "resized": list(candidate.fit.hypothesis.resized),
         "options": dict(sorted((f"{effect.name}.{name}", value) for effect in effects for name, value in effect.options)),
         "parameters": estimates_to_json(candidate.fit),
-        "heldout_rms_mm": _mm(math.sqrt(candidate.heldout_square)),
-        "fit_rms_mm": _mm(candidate.fit.rms),
+        "heldout_rms_mm": millimetres_or_null(math.sqrt(candidate.heldout_square)),
+        "fit_rms_mm": millimetres_or_null(candidate.fit.rms),
     }
 
 
@@ -129,7 +130,3 @@ def _map(chart: Map) -> dict[str, Any]:
             for part in chart.bins
         ],
     }
-
-
-def _mm(metres: float) -> float | None:
-    return number_or_null(1e3 * metres)

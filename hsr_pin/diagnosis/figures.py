@@ -13,7 +13,7 @@ from hsr_pin.diagnosis.words import model_name, readable
 from hsr_pin.identification.prepared import Run
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.estimates import number, ranked
-from hsr_pin.report.inline_svg import ROLES, drawing
+from hsr_pin.report.inline_svg import ROLES, page_figure
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from hsr_pin.diagnosis.result import Diagnosis
 
-#: Width of a page [inch].
-_WIDTH = 7.4
 #: Largest number of candidates in their figure.
 MOST_CANDIDATES = 14
 #: Largest number of dots of one measured curve.
@@ -32,14 +30,11 @@ _DOTS = 300
 
 def ladder_figure(diagnosis: Diagnosis) -> Figure:
     """Return a figure of the held-out error of each row of the ladder with its interval, down to the noise floor."""
-    from matplotlib.figure import Figure
-
     rungs = diagnosis.ladder
     at, values = np.arange(len(rungs)), np.array([1e3 * rung.rms for rung in rungs])
     reach = np.abs(1e3 * np.array([rung.interval for rung in rungs]) - values[:, None]).T
     length = diagnosis.experiment.dataset.length
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 0.5 + 0.3 * len(rungs)), layout="constrained")
+    with page_figure(0.5 + 0.3 * len(rungs)) as figure:
         axes = figure.add_subplot()
         axes.barh(at, values, height=0.62, color=[ROLES["noise" if rung.floor else "bar"] for rung in rungs])
         axes.errorbar(values[:-1], at[:-1], xerr=reach[:, :-1], fmt="none", ecolor=ROLES["ink"], elinewidth=1, capsize=2.5)
@@ -62,7 +57,6 @@ def ladder_figure(diagnosis: Diagnosis) -> Figure:
 
 def candidates_figure(diagnosis: Diagnosis) -> Figure:
     """Return a figure of the best fitted models, ordered by their error on held-out trials."""
-    from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
     assert diagnosis.search is not None
@@ -70,8 +64,7 @@ def candidates_figure(diagnosis: Diagnosis) -> Figure:
     best, noise = diagnosis.search.best.names, 1e3 * diagnosis.limits.noise
     named = {best, *diagnosis.verdict.alternatives}
     values = [1e3 * candidate.heldout_square**0.5 for candidate in shown]
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 0.6 + 0.22 * len(shown)), layout="constrained")
+    with page_figure(0.6 + 0.22 * len(shown)) as figure:
         axes = figure.add_subplot()
         start = max(noise, min(values) / 4)  # very small noise would compress the candidates' axis
         noise_label = "noise" if start == noise else f"noise: {number(noise)}"
@@ -106,12 +99,9 @@ def shown_candidates(diagnosis: Diagnosis) -> tuple[Candidate, ...]:
 
 def where_figure(where: Where) -> Figure:
     """Return a figure of all maps of the gap as bars, with the level of noise."""
-    from matplotlib.figure import Figure
-
     maps = [where.arc_length, where.time, where.trials, *where.operating_range]
     rows = -(-len(maps) // 3)
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 2.15 * rows), layout="constrained")
+    with page_figure(2.15 * rows) as figure:
         for number, chart in enumerate(maps):
             _draw_map(figure.add_subplot(rows, 3, number + 1), chart)
     return figure
@@ -144,7 +134,6 @@ def _short(labels: Sequence[str], chart: Map) -> tuple[list[str], str]:
 
 def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
     """Return a figure of one run with the declared and the best model: path, motion and error of the outermost marker."""
-    from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatter
 
     run = diagnosis.experiment.runs[index]
@@ -158,8 +147,7 @@ def motion_figure(diagnosis: Diagnosis, index: int) -> Figure:
     time = run.instants[:: -(-len(run.instants) // _DOTS)]
     axis = int(np.argmax(np.ptp(paths[-1], axis=0)))
     across = np.sort(np.argsort(np.ptp(paths[-1], axis=0))[-2:])  # the plane with the largest motion
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 3.3), layout="constrained")
+    with page_figure(3.3) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.35))
         plane, motion, error = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
         for axes, x, y in ((plane, *seen[:, across].T), (motion, time, seen[:, axis])):
@@ -214,9 +202,6 @@ def _gapless(run: Run, missed: Array, marker: int) -> Array:
 
 def indicator_figure(shown: Indicator) -> Figure:
     """Return the figure of one indicator."""
-    from matplotlib.figure import Figure
-
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 2.4), layout="constrained")
+    with page_figure(2.4) as figure:
         shown.draw(figure.add_subplot())
     return figure

@@ -23,6 +23,7 @@ from scipy.special import gammaincinv
 from hsr_pin.diagnosis.commands import steps
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.prepared import Run
+from hsr_pin.inference.document import millimetres_or_null
 from hsr_pin.trajectory import Array
 
 #: Two commands are equal if they differ by more than the first share of their range for at most the second share of the time ...
@@ -113,12 +114,12 @@ class Repeatability:
     def to_json(self) -> dict[str, Any]:
         """Return plain numbers and texts; lengths in mm."""
         return {
-            "in_plane_mm": _mm(self.in_plane),
-            "ci95_mm": [_mm(bound) for bound in self.interval],
-            "moving_mm": _mm(self.moving),
-            "floor_mm": None if self.floor is None else _mm(self.floor),
-            "out_of_plane_mm": _mm(self.out_of_plane),
-            "rest_mm": _mm(self.rest),
+            "in_plane_mm": millimetres_or_null(self.in_plane),
+            "ci95_mm": [millimetres_or_null(bound) for bound in self.interval],
+            "moving_mm": millimetres_or_null(self.moving),
+            "floor_mm": None if self.floor is None else millimetres_or_null(self.floor),
+            "out_of_plane_mm": millimetres_or_null(self.out_of_plane),
+            "rest_mm": millimetres_or_null(self.rest),
             "sentence": self.sentence,
             "groups": [
                 {
@@ -126,13 +127,13 @@ class Repeatability:
                     "trials": list(group.trials),
                     "keq": group.keq,
                     "tip_mass_kg": group.tip_mass,
-                    "in_plane_mm": _mm(group.in_plane),
-                    "moving_mm": _mm(group.moving),
-                    "markers_mm": [_mm(value) for value in group.markers],
-                    "out_of_plane_mm": _mm(group.out_of_plane),
-                    "rest_mm": _mm(group.rest),
+                    "in_plane_mm": millimetres_or_null(group.in_plane),
+                    "moving_mm": millimetres_or_null(group.moving),
+                    "markers_mm": [millimetres_or_null(value) for value in group.markers],
+                    "out_of_plane_mm": millimetres_or_null(group.out_of_plane),
+                    "rest_mm": millimetres_or_null(group.rest),
                     "shift_s": group.shift,
-                    "start_mm": _mm(group.start),
+                    "start_mm": millimetres_or_null(group.start),
                     "allowed_for": group.allowed_for,
                     "freedom": group.freedom,
                 }
@@ -394,7 +395,3 @@ def _sentence(groups: Sequence[Group], in_plane: float, out: float, rest: float,
 
 def _root(square: float) -> float:
     return float(np.sqrt(max(square, 0.0))) if np.isfinite(square) else float("nan")
-
-
-def _mm(value: float) -> float | None:
-    return 1e3 * value if np.isfinite(value) else None

@@ -12,6 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
+from hsr_pin.diagnosis.indicators.indicator import counted
 from hsr_pin.diagnosis.words import EXPERIMENTS, advice, effect_options, model_name, readable, scales, sentence, where_sentence
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
@@ -47,13 +48,13 @@ def write_report(diagnosis: Diagnosis, path: str | Path) -> None:
 def report(diagnosis: Diagnosis) -> str:
     """Return the HTML report of a diagnosis as text."""
     templates = environment(Path(__file__).parent)
-    templates.filters |= {"readable": readable, "percent": _percent, "in_words": where_sentence}
+    templates.filters |= {"readable": readable, "in_words": where_sentence}
     return templates.get_template("report.html.jinja").render(
         diagnosis=diagnosis,
         verdict=diagnosis.verdict,
         dataset=diagnosis.experiment.dataset,
         sentence=sentence(diagnosis.verdict.sentence),
-        counted=_counted,
+        counted=counted,
         headline=headline(diagnosis.verdict),
         advice=advice(diagnosis),
         rungs=_rungs(diagnosis),
@@ -216,17 +217,9 @@ def _square(missed: Array | Sequence[Array]) -> float:
     return float(np.nanmean((np.asarray(missed) ** 2).sum(axis=-1)))
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %".replace("-0.0", "0.0")
-
-
 def _span(torque: Array) -> str:
     """Return the range of a torque as text; of an arm in space its largest magnitude."""
     if np.iscomplexobj(torque):
         return f"up to {round(float(np.abs(torque).max()), 2):g}"
     low, high = (round(float(bound), 2) + 0.0 for bound in (torque.min(), torque.max()))
     return f"{low:g} to {high:g}"
-
-
-def _counted(what: str, things: Sequence[object]) -> str:
-    return f"{len(things)} {what}{'s' * (len(things) != 1)}"

@@ -10,14 +10,15 @@ from hsr_pin.identification.plane import Plane
 from hsr_pin.inference.verdict import Verdict, Vocabulary
 
 
-def _mm(metres: float) -> str:
+def millimetres(metres: float) -> str:
+    """Return a length in millimetres with two decimals."""
     return f"{1e3 * metres:.2f} mm"
 
 
 #: Vocabulary of verdicts on arms.
 WORDS = Vocabulary(
     fitted="stiffness and damping",
-    size=_mm,
+    size=millimetres,
     kinds=KINDS,
     numbers={
         "torque_gain": "a different torque gain (torque_gain)",

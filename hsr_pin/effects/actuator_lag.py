@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 #: Indices of the option ``order``.
 FIRST, SECOND = 0, 1
@@ -32,9 +32,7 @@ class ActuatorLag(Effect):
     citation = "G. F. Franklin, J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed., Addison-Wesley (1998)"
     kind = "actuation_time"
 
-    time_constant: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, level_exponent=1, description="time constant of the lag"
-    )
+    time_constant: float = amplitude(0.05, "s", lower=0.0, upper=5.0, level_exponent=1, description="time constant of the lag")
     order: str = option("first", "second", "orifice", description="order of the lag, or filling through an orifice")
 
     @staticmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.specification import ArmSpecification
 
 
@@ -20,9 +20,7 @@ class AddedMass(Effect):
     kind = "mass_gravity"
     passive = True
 
-    mass: float = parameter(
-        0.0, lower=0.0, upper=0.5, unit="kg", scale=0.1, amplitude=True, description="mass, distributed along the arm"
-    )
+    mass: float = amplitude(0.1, "kg", lower=0.0, upper=0.5, description="mass, distributed along the arm")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         return replace(specification, mass=specification.mass + self.mass)

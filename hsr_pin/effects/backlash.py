@@ -7,7 +7,7 @@ from typing import Any
 
 from hsr_pin.effects.effect import Bending, Effect
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -24,15 +24,7 @@ class Backlash(Effect):
     kind = "elastic"
     passive = True
 
-    gap: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=0.8,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        description="width of the play, as bending of the whole arm",
-    )
+    gap: float = amplitude(0.05, "rad", lower=0.0, upper=0.8, description="width of the play, as bending of the whole arm")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect, option
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 #: Indices of the option ``side``.
@@ -27,19 +27,10 @@ class BendingStop(Effect):
     kind = "elastic"
     passive = True
 
-    ratio: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=30.0,
-        unit="1",
-        scale=0.3,
-        amplitude=True,
-        level_exponent=-1,
-        description="additional stiffness beyond the stop, relative to Keq",
+    ratio: float = amplitude(
+        0.3, "1", lower=0.0, upper=30.0, level_exponent=-1, description="additional stiffness beyond the stop, relative to Keq"
     )
-    angle: float = parameter(
-        0.5, lower=0.2, upper=3.2, unit="rad", scale=0.1, description="bending of the whole arm at which the stop begins"
-    )
+    angle: float = shape(0.5, 0.1, "rad", lower=0.2, upper=3.2, description="bending of the whole arm at which the stop begins")
     side: str = option("both", "positive", "negative", description="side on which the links lock")
 
     @property

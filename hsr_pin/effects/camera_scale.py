@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -22,9 +22,7 @@ class CameraScale(Effect):
     kind = "measurement"
     passive = True
 
-    scale: float = parameter(
-        0.0, lower=-0.3, upper=0.3, unit="1", scale=0.01, amplitude=True, description="relative error of measured lengths"
-    )
+    scale: float = amplitude(0.01, "1", lower=-0.3, upper=0.3, description="relative error of measured lengths")
 
     def observe(self, view: View) -> Array:
         return np.asarray(view.positions * (1 + np.asarray(self.scale)[..., None, None]))

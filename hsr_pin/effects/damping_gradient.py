@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -20,14 +20,8 @@ class DampingGradient(Effect):
     kind = "damping"
     passive = True
 
-    slope: float = parameter(
-        0.0,
-        lower=-1.98,
-        upper=1.98,
-        unit="1",
-        scale=0.3,
-        amplitude=True,
-        description="damping at the tip minus damping at the base, relative to the middle",
+    slope: float = amplitude(
+        0.3, "1", lower=-1.98, upper=1.98, description="damping at the tip minus damping at the base, relative to the middle"
     )
 
     def damping(self, s: Array) -> Array:

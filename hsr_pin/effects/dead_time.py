@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class DeadTime(Effect):
     citation = "E. Richer, Y. Hurmuzlu, A high performance pneumatic force actuator system: Part I, J. Dyn. Syst. 122 (2000)"
     kind = "actuation_time"
 
-    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.02, amplitude=True, description="delay of the torque")
+    delay: float = amplitude(0.02, "s", lower=0.0, upper=5.0, description="delay of the torque")
 
     def command_delay(self) -> Any:
         return self.delay

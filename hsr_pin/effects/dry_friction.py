@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect, option
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Stuck links deflect by SHORTEST [rad of the whole arm] plus level / CONTACT before they slide. The values were found by trial;
@@ -46,13 +46,11 @@ class DryFriction(Effect):
     states = 1
     passive = True
 
-    level: float = parameter(
-        0.0,
+    level: float = amplitude(
+        0.05,
+        "rad",
         lower=0.0,
         upper=1.0,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
         level_exponent=-1,
         description="friction moment relative to Keq; in the form load at a bending of 0.8 rad",
     )

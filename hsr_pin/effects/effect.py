@@ -133,9 +133,9 @@ def option(*choices: str, description: str) -> Any:
 class Effect(ABC):
     """Base class of unmodelled effects.
 
-    A subclass is a frozen dataclass whose fields are :func:`hsr_pin.parameters.parameter` or :func:`option`. It overrides the one
-    or two methods through which it acts; the others leave the nominal model unchanged. With its amplitude parameters at their
-    neutral values it must reproduce the nominal model exactly.
+    A subclass is a frozen dataclass whose fields are :func:`hsr_pin.parameters.amplitude`, :func:`hsr_pin.parameters.shape` or
+    :func:`option`. It overrides the one or two methods through which it acts; the others leave the nominal model unchanged. With
+    its amplitudes at their neutral values it must reproduce the nominal model exactly.
     """
 
     name: ClassVar[str]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hsr_pin.effects.effect import Effect, View, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
 
@@ -28,9 +29,7 @@ class GravityTilt(Effect):
     kind = "mass_gravity"
     passive = True
 
-    angle: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base in the plane"
-    )
+    angle: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the base in the plane")
     frame: str = option("world", "base", "cameras", description="body that the markers' frame is fixed to")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
@@ -41,7 +40,11 @@ class GravityTilt(Effect):
     def observe(self, view: View) -> Array:
         if self.frame == "world":
             return view.positions
-        turn = self.angle if self.frame == "cameras" else -np.asarray(self.angle)
-        p, axis, angle = view.positions, view.axis, np.asarray(turn)[..., None, None]
-        along = axis * (p @ axis)[..., None]  # Rodrigues' formula
-        return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
+        return seen_turned_in_plane(view, self.angle if self.frame == "cameras" else -np.asarray(self.angle))
+
+
+def seen_turned_in_plane(view: View, turn: ArrayLike) -> Array:
+    """Return marker positions (T, B, M, 3) [m] rotated about the joint axis by angles, (B,) or one for all [rad]."""
+    p, axis, angle = view.positions, view.axis, np.asarray(turn)[..., None, None]
+    along = axis * (p @ axis)[..., None]  # Rodrigues' formula
+    return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))

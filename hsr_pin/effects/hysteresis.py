@@ -9,7 +9,8 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect, option
 from hsr_pin.effects.vector import limited, unit
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude as amplitude_field
+from hsr_pin.parameters import shape
 from hsr_pin.trajectory import Array
 
 #: Slip of each slider, relative to the yield angle.
@@ -41,18 +42,11 @@ class Hysteresis(Effect):
     states = len(SLIDERS)
     passive = True
 
-    amplitude: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=2.0,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        level_exponent=-1,
-        description="moment of the saturated loop relative to Keq",
+    amplitude: float = amplitude_field(
+        0.05, "rad", lower=0.0, upper=2.0, level_exponent=-1, description="moment of the saturated loop relative to Keq"
     )
-    yield_angle: float = parameter(
-        0.3, lower=0.05, upper=1.5, unit="rad", scale=0.1, description="bending of the whole arm over which the loop saturates"
+    yield_angle: float = shape(
+        0.3, 0.1, "rad", lower=0.05, upper=1.5, description="bending of the whole arm over which the loop saturates"
     )
 
     form: str = option(

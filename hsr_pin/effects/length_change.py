@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -29,13 +29,11 @@ class LengthChange(Effect):
     kind = "measurement"
     passive = True
 
-    depth: float = parameter(
-        0.0,
+    depth: float = amplitude(
+        0.002,
+        "m",
         lower=-0.1,
         upper=0.1,
-        unit="m",
-        scale=0.002,
-        amplitude=True,
         description="distance from the line of markers to the side of constant length, positive away from the bend",
     )
 

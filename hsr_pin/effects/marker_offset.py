@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -26,14 +26,8 @@ class MarkerOffset(Effect):
     kind = "measurement"
     passive = True
 
-    offset: float = parameter(
-        0.0,
-        lower=-0.05,
-        upper=0.05,
-        unit="m",
-        scale=0.002,
-        amplitude=True,
-        description="distance from the neutral line, towards positive bending",
+    offset: float = amplitude(
+        0.002, "m", lower=-0.05, upper=0.05, description="distance from the neutral line, towards positive bending"
     )
     base: str = option("moved", "kept", "zeroed", description="whether the marker at the base has the offset too")
 

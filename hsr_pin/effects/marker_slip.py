@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -28,13 +28,11 @@ class MarkerSlip(Effect):
     kind = "measurement"
     passive = True
 
-    slip: float = parameter(
-        0.0,
+    slip: float = amplitude(
+        0.005,
+        "m",
         lower=-0.05,
         upper=0.05,
-        unit="m",
-        scale=0.005,
-        amplitude=True,
         description="displacement towards the tip, of the outermost marker, of one in the middle, or of all",
     )
     which: str = option("outward", "between", "all", description="markers that are displaced")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 #: Width of the transition, relative to L: wide enough that an arm of few links depends on its position.
 _EDGE = 0.05
@@ -23,16 +23,11 @@ class PartialBias(Effect):
     cause = "a muscle that is shorter, glued or pressurised along a part of its length"
     citation = "R. J. Webster, B. A. Jones, Design and kinematic modeling of constant curvature continuum robots, IJRR 29 (2010)"
     kind = "actuation_map"
+    in_space = False
     contains = ("torque_bias",)
 
-    bias: float = parameter(
-        0.0, lower=-2.0, upper=2.0, unit="Nm", scale=0.05, amplitude=True, level_exponent=1, description="additional torque"
-    )
-    start: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="relative arc length at which it begins")
-
-    @property
-    def in_space(self) -> bool:
-        return False
+    bias: float = amplitude(0.05, "Nm", lower=-2.0, upper=2.0, level_exponent=1, description="additional torque")
+    start: float = shape(0.5, 0.1, "1", lower=0.0, upper=1.0, description="relative arc length at which it begins")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

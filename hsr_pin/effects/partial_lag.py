@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,8 @@ class PartialLag(Effect):
     memories = 1
     contains = ("actuator_lag",)
 
-    time_constant: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the lagging share"
-    )
-    at_once: float = parameter(0.3, lower=0.0, upper=0.95, unit="1", scale=0.1, description="share that arrives at once")
+    time_constant: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="time constant of the lagging share")
+    at_once: float = shape(0.3, 0.1, "1", lower=0.0, upper=0.95, description="share that arrives at once")
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect, option
 from hsr_pin.obstacles import CYLINDER, SILICONE, Surface, row
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 #: Radius of the post [m]. Motions hardly depend on it: a thicker post acts like one that is closer to the arm.
@@ -24,25 +24,16 @@ class Post(Effect):
     cause = "a post, an edge or a finger that it touches"
     citation = "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact (1975)"
     kind = "contact"
+    in_space = False
     passive = True
 
-    hardness: float = parameter(
-        0.0, lower=0.0, upper=3e6, unit="N/m^2", scale=1e5, amplitude=True, description="force per depth and length in contact"
+    hardness: float = amplitude(1e5, "N/m^2", lower=0.0, upper=3e6, description="force per depth and length in contact")
+    gap: float = shape(
+        0.02, 0.02, "m", lower=0.001, upper=0.3, start_count=4, description="gap between the straight arm and the post"
     )
-    gap: float = parameter(
-        0.02, lower=0.001, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the post"
-    )
-    at: float = parameter(
-        0.7, lower=0.1, upper=1.2, unit="1", scale=0.1, start_count=3, description="relative arc length beside which the post is"
-    )
-    friction: float = parameter(
-        0.0, lower=0.0, upper=1.5, unit="1", scale=0.3, start_count=1, description="coefficient of friction"
-    )
+    at: float = shape(0.7, 0.1, "1", lower=0.1, upper=1.2, description="relative arc length beside which the post is")
+    friction: float = shape(0.0, 0.3, "1", lower=0.0, upper=1.5, start_count=1, description="coefficient of friction")
     side: str = option("positive", "negative", description="side of the post")
-
-    @property
-    def in_space(self) -> bool:
-        return False
 
     def obstacle(self, length: Array, diameter: Array) -> Array:
         aside = (self.gap + RADIUS + diameter / 2) * (1.0 if self.side == "positive" else -1.0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -20,9 +20,7 @@ class PresetBend(Effect):
     kind = "elastic"
     passive = True
 
-    angle: float = parameter(
-        0.0, lower=-1.5, upper=1.5, unit="rad", scale=0.05, amplitude=True, description="bending of the whole relaxed arm"
-    )
+    angle: float = amplitude(0.05, "rad", lower=-1.5, upper=1.5, description="bending of the whole relaxed arm")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

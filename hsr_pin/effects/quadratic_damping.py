@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Rate of bending of the whole arm [rad/s] beyond which the law is continued along its tangent, so that its slope is bounded.
@@ -30,13 +30,11 @@ class QuadraticDamping(Effect):
     kind = "damping"
     passive = True
 
-    coefficient: float = parameter(
-        0.0,
+    coefficient: float = amplitude(
+        0.005,
+        "Nm s^2/rad^2",
         lower=0.0,
         upper=2.0,
-        unit="Nm s^2/rad^2",
-        scale=0.005,
-        amplitude=True,
         level_exponent=1,
         description="damping moment of the whole arm per squared rate",
     )

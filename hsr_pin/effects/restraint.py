@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Effect, option
 from hsr_pin.effects.vector import chosen
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 #: Depth over which a contact reaches its stiffness [m]; without a corner in the moment, fits find its position.
@@ -29,28 +29,21 @@ class Restraint(Effect):
     cause = "a hose or a cable that goes taut, a rubber band"
     citation = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, J. Sound Vib. 90 (1983)"
     kind = "contact"
+    in_space = False
     passive = True
 
-    contact_stiffness: float = parameter(
-        0.0, lower=0.0, upper=5000.0, unit="N/m", scale=20.0, amplitude=True, description="stiffness of the contact"
-    )
-    distance: float = parameter(
+    contact_stiffness: float = amplitude(20.0, "N/m", lower=0.0, upper=5000.0, description="stiffness of the contact")
+    distance: float = shape(
         0.05,
+        0.02,
+        "m",
         lower=0.005,
         upper=0.3,
-        unit="m",
-        scale=0.02,
         start_count=6,  # a contact that the arm reaches only with its last millimetres is missed at other distances
         description="distance from the line of the straight arm to the contact",
     )
-    at: float = parameter(
-        1.0, lower=0.2, upper=1.0, unit="1", scale=0.1, start_count=2, description="relative arc length of the contact"
-    )
+    at: float = shape(1.0, 0.1, "1", lower=0.2, upper=1.0, start_count=2, description="relative arc length of the contact")
     side: str = option("positive", "negative", description="side of the contact")
-
-    @property
-    def in_space(self) -> bool:
-        return False
 
     @staticmethod
     def contact_force(p: Any, aside: Any) -> Any:

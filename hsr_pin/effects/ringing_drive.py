@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,8 @@ class RingingDrive(Effect):
     kind = "actuation_time"
     memories = 3
 
-    period: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.1, amplitude=True, description="period of the free oscillation"
-    )
-    damping_ratio: float = parameter(0.3, lower=0.02, upper=0.98, unit="1", scale=0.2, description="damping ratio of the drive")
+    period: float = amplitude(0.1, "s", lower=0.0, upper=5.0, description="period of the free oscillation")
+    damping_ratio: float = shape(0.3, 0.2, "1", lower=0.02, upper=0.98, description="damping ratio of the drive")
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 
 @dataclass(frozen=True)
@@ -18,15 +18,10 @@ class SideForce(Effect):
     cause = "a hose or a cable that pulls, a rubber band"
     citation = "D. C. Rucker, R. J. Webster, Statics and dynamics of continuum robots with external loading, IEEE T-RO 27 (2011)"
     kind = "contact"
+    in_space = False
 
-    force: float = parameter(
-        0.0, lower=-20.0, upper=20.0, unit="N", scale=0.2, amplitude=True, description="force across the arm"
-    )
-    at: float = parameter(1.0, lower=0.2, upper=1.0, unit="1", scale=0.1, description="relative arc length at which it acts")
-
-    @property
-    def in_space(self) -> bool:
-        return False
+    force: float = amplitude(0.2, "N", lower=-20.0, upper=20.0, description="force across the arm")
+    at: float = shape(1.0, 0.1, "1", lower=0.2, upper=1.0, description="relative arc length at which it acts")
 
     @staticmethod
     def contact_force(p: Any, aside: Any) -> Any:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 
@@ -24,19 +24,11 @@ class SoftSpot(Effect):
     kind = "elastic"
     passive = True
 
-    depth: float = parameter(
-        0.0,
-        lower=-3.0,
-        upper=0.95,
-        unit="1",
-        scale=0.3,
-        amplitude=True,
-        description="relative loss of stiffness at the centre (negative: gain)",
+    depth: float = amplitude(
+        0.3, "1", lower=-3.0, upper=0.95, description="relative loss of stiffness at the centre (negative: gain)"
     )
-    centre: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="relative arc length of the centre")
-    width: float = parameter(
-        0.1, lower=0.02, upper=0.4, unit="1", scale=0.05, description="standard deviation of the profile, relative to L"
-    )
+    centre: float = shape(0.5, 0.1, "1", lower=0.0, upper=1.0, description="relative arc length of the centre")
+    width: float = shape(0.1, 0.05, "1", lower=0.02, upper=0.4, description="standard deviation of the profile, relative to L")
 
     def stiffness(self, s: Array) -> Array:
         return np.asarray(1 - self.depth * np.exp(-(((s - self.centre) / self.width) ** 2) / 2))

@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
 from hsr_pin.effects.vector import chosen, limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Range of the additional tangent stiffness, relative to that of the arm; beyond it the law is continued as a straight line.
@@ -33,14 +33,8 @@ class Stiffening(Effect):
     kind = "elastic"
     passive = True
 
-    cubic: float = parameter(
-        0.0,
-        lower=-1.0,
-        upper=5.0,
-        unit="1/rad^2",
-        scale=0.1,
-        amplitude=True,
-        description="relative change of the secant stiffness at 1 rad",
+    cubic: float = amplitude(
+        0.1, "1/rad^2", lower=-1.0, upper=5.0, description="relative change of the secant stiffness at 1 rad"
     )
 
     @staticmethod

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -25,14 +25,8 @@ class StiffnessGradient(Effect):
     kind = "elastic"
     passive = True
 
-    slope: float = parameter(
-        0.0,
-        lower=-1.8,
-        upper=1.8,
-        unit="1",
-        scale=0.3,
-        amplitude=True,
-        description="stiffness at the tip minus stiffness at the base, relative to the middle",
+    slope: float = amplitude(
+        0.3, "1", lower=-1.8, upper=1.8, description="stiffness at the tip minus stiffness at the base, relative to the middle"
     )
 
     def stiffness(self, s: Array) -> Array:

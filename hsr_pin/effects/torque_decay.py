@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -19,15 +19,7 @@ class TorqueDecay(Effect):
     citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
     kind = "actuation_map"
 
-    decay: float = parameter(
-        0.0,
-        lower=-1.0,
-        upper=1.0,
-        unit="1",
-        scale=0.1,
-        amplitude=True,
-        description="share of the torque that is lost at the tip",
-    )
+    decay: float = amplitude(0.1, "1", lower=-1.0, upper=1.0, description="share of the torque that is lost at the tip")
 
     def actuation(self, s: Array) -> Array:
         return 1 - self.decay * s

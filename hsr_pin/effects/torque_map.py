@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect, option
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 #: Index of the parity "odd".
 ODD = 0
@@ -31,24 +31,11 @@ class TorqueMap(Effect):
     kind = "actuation_map"
     alternative_amplitudes = ("quadratic", "threshold")
 
-    quadratic: float = parameter(
-        0.0,
-        lower=-0.6,
-        upper=1.0,
-        unit="1/rad",
-        scale=0.1,
-        amplitude=True,
-        description="relative increase of the torque per commanded bending",
+    quadratic: float = amplitude(
+        0.1, "1/rad", lower=-0.6, upper=1.0, description="relative increase of the torque per commanded bending"
     )
-    threshold: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=1.0,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        level_exponent=-1,
-        description="commanded bending up to which no torque arrives",
+    threshold: float = amplitude(
+        0.05, "rad", lower=0.0, upper=1.0, level_exponent=-1, description="commanded bending up to which no torque arrives"
     )
     parity: str = option("odd", "even", description="parity of the quadratic term")
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect, option
 from hsr_pin.effects.vector import chosen
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 #: Index of the option ``fills`` "either".
 EITHER = 0
@@ -33,13 +33,9 @@ class UnequalLag(Effect):
     contains = ("actuator_lag", "dead_time")
     distinguished_by = ("rise", "fall")
 
-    rise: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of filling"
-    )
-    fall: float = parameter(
-        0.0, lower=0.0, upper=10.0, unit="s", scale=0.05, amplitude=True, description="time constant of venting"
-    )
-    delay: float = parameter(0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="delay before both")
+    rise: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="time constant of filling")
+    fall: float = amplitude(0.05, "s", lower=0.0, upper=10.0, description="time constant of venting")
+    delay: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="delay before both")
     fills: str = option(
         "either", "positive", description="the actuator that fills: that of the bent side, or always that of one side"
     )

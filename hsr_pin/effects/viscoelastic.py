@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 
@@ -27,17 +27,10 @@ class Viscoelastic(Effect):
     states = 1
     passive = True
 
-    ratio: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=3.0,
-        unit="1",
-        scale=0.2,
-        amplitude=True,
-        level_exponent=-1,
-        description="stiffness of the branch relative to Keq",
+    ratio: float = amplitude(
+        0.2, "1", lower=0.0, upper=3.0, level_exponent=-1, description="stiffness of the branch relative to Keq"
     )
-    time_constant: float = parameter(0.5, lower=0.03, upper=10.0, unit="s", scale=0.2, description="time constant of relaxation")
+    time_constant: float = shape(0.5, 0.2, "s", lower=0.03, upper=10.0, description="time constant of relaxation")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

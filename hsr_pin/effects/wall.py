@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Effect
 from hsr_pin.obstacles import HALF_SPACE, SILICONE, Surface, row
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 
@@ -22,30 +22,23 @@ class Wall(Effect):
     cause = "a wall, a floor or a table that it touches"
     citation = "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact (1975)"
     kind = "contact"
+    in_space = False
     passive = True
 
-    hardness: float = parameter(
-        0.0, lower=0.0, upper=3e6, unit="N/m^2", scale=1e5, amplitude=True, description="force per depth and length in contact"
+    hardness: float = amplitude(1e5, "N/m^2", lower=0.0, upper=3e6, description="force per depth and length in contact")
+    gap: float = shape(
+        0.02, 0.02, "m", lower=0.001, upper=0.3, start_count=4, description="gap between the straight arm and the wall"
     )
-    gap: float = parameter(
-        0.02, lower=0.001, upper=0.3, unit="m", scale=0.02, start_count=4, description="gap between the straight arm and the wall"
-    )
-    angle: float = parameter(
+    angle: float = shape(
         pi / 2,
+        0.5,
+        "rad",
         lower=-pi,
         upper=pi,
-        unit="rad",
-        scale=0.5,
         start_count=5,
         description="direction towards the wall: 0 along the straight arm, pi/2 towards positive bending",
     )
-    friction: float = parameter(
-        0.0, lower=0.0, upper=1.5, unit="1", scale=0.3, start_count=1, description="coefficient of friction"
-    )
-
-    @property
-    def in_space(self) -> bool:
-        return False
+    friction: float = shape(0.0, 0.3, "1", lower=0.0, upper=1.5, start_count=1, description="coefficient of friction")
 
     def obstacle(self, length: Array, diameter: Array) -> Array:
         c, s = np.cos(self.angle), np.sin(self.angle)

@@ -12,7 +12,7 @@ from hsr_pin.explain.where import sentence
 from hsr_pin.inference.estimates import estimates
 from hsr_pin.inference.uncertainty import uncertainty
 from hsr_pin.output import write_text
-from hsr_pin.report.inline_svg import ROLES, drawing, inline
+from hsr_pin.report.inline_svg import ROLES, inline, page_figure
 from hsr_pin.report.page import environment
 from hsr_pin.trajectory import Array
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 _ROWS, _LISTED = 8, 0.01
 #: Largest number of parts of a map in the report; larger maps are in the JSON document only.
 _PARTS = 16
-#: Width of a figure [inch], and largest number of channels that are drawn.
-_WIDTH, _DRAWN = 7.4, 4
+#: Largest number of channels that are drawn.
+_DRAWN = 4
 
 
 def write_report(found: Explanation, path: str | Path) -> None:
@@ -62,7 +62,6 @@ def report(found: Explanation) -> str:
             channels=_channels(found),
             caption=caption,
             motion=Markup(inline(_motion(found, index), "motion", caption)),
-            percent=lambda share: f"{100 * share:.1f} %".replace("-0.0", "0.0"),
         )
     )
 
@@ -87,13 +86,10 @@ def _channels(found: Explanation) -> list[dict[str, Any]]:
 
 def _motion(found: Explanation, index: int) -> Figure:
     """Return a figure of one trial: measured values and the predictions of the declared and the most probable model."""
-    from matplotlib.figure import Figure
-
     recordings, run = found.recordings, found.recordings.runs[index]
     best = found.search.best.heldout[index]
     channels = recordings.channels[:_DRAWN]
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 0.4 + 1.3 * len(channels)), layout="constrained")
+    with page_figure(0.4 + 1.3 * len(channels)) as figure:
         for m, axes in enumerate(figure.subplots(len(channels), 1, sharex=True, squeeze=False)[:, 0]):
             unit, measured = recordings.units[m], run.compared[:, m, 0]
             axes.plot(run.time, unit * measured, color=ROLES["measured"], lw=2.4, alpha=0.5, label="measured")

@@ -11,6 +11,7 @@
 - ``plain``: description of effects that URDF and SDF cannot express
 - ``schema``: validation of a result that is read again
 - ``sdf``: export to SDF for Gazebo and Drake
+- ``solids``: obstacles as solids of the formats
 - ``templating``: text from a template
 - ``timestep``: largest time step in MuJoCo
 - ``urdf``: export to URDF for other programs

@@ -18,6 +18,7 @@ from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.solids import Solid, angles_of, quaternion, solids_of
 from hsr_pin.robot.appearance import colour, shape
 from hsr_pin.robot.chain import GRAVITY, Arms, chain_of
+from hsr_pin.robot.links import base_rpy
 from hsr_pin.robot.rotations import rotations, vectors
 from hsr_pin.robot.sections import inputs
 from hsr_pin.robot.space import base_rotations
@@ -229,13 +230,7 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
         return angles_of(axes @ back), axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
     turn = sum(turned, 0j).real
     sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints rotate about -y of the world
-    return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
-
-
-def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw [rad] of a base with the mount and a ``tilt`` [rad] towards positive bending."""
-    roll = math.pi if mount == "hanging" else 0.0
-    return roll, {"upright": tilt, "hanging": -tilt, "horizontal": math.pi / 2 + tilt}[mount], 0.0
+    return base_rpy(replace(arm, tilt=arm.tilt - turn)), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
 
 
 def _turned_frame(model: CorrectedModel) -> list[complex]:

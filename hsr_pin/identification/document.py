@@ -6,7 +6,6 @@ fields may be added.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +14,7 @@ from hsr_pin.identification.identify import Identification
 from hsr_pin.identification.links_study import LinksStudy
 from hsr_pin.identification.paper_procedure import PaperProcedure
 from hsr_pin.identification.profile import Profile
+from hsr_pin.inference.document import millimetres_or_null, number_or_null
 from hsr_pin.inference.residuals import rms
 from hsr_pin.trajectory import Array
 
@@ -37,14 +37,14 @@ def to_json(
         "rms_mm": _three(found, rms),
         "tip_rms_mm": _three(found, found.tip_rms),
         "length_mm": 1e3 * dataset.length,
-        "noise_floor_mm": _mm(found.experiment.noise_rms),
+        "noise_floor_mm": millimetres_or_null(found.experiment.noise_rms),
         "heldout": "set aside" if found.set_aside else "leave one out" if found.heldout else None,
         "trials": _trials(found),
         "links": answer.hypothesis.links,
         "placement": answer.hypothesis.placement,
         "effects": [effect.name for effect in answer.hypothesis.effects],
-        "correlation": [[_number(value) for value in row] for row in uncertainties.correlation],
-        "condition": _number(uncertainties.condition),
+        "correlation": [[number_or_null(value) for value in row] for row in uncertainties.correlation],
+        "condition": number_or_null(uncertainties.condition),
         "not_told": list(uncertainties.weak),
         "converged": answer.converged,
         "failed": list(answer.failed),
@@ -65,15 +65,15 @@ def _parameters(found: Identification, profiles: Sequence[Profile]) -> dict[str,
         parameters[fact.name] = {
             "value": float(answer.values[index]),
             "unit": fact.unit,
-            "ci95": [_number(end) for end in uncertainties.interval[index]],
-            "standard_error": _number(uncertainties.standard_error[index]),
+            "ci95": [number_or_null(end) for end in uncertainties.interval[index]],
+            "standard_error": number_or_null(uncertainties.standard_error[index]),
             "on_bound": fact.name in bounds,
             "profile": None
             if profile is None
             else {
-                "ci95": [_number(end) for end in profile.interval],
-                "values": [_number(value) for value in profile.values],
-                "deviance": [_number(value) for value in profile.deviance],
+                "ci95": [number_or_null(end) for end in profile.interval],
+                "values": [number_or_null(value) for value in profile.values],
+                "deviance": [number_or_null(value) for value in profile.deviance],
             },
         }
     return parameters
@@ -82,10 +82,10 @@ def _parameters(found: Identification, profiles: Sequence[Profile]) -> dict[str,
 def _three(found: Identification, measure: Any) -> dict[str, float | None]:
     """Return an error measure for the declared arm, the fitted arm and held-out trials."""
     return {
-        "before": _mm(measure(found.before)),
-        "after": _mm(measure(found.after)),
-        "heldout_before": _mm(measure(found.heldout_before)) if found.heldout else None,
-        "heldout": _mm(measure(found.heldout)) if found.heldout else None,
+        "before": millimetres_or_null(measure(found.before)),
+        "after": millimetres_or_null(measure(found.after)),
+        "heldout_before": millimetres_or_null(measure(found.heldout_before)) if found.heldout else None,
+        "heldout": millimetres_or_null(measure(found.heldout)) if found.heldout else None,
     }
 
 
@@ -98,15 +98,18 @@ def _trials(found: Identification) -> list[dict[str, Any]]:
             rows.append({"trial": run.trial.name, "fitted": False, **_row(found, run.time, before, after)})
     else:
         for row, missed in zip(rows, found.heldout, strict=False):
-            row["heldout_rms_mm"] = _mm(rms([missed]))
+            row["heldout_rms_mm"] = millimetres_or_null(rms([missed]))
     return rows
 
 
 def _row(found: Identification, time: Array, before: Array, after: Array) -> dict[str, Any]:
     return {
-        "from_s": _number(float(time[0])),
-        "rms_mm": {"before": _mm(rms([before])), "after": _mm(rms([after]))},
-        "tip_rms_mm": {"before": _mm(found.tip_rms([before])), "after": _mm(found.tip_rms([after]))},
+        "from_s": number_or_null(float(time[0])),
+        "rms_mm": {"before": millimetres_or_null(rms([before])), "after": millimetres_or_null(rms([after]))},
+        "tip_rms_mm": {
+            "before": millimetres_or_null(found.tip_rms([before])),
+            "after": millimetres_or_null(found.tip_rms([after])),
+        },
     }
 
 
@@ -114,14 +117,18 @@ def _paper(paper: PaperProcedure) -> dict[str, Any]:
     return {
         "links": paper.links,
         "placement": paper.placement,
-        "keq_scale": _number(paper.last.keq_scale),
-        "damping_scale": _number(paper.last.damping_scale),
-        "rms_mm": _mm(paper.last.rms),
+        "keq_scale": number_or_null(paper.last.keq_scale),
+        "damping_scale": number_or_null(paper.last.damping_scale),
+        "rms_mm": millimetres_or_null(paper.last.rms),
         "passes": [
-            {"keq_scale": _number(p.keq_scale), "damping_scale": _number(p.damping_scale), "rms_mm": _mm(p.rms)}
+            {
+                "keq_scale": number_or_null(p.keq_scale),
+                "damping_scale": number_or_null(p.damping_scale),
+                "rms_mm": millimetres_or_null(p.rms),
+            }
             for p in paper.passes
         ],
-        "grid": [{"damping_scale": _number(c), "rms_mm": _mm(error)} for c, error in paper.grid.T],
+        "grid": [{"damping_scale": number_or_null(c), "rms_mm": millimetres_or_null(error)} for c, error in paper.grid.T],
         "simulations": paper.simulations,
     }
 
@@ -134,18 +141,10 @@ def _study(study: LinksStudy) -> dict[str, Any]:
         "rows": [
             {
                 "links": row.links,
-                "model_error_mm": _mm(row.model_error),
-                "data_error_mm": _mm(row.data_error),
-                "cost": _number(row.cost),
+                "model_error_mm": millimetres_or_null(row.model_error),
+                "data_error_mm": millimetres_or_null(row.data_error),
+                "cost": number_or_null(row.cost),
             }
             for row in study.rows
         ],
     }
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _mm(metres: float) -> float | None:
-    return _number(1e3 * metres)

@@ -19,7 +19,6 @@ from hsr_pin.identification.prepared import BASE, QUIETEST, REST, Prepared, Run
 from hsr_pin.identification.reach import farthest
 from hsr_pin.identification.release import start_of
 from hsr_pin.identification.smoothing import Filter, smoothing_of
-from hsr_pin.inference.problem import Prediction
 from hsr_pin.parameters import Parameter
 from hsr_pin.recordings.clean import clean
 from hsr_pin.recordings.noise import white_noise
@@ -52,21 +51,9 @@ class Experiment(Prepared):
         """Return an experiment with some of the runs."""
         return replace(self, runs=tuple(runs))
 
-    def predict(self, hypothesis: Hypothesis, cases: Sequence[tuple[Run, Array]]) -> list[Prediction]:
-        """Simulate runs, each with its own values (P,) of the open parameters."""
-        return predict(self, hypothesis, cases)
-
-    def predict_with_slopes(
-        self,
-        hypothesis: Hypothesis,
-        values: Array,
-        *,
-        central: bool = False,
-        conditional: Sequence[bool] | None = None,
-        own: bool = True,
-    ) -> list[Prediction]:
-        """Simulate every run with derivatives, as :func:`~hsr_pin.identification.evaluation.predict_with_slopes`."""
-        return predict_with_slopes(self, hypothesis, values, central=central, conditional=conditional, own=own)
+    # the functions of `evaluation`, as methods
+    predict = predict
+    predict_with_slopes = predict_with_slopes
 
     def probe(self, hypothesis: Hypothesis, points: Array) -> list[Array]:
         """Return, for each run, the marker positions (T, C, M, A) [m] at each of the parameter values (C, P)."""

@@ -126,7 +126,11 @@ class Hypothesis:
     @property
     def rough(self) -> Hypothesis:
         """The hypothesis with fewer links and larger steps."""
-        return replace(self, links=min(_LINKS, self.links), tolerance=max(_TOLERANCE, self.tolerance))
+        return self.coarser(_LINKS, _TOLERANCE)
+
+    def coarser(self, links: int, tolerance: float) -> Hypothesis:
+        """Return the hypothesis with at most this many links, and at least this tolerance of a time step [m at the tip]."""
+        return replace(self, links=min(links, self.links), tolerance=max(tolerance, self.tolerance))
 
     def start_points(self, starts: Sequence[Array]) -> list[tuple[int, Array]]:
         """Return values (P,) from which a fit may start, each with its group.

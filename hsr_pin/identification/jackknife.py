@@ -16,11 +16,11 @@ LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """An estimated number with its 95 % interval."""
+    """An estimated number with its 95 % interval; by default the interval is unknown."""
 
     value: float
-    low: float
-    high: float
+    low: float = -np.inf
+    high: float = np.inf
 
     @property
     def excludes_zero(self) -> bool:
@@ -33,12 +33,17 @@ def mean_of(values: Sequence[float] | Array) -> Estimate:
     known = np.asarray(values, dtype=float)
     known = known[np.isfinite(known)]
     if not len(known):
-        return Estimate(np.nan, -np.inf, np.inf)
+        return Estimate(np.nan)
     value = float(known.mean())
     if len(known) < 2:
-        return Estimate(value, -np.inf, np.inf)
+        return Estimate(value)
     reach = float(stdtrit(len(known) - 1, (1 + LEVEL) / 2) * known.std(ddof=1) / np.sqrt(len(known)))
     return Estimate(value, value - reach, value + reach)
+
+
+def mean_by_trial(values: Sequence[float], trials: Sequence[object]) -> Estimate:
+    """Return the mean of values, with a jackknife interval that leaves out one trial at a time."""
+    return coefficients_of(np.ones((len(values), 1)), np.array(values), trials)[0]
 
 
 def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) -> tuple[Estimate, ...]:
@@ -51,7 +56,7 @@ def coefficients_of(design: Array, values: Array, clusters: Sequence[object]) ->
     count = int(groups.max()) + 1
     best = np.linalg.lstsq(design, values, rcond=None)[0]
     if count <= design.shape[1]:
-        return tuple(Estimate(float(b), -np.inf, np.inf) for b in best)
+        return tuple(Estimate(float(b)) for b in best)
     left = np.array([np.linalg.lstsq(design[groups != g], values[groups != g], rcond=None)[0] for g in range(count)])
     reach = _jackknife(left, design.shape[1])
     return tuple(Estimate(float(b), float(b - r), float(b + r)) for b, r in zip(best, reach, strict=True))

@@ -121,7 +121,7 @@ def plane_of(experiment: Experiment) -> Plane | None:
     across, sideways, trials, middles, noise = [], [], [], [], 0.0
     for run in experiment.runs:
         marker = farthest_seen(run, experiment)
-        shown = run.measured[np.isfinite(run.measured[:, marker, 0]), marker]
+        shown = run.shown(marker)
         middle = np.median(shown[:, [axis, 1]], axis=0)
         middles.append(middle)
         across.append(shown[:, axis] - middle[0])
@@ -154,4 +154,4 @@ def farthest_seen(run: Run, experiment: Experiment) -> int:
 
 
 def _slope(x: Array, y: Array) -> Estimate:
-    return Estimate(float(x @ y / max(float(x @ x), 1e-30)), -np.inf, np.inf)
+    return Estimate(float(x @ y / max(float(x @ x), 1e-30)))

@@ -92,6 +92,10 @@ class Run:
         """Measured positions (T, M, A) [m] along the axes at all samples."""
         return np.asarray(self.measured[:, :, self.axes])
 
+    def shown(self, marker: int) -> Array:
+        """Return the measured positions (S, 3) [m] of a marker at the samples in which it was visible."""
+        return np.asarray(self.measured[np.isfinite(self.measured[:, marker, 0]), marker])
+
     @property
     def whole(self) -> Run:
         """The run with all samples used."""

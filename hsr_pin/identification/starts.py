@@ -42,7 +42,7 @@ def starts(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
     unit = qmc.Sobol(len(own), scramble=False).random(LOOKS)
     points = [own, *(np.array([_plausible(*each) for each in zip(facts, own, row, strict=True)]) for row in unit)]
     points += [_with_delay(hypothesis, part) for part in hypothesis.parts if part.kind == "actuation_time"]
-    rough = replace(hypothesis, links=min(_LINKS, hypothesis.links), tolerance=max(_TOLERANCE, hypothesis.tolerance))
+    rough = hypothesis.coarser(_LINKS, _TOLERANCE)
     predictions = predict(experiment, rough, [(run, point) for point in points for run in experiment.runs])
     count = len(experiment.runs)
     missed = [rms(residuals(experiment, predictions[k * count : (k + 1) * count])) for k in range(len(points))]

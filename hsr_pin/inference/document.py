@@ -22,6 +22,11 @@ def number_or_null(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
+def millimetres_or_null(metres: float) -> float | None:
+    """Return a finite length in mm, or None."""
+    return number_or_null(1e3 * metres)
+
+
 def verdict_to_json(verdict: Verdict) -> dict[str, Any]:
     """Return a verdict as a dictionary, without the remaining gap."""
     return {

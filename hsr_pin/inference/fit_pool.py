@@ -10,7 +10,7 @@ from hsr_pin.inference.candidate import Candidate, full_fit
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal, proposals, quick_fit
-from hsr_pin.parallel import Shared, run, shared, start_task
+from hsr_pin.parallel import run, shared, start_task, with_shared
 
 T = TypeVar("T")
 
@@ -40,24 +40,26 @@ class FitPool:
 
     def submit(self, function: Callable[..., T], *arguments: Any) -> Callable[[], T]:
         """Submit ``function(problem, *arguments)`` in addition to the fits, and return a function that waits for its result."""
-        return start_task(self._executor, _with_problem, self._shared, function, arguments)
+        return start_task(self._executor, with_shared, self._shared, function, *arguments)
 
     def propose(self, asked: Sequence[tuple[Candidate, Sequence[Part]]]) -> list[list[Proposal]]:
         """Return for each model the proposals for adding each of some parts; a part that cannot be simulated has none."""
         cut = [_cut(parts) for _, parts in asked]
-        tasks = [(self._shared, base.fit, group) for (base, _), groups in zip(asked, cut, strict=True) for group in groups]
-        answers = iter(run(self._executor, _propose, tasks))
+        tasks = [
+            (self._shared, proposals, base.fit, group) for (base, _), groups in zip(asked, cut, strict=True) for group in groups
+        ]
+        answers = iter(run(self._executor, with_shared, tasks))
         return [[proposal for _ in groups for proposal in next(answers)] for groups in cut]
 
     def quick(self, tasks: Sequence[tuple[Fit, Proposal]]) -> list[Fit]:
         """Return a quick fit for each pair of a base fit and a proposal."""
-        return run(self._executor, _quick, [(self._shared, *task) for task in tasks], self._advance)
+        return run(self._executor, with_shared, [(self._shared, quick_fit, *task) for task in tasks], self._advance)
 
     def full(self, starts: Sequence[Fit]) -> list[Candidate]:
         """Return a candidate from a full fit for each start, in the order of the starts."""
         order = sorted(range(len(starts)), key=lambda k: _labour(starts[k]), reverse=True)
-        tasks = [(self._shared, starts[k], self._variants) for k in order]
-        answers = run(self._executor, _full, tasks, self._advance)
+        tasks = [(self._shared, full_fit, starts[k], self._variants) for k in order]
+        answers = run(self._executor, with_shared, tasks, self._advance)
         return [answer for _, answer in sorted(zip(order, answers, strict=True), key=lambda each: each[0])]
 
 
@@ -78,19 +80,3 @@ def _cut(parts: Sequence[Part]) -> list[list[Part]]:
         else:
             groups.append([part])
     return groups
-
-
-def _with_problem(shared: Shared[Problem], function: Callable[..., T], arguments: tuple[Any, ...]) -> T:
-    return function(shared.get(), *arguments)
-
-
-def _propose(shared: Shared[Problem], base: Fit, parts: Sequence[Part]) -> list[Proposal]:
-    return proposals(shared.get(), base, parts)
-
-
-def _quick(shared: Shared[Problem], base: Fit, proposal: Proposal) -> Fit:
-    return quick_fit(shared.get(), base, proposal)
-
-
-def _full(shared: Shared[Problem], start: Fit, variants: Mapping[str, int]) -> Candidate:
-    return full_fit(shared.get(), start, variants)

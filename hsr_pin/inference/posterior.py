@@ -43,6 +43,11 @@ class Posterior:
             found[model.names] = found.get(model.names, 0.0) + float(probability)
         return dict(sorted(found.items(), key=lambda each: (-each[1], each[0])))
 
+    @property
+    def kinds(self) -> dict[str, str]:
+        """Kind of physics of every cause that was fitted, by its name."""
+        return {cause.name: cause.kind for model in self.models for cause in model.causes}
+
     def of_name(self, name: str) -> float:
         """Return the probability that a cause is missing from the nominal model."""
         return self._sum(lambda model: name in model.names)

@@ -219,7 +219,7 @@ class _Words:
         return "ambiguous", sets, f"One of these is {self.words.missing} ({self.probability}): {each}.{common}{unknown}"
 
     def _in_part(self) -> str:
-        names, kinds = self.decision.names, _kinds(self.found)
+        names, kinds = self.decision.names, self.found.posterior.kinds
         further_kinds = sorted(set(self.decision.kinds) - {kinds.get(name, "") for name in names})
         what = "; ".join(self.words.kinds.get(kind, kind) for kind in further_kinds)
         of_kind = f"something of the kind {listed(further_kinds)} ({what})" if further_kinds else ""
@@ -267,11 +267,6 @@ def _confidence(found: Search) -> dict[str, float]:
     stated = {cause.name: found.posterior.of_name(cause.name) for cause in causes if not cause.flexible}
     stated |= {cause.kind: found.posterior.of_kind(cause.kind) for cause in causes}
     return {name: round(value, 3) for name, value in sorted(stated.items())}
-
-
-def _kinds(found: Search) -> dict[str, str]:
-    """Return the kind of every cause that was fitted."""
-    return {cause.name: cause.kind for model in found.posterior.models for cause in model.causes}
 
 
 def _parameters(found: Search, before: float, after: float, words: Vocabulary) -> str:

@@ -25,6 +25,8 @@ ROLES = {
     "noise": "#01020a",
 }
 
+#: Width of a page [inch].
+_WIDTH = 7.4
 _STYLE: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "hsr_pin",
@@ -61,6 +63,15 @@ def drawing() -> Iterator[None]:
 
     with matplotlib.rc_context(_STYLE):
         yield
+
+
+@contextmanager
+def page_figure(height: float) -> Iterator[Figure]:
+    """Yield a figure as wide as a page with a height [inch], which is drawn in the style of reports within a ``with`` block."""
+    from matplotlib.figure import Figure
+
+    with drawing():
+        yield Figure(figsize=(_WIDTH, height), layout="constrained")
 
 
 def inline(figure: Figure, name: str, description: str) -> str:

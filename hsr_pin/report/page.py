@@ -24,5 +24,9 @@ def environment(*folders: Path) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"mm": lambda metres: f"{number(1e3 * metres)} mm", "number": number}
+    found.filters |= {"mm": lambda metres: f"{number(1e3 * metres)} mm", "number": number, "percent": _percent}
     return found
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %".replace("-0.0", "0.0")

@@ -16,17 +16,14 @@ from hsr_pin.blind.plants.laws.law import Joints
 from hsr_pin.blind.plants.program import Trial, program
 from hsr_pin.errors import SimulationFailure
 
+from .motions import tip_rms
+
 KEQ, C = 1.11, 0.05
 WEIGHTLESS = Arm(g=0.0)
 
 
 def constant(tau: float, duration: float = 0.0) -> Trial:
     return Trial(KEQ, C, duration, (tau,) * (round(100 * duration) + 1))
-
-
-def tip_rms(a, b) -> float:
-    """Return the RMS distance of the tips [mm]."""
-    return 1e3 * float(np.sqrt(np.mean((a.x[:, -1] - b.x[:, -1]) ** 2 + (a.z[:, -1] - b.z[:, -1]) ** 2)))
 
 
 @pytest.mark.parametrize("phi", [-0.4, 0.9, 1.5])

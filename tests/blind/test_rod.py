@@ -18,18 +18,9 @@ from hsr_pin.blind.plants.program import Trial, program
 from hsr_pin.blind.plants.rod import RodPlant
 from hsr_pin.errors import EffectError, MissingDependencyError
 
+from .motions import tip_rms
+
 KEQ, C = 1.11, 0.05
-
-
-@pytest.fixture
-def engines():
-    pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")
-    pytest.importorskip("elastica", reason="pyelastica is not installed (dependency group blind)")
-
-
-def tip_rms(a, b) -> float:
-    """Return the RMS distance of the tips [mm]."""
-    return 1e3 * float(np.sqrt(np.mean((a.x[:, -1] - b.x[:, -1]) ** 2 + (a.z[:, -1] - b.z[:, -1]) ** 2)))
 
 
 def step_to(tau: float, duration: float, keq: float = KEQ) -> Trial:

@@ -21,12 +21,6 @@ def cut(trial, samples):
     return replace(trial, command=trial.command[:samples] if trial.command else (), duration=(samples - 1) / 100)
 
 
-@pytest.fixture
-def engines():
-    pytest.importorskip("mujoco", reason="mujoco is not installed (dependency group blind)")
-    pytest.importorskip("elastica", reason="pyelastica is not installed (dependency group blind)")
-
-
 @pytest.mark.long  # like all tests that run the rod: PyElastica compiles for about a minute at its first use
 def test_without_gravity_a_couple_to_any_side_gives_the_arc(engines):
     phi = 0.9 * np.exp(2.2j)

@@ -17,7 +17,9 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.urdf import load_urdf
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import Pose, Scenario, step_scenario
-from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker
+
+from ..filmed import filmed
 
 TRUE = {1.11: 1.2, 2.33: 0.9}
 
@@ -27,30 +29,22 @@ def folder(tmp_path_factory):
     """Two steps at two stiffness levels; the true stiffness is 1.2 and 0.9 times the declared one."""
     arms = [ArmSpecification(links=24, placement="mid", keq=factor * keq, damping=0.05) for keq, factor in TRUE.items()]
     results = simulate_batch([step_scenario(arm, 0.5 * arm.keq, duration=0.8) for arm in arms])
-    noise = np.random.default_rng(0)
-    trials = []
-    for number, (keq, result) in enumerate(zip(TRUE, results, strict=True), 1):
-        motion = result.trajectory
-        seen = replace(motion, positions=motion.positions + 3e-4 * noise.normal(size=motion.positions.shape))
-        trials.append(Trial(f"trial_{number:02d}", seen, keq, 0.05))
+    trials = filmed([result.trajectory for result in results], 3e-4, 0, [(keq, 0.05) for keq in TRUE])
     path = tmp_path_factory.mktemp("recordings") / "known"
-    write_dataset(Dataset("known", 0.24, 0.15, 0.04, "hanging", tuple(trials)), path)
+    write_dataset(Dataset("known", 0.24, 0.15, 0.04, "hanging", trials), path)
     return path
 
 
 @pytest.fixture(scope="module")
 def still(folder, tmp_path_factory):
     """The same, released without an input: no muscle acts, and no joint goes far enough to meet a stop."""
-    generator, trials = np.random.default_rng(1), []
     time, markers = 0.01 * np.arange(61), (Marker("base", 0.0), Marker("mid", 0.12), Marker("tip", 0.24))
     arm = ArmSpecification(links=24, placement="mid", keq=1.2, damping=0.05)
-    for number, bend in enumerate((0.15, -0.1), 1):
-        scenario = Scenario(arm, time, np.zeros(61), Pose(np.full(24, bend / 24)), markers=markers)
-        (result,) = simulate_batch([scenario])
-        seen = result.trajectory.positions + 1e-4 * generator.normal(size=(61, 3, 3))
-        trials.append(Trial(f"trial_{number:02d}", Trajectory(time, markers, seen), 1.11, 0.05))
+    bent = [Pose(np.full(24, bend / 24)) for bend in (0.15, -0.1)]
+    results = simulate_batch([Scenario(arm, time, np.zeros(61), pose, markers=markers) for pose in bent])
+    trials = filmed([result.trajectory for result in results], 1e-4, 1, driven=False)
     path = tmp_path_factory.mktemp("recordings") / "still"
-    write_dataset(Dataset("still", 0.24, 0.15, 0.04, "hanging", tuple(trials)), path)
+    write_dataset(Dataset("still", 0.24, 0.15, 0.04, "hanging", trials), path)
     return path
 
 

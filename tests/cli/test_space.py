@@ -13,7 +13,9 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.robot.urdf import load_urdf
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import Scenario
-from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker
+
+from ..filmed import filmed
 
 MARKERS = (Marker("mid", 0.12), Marker("side", 0.24, 0.03, 0.5))
 WAYS = ((0.6, 0.0), (-0.2, 0.5), (0.3, -0.5))
@@ -25,13 +27,10 @@ def folder(tmp_path_factory):
     time, law = np.arange(81) * 0.01, parse_effect("turned_actuation:angle=0.2")
     arm = ArmSpecification(10, keq=1.2, damping=0.05, placement="mid", bending="space")
     ways = [np.where(time[:, None] < 0.1, 0.0, way) for way in WAYS]
-    random, trials = np.random.default_rng(0), []
-    for number, result in enumerate(simulate_batch([Scenario(arm, time, u, effects=(law,), markers=MARKERS) for u in ways]), 1):
-        motion = result.raise_on_failure().trajectory
-        seen = motion.positions + 1e-4 * random.normal(size=motion.positions.shape)
-        trials.append(Trial(f"trial_{number:02d}", Trajectory(time, MARKERS, seen, torque=motion.torque), 1.11, 0.05))
+    results = simulate_batch([Scenario(arm, time, u, effects=(law,), markers=MARKERS) for u in ways])
+    trials = filmed([result.raise_on_failure().trajectory for result in results], 1e-4, 0)
     path = tmp_path_factory.mktemp("recordings") / "wide"
-    write_dataset(Dataset("wide", 0.24, 0.15, 0.04, "hanging", tuple(trials), bending="space"), path)
+    write_dataset(Dataset("wide", 0.24, 0.15, 0.04, "hanging", trials, bending="space"), path)
     return path
 
 

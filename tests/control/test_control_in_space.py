@@ -5,17 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.control.controllers import LQR, ComputedTorque, FeedforwardPD, OpenLoop, lqr_gain
+from hsr_pin.control.controllers import lqr_gain
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.control.observer import Observer
 from hsr_pin.control.reach import rest_at_tip, rest_under, static_pose
 from hsr_pin.control.reference import reference_from_torque, reference_through_tips
 from hsr_pin.control.stepping import ArmSimulator
-from hsr_pin.effects import parse_effect
 from hsr_pin.errors import InputError, SpecificationError
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Pose
 from hsr_pin.trajectory import Marker
+
+from .loops import check_linear, missed_distances
 
 ARM = ArmSpecification(3, placement="mid", bending="space", mount="horizontal", tip_mass=0.02)
 SOFT = ArmSpecification(3, placement="mid", bending="space", torsion=0.8)
@@ -61,18 +62,9 @@ def test_accelerations_are_those_of_the_simulation(arm):
 
 
 def test_linearised_it_goes_on_as_the_simulation_does():
-    dynamics, dt = ArmDynamics(ARM), 0.01
-    u0 = np.array([0.5, 0.3])
-    q0 = static_pose(dynamics, u0)
-    step = dynamics.linearise(q0, u0).discrete(dt)
+    step = check_linear(ArmDynamics(ARM), np.array([0.5, 0.3]))
     assert step.B.shape == (18, 2)
     np.testing.assert_allclose(step.rate, 0.0, atol=1e-7)
-    simulator = ArmSimulator(ARM, step=1e-4)
-    simulator.reset(pose=Pose(q0.reshape(3, 3)))
-    for du in ((1e-3, 0.0), (0.0, 1e-3)):
-        after = simulator.advance(simulator.state, u0 + du, dt)
-        moved = np.concatenate([after.angles.ravel() - q0, after.rates.ravel()])
-        np.testing.assert_allclose(moved, step.B @ du, atol=0.01 * np.abs(moved).max())
 
 
 def test_along_one_axis_it_is_the_model_of_the_plane():
@@ -107,20 +99,7 @@ def test_loops_that_are_closed_follow_better_than_those_that_are_not():
     tips = [rest_under(dynamics, u).tip for u in ((0.0, 0.0), (0.5, 0.2), (-0.1, 0.6))]
     reference = reference_through_tips(dynamics, tips, (0.0, 1.2), move=0.5, hold=0.3)
     assert reference.torque.shape == (len(reference.time), 2) and reference.q.shape[1] == 9
-    laws = {
-        "open": OpenLoop(reference),
-        "pd": FeedforwardPD(dynamics, reference, 5.0, 0.05),
-        "computed": ComputedTorque(dynamics, reference, 80.0),
-        "lqr": LQR(reference, lqr_gain(dynamics, (0.2, 0.2), reference.step)),
-    }
-    plant = ArmSimulator(ARM, (parse_effect("bend_at_rest:towards_x=0.15,towards_y=-0.2"),), markers=(Marker("tip", 0.24),))
-    missed = {}
-    for name, law in laws.items():
-        now, errors = plant.reset(pose=Pose(reference.q[0].reshape(3, 3))), []
-        for k in range(len(reference.time) - 1):
-            now = plant.step(law.torque(k, now.angles, now.rates), dt=reference.step)
-            errors.append(np.linalg.norm(plant.observe()[0] - reference.tip[k + 1]))
-        missed[name] = np.sqrt(np.mean(np.square(errors)))
+    missed = missed_distances(dynamics, reference, 80.0, (0.2, 0.2))
     assert missed["open"] > 0.01
     for name in ("pd", "computed", "lqr"):
         assert missed[name] < 0.6 * missed["open"]

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.control.controllers import LQR, ComputedTorque, FeedforwardPD, OpenLoop, lqr_gain
 from hsr_pin.control.dynamics import ArmDynamics
 from hsr_pin.control.reach import rest_at_tip, rest_under, static_pose
 from hsr_pin.control.reference import reference_through_tips
@@ -13,9 +12,11 @@ from hsr_pin.control.stepping import ArmSimulator
 from hsr_pin.effects import parse_effect
 from hsr_pin.errors import InputError
 from hsr_pin.robot.specification import ArmSpecification
-from hsr_pin.simulation.scenario import Pose, Scenario, Settled
+from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.trajectory import Marker, Section
+from hsr_pin.trajectory import Section
+
+from .loops import check_linear, missed_distances
 
 TWO = (Section(0.14, 0.10, 1.6, 0.09), Section(0.10, 0.05, 1.4, 0.06))
 ARM = ArmSpecification.in_sections(TWO, links=4, placement="mid")
@@ -44,15 +45,7 @@ def test_forward_undoes_inverse():
 
 
 def test_linearised_each_torque_moves_what_it_does_in_the_simulation():
-    dynamics, dt = ArmDynamics(ARM), 0.01
-    q0 = static_pose(dynamics, TORQUE)
-    step = dynamics.linearise(q0, TORQUE).discrete(dt)
-    simulator = ArmSimulator(ARM, step=1e-4)
-    simulator.reset(pose=Pose(q0.reshape(4, 3)))
-    for du in 1e-3 * np.eye(4):
-        after = simulator.advance(simulator.state, TORQUE + du, dt)
-        moved = np.concatenate([after.angles.ravel() - q0, after.rates.ravel()])
-        np.testing.assert_allclose(moved, step.B @ du, atol=0.01 * np.abs(moved).max())
+    check_linear(ArmDynamics(ARM), TORQUE)
 
 
 @pytest.mark.parametrize(
@@ -84,20 +77,8 @@ def test_loops_that_are_closed_follow_better_than_those_that_are_not():
     tips = [rest_under(dynamics, u).tip for u in ((0.0, 0.0, 0.0, 0.0), (0.6, 0.1, -0.2, 0.3), (-0.1, 0.5, 0.5, 0.0))]
     reference = reference_through_tips(dynamics, tips, (0.0, 1.5), move=0.4, hold=0.2)
     assert reference.torque.shape == (len(reference.time), 4)
-    laws = {
-        "open": OpenLoop(reference),
-        "pd": FeedforwardPD(dynamics, reference, 5.0, 0.05),
-        "computed": ComputedTorque(dynamics, reference, 150.0),  # the section at the tip is light, and w^2 M all that holds it
-        "lqr": LQR(reference, lqr_gain(dynamics, (0.2, 0.1, 0.2, 0.1), reference.step)),
-    }
-    plant = ArmSimulator(ARM, (parse_effect("bend_at_rest:towards_x=0.15,towards_y=-0.2"),), markers=(Marker("tip", 0.24),))
-    missed = {}
-    for name, law in laws.items():
-        now, errors = plant.reset(pose=Pose(reference.q[0].reshape(4, 3))), []
-        for k in range(len(reference.time) - 1):
-            now = plant.step(law.torque(k, now.angles, now.rates), dt=reference.step)
-            errors.append(np.linalg.norm(plant.observe()[0] - reference.tip[k + 1]))
-        missed[name] = np.sqrt(np.mean(np.square(errors)))
+    # the section at the tip is light, and w^2 M is all that holds it
+    missed = missed_distances(dynamics, reference, 150.0, (0.2, 0.1, 0.2, 0.1))
     assert missed["open"] > 0.01
     for name, share in (("pd", 0.4), ("computed", 0.7), ("lqr", 0.4)):
         assert missed[name] < share * missed["open"]

@@ -8,7 +8,9 @@ from hsr_pin.effects import parse_effect
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import Scenario, Settled
 from hsr_pin.simulation.simulate import simulate
-from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker
+
+from ..filmed import filmed
 
 #: Declared Keq [Nm/rad] and C [Nm s/rad], and the torques [N m] before and after the second step, of six trials.
 TRIALS = (
@@ -58,17 +60,16 @@ def made(
     draw="",
 ):
     """Return a dataset simulated on a fine chain with effects (texts or laws); the factors relate true to declared Keq and C."""
-    generator = np.random.default_rng(zlib.crc32((repr(effects) + draw).encode()))
     laws = tuple(parse_effect(effect) if isinstance(effect, str) else effect for effect in effects)
     time = np.arange(round(duration / step) + 1) * step
-    answers = []
-    for number, (declared, loss, (first, second)) in enumerate(trials, 1):
+    motions = []
+    for declared, loss, (first, second) in trials:
         arm = ArmSpecification(links=links, placement="mid", keq=declared * keq, damping=loss * damping, bending_limit=2 * np.pi)
         torque = np.select([time < 0.1 - 1e-9, time < duration / 2], [0.0, first], second)
         scenario = Scenario(
             arm, time, torque, Settled(0.0), laws, tuple(Marker(f"marker_{at:g}", at * arm.length) for at in markers)
         )
-        motion = simulate(scenario, dynamics="compiled").trajectory
-        seen = motion.positions + noise * generator.standard_normal(motion.positions.shape)
-        answers.append(Trial(f"trial_{number:02d}", Trajectory(time, motion.markers, seen, torque=torque), declared, loss))
-    return Dataset(name, arm.length, arm.mass, arm.diameter, arm.mount, tuple(answers))
+        motions.append(simulate(scenario, dynamics="compiled").trajectory)
+    seed = zlib.crc32((repr(effects) + draw).encode())
+    recorded = filmed(motions, noise, seed, [levels for *levels, _ in trials])
+    return Dataset(name, arm.length, arm.mass, arm.diameter, arm.mount, recorded)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
+from hsr_pin.parameters import amplitude as amplitude_field
 
 
 class Clocked(Effect):
@@ -24,8 +25,8 @@ class PulsingStiffness(Clocked):
 
     name = "pulsing_stiffness"
     kind = "elastic"
-    depth: float = parameter(0.0, lower=0.0, upper=0.6, unit="1", scale=0.1, amplitude=True, description="relative")
-    frequency: float = parameter(1.7, lower=0.1, upper=10.0, unit="Hz", scale=0.5, description="of the pulses")
+    depth: float = amplitude(0.1, "1", lower=0.0, upper=0.6, description="relative")
+    frequency: float = shape(1.7, 0.5, "Hz", lower=0.1, upper=10.0, description="of the pulses")
 
     @staticmethod
     def moment(p, bending):
@@ -38,8 +39,8 @@ class SwitchingStiffness(Clocked):
 
     name = "switching_stiffness"
     kind = "elastic"
-    loss: float = parameter(0.0, lower=0.0, upper=0.8, unit="1", scale=0.1, amplitude=True, description="relative")
-    time: float = parameter(0.6, lower=0.0, upper=10.0, unit="s", scale=0.1, description="of the loss")
+    loss: float = amplitude(0.1, "1", lower=0.0, upper=0.8, description="relative")
+    time: float = shape(0.6, 0.1, "s", lower=0.0, upper=10.0, description="of the loss")
 
     @staticmethod
     def moment(p, bending):
@@ -52,9 +53,9 @@ class Lean(Clocked):
 
     name = "lean"
     kind = "contact"
-    size: float = parameter(0.0, lower=-2.0, upper=2.0, unit="Nm", scale=0.1, amplitude=True, description="of the moment")
-    start: float = parameter(0.5, lower=0.0, upper=10.0, unit="s", scale=0.1, description="of the push")
-    duration: float = parameter(0.35, lower=0.0, upper=10.0, unit="s", scale=0.1, description="of the push")
+    size: float = amplitude(0.1, "Nm", lower=-2.0, upper=2.0, description="of the moment")
+    start: float = shape(0.5, 0.1, "s", lower=0.0, upper=10.0, description="of the push")
+    duration: float = shape(0.35, 0.1, "s", lower=0.0, upper=10.0, description="of the push")
 
     @staticmethod
     def moment(p, bending):
@@ -69,8 +70,8 @@ class Ripple(Effect):
     name = "ripple"
     kind = "actuation_map"
     memories = 1
-    amplitude: float = parameter(0.0, lower=0.0, upper=1.0, unit="Nm", scale=0.05, amplitude=True, description="of the torque")
-    frequency: float = parameter(2.6, lower=0.1, upper=10.0, unit="Hz", scale=0.5, description="of the torque")
+    amplitude: float = amplitude_field(0.05, "Nm", lower=0.0, upper=1.0, description="of the torque")
+    frequency: float = shape(2.6, 0.5, "Hz", lower=0.1, upper=10.0, description="of the torque")
 
     @staticmethod
     def actuator_response(p, torque, memory, step, keq):
@@ -85,8 +86,8 @@ class Dropout(Effect):
     name = "dropout"
     kind = "actuation_time"
     memories = 1
-    duration: float = parameter(0.0, lower=0.0, upper=1.0, unit="s", scale=0.05, amplitude=True, description="of each dropout")
-    period: float = parameter(0.7, lower=0.1, upper=10.0, unit="s", scale=0.1, description="between dropouts")
+    duration: float = amplitude(0.05, "s", lower=0.0, upper=1.0, description="of each dropout")
+    period: float = shape(0.7, 0.1, "s", lower=0.1, upper=10.0, description="between dropouts")
 
     @staticmethod
     def actuator_response(p, torque, memory, step, keq):
@@ -101,7 +102,7 @@ class SlewLimit(Effect):
     name = "slew_limit"
     kind = "actuation_time"
     memories = 1
-    slowness: float = parameter(0.0, lower=0.0, upper=5.0, unit="s/Nm", scale=0.1, amplitude=True, description="1 / fastest rate")
+    slowness: float = amplitude(0.1, "s/Nm", lower=0.0, upper=5.0, description="1 / fastest rate")
 
     @staticmethod
     def actuator_response(p, torque, memory, step, keq):
@@ -116,8 +117,8 @@ class Tether(Effect):
 
     name = "tether"
     kind = "contact"
-    ratio: float = parameter(0.0, lower=0.0, upper=30.0, unit="1", scale=0.3, amplitude=True, description="stiffness over Keq")
-    slack: float = parameter(0.4, lower=0.0, upper=3.0, unit="rad", scale=0.1, description="bending of the whole arm")
+    ratio: float = amplitude(0.3, "1", lower=0.0, upper=30.0, description="stiffness over Keq")
+    slack: float = shape(0.4, 0.1, "rad", lower=0.0, upper=3.0, description="bending of the whole arm")
 
     @staticmethod
     def moment(p, bending):

@@ -14,7 +14,7 @@ from hsr_pin.identification.part import Part, part_variants
 from hsr_pin.inference.candidate import full_fit
 from hsr_pin.inference.fit import fit
 from hsr_pin.inference.proposals import Proposal, _starts, probed_runs, proposals, quick_fit
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 from .made import CATALOGUE, TRIALS, made
 
@@ -226,8 +226,8 @@ class Fragile(Effect):
 
     name = "fragile"
     kind = "elastic"
-    gain: float = parameter(0.0, lower=0.0, upper=5.0, unit="1", scale=0.1, amplitude=True, description="of stiffness")
-    mood: float = parameter(0.5, lower=0.0, upper=1.0, unit="1", scale=0.1, description="good or bad")
+    gain: float = amplitude(0.1, "1", lower=0.0, upper=5.0, description="of stiffness")
+    mood: float = shape(0.5, 0.1, "1", lower=0.0, upper=1.0, description="good or bad")
 
     @staticmethod
     def moment(p, bending):
@@ -240,7 +240,7 @@ class Broken(Effect):
 
     name = "broken"
     kind = "elastic"
-    gain: float = parameter(0.0, lower=0.0, upper=5.0, unit="1", scale=0.1, amplitude=True, description="of stiffness")
+    gain: float = amplitude(0.1, "1", lower=0.0, upper=5.0, description="of stiffness")
 
     @staticmethod
     def moment(p, bending):

@@ -14,7 +14,9 @@ from hsr_pin.errors import IdentificationError
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import Scenario, Settled
-from hsr_pin.trajectory import Dataset, Marker, Section, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker, Section
+
+from ..filmed import filmed
 
 TWO = (Section(0.14, 0.10, 1.6, 0.09), Section(0.10, 0.05, 1.4, 0.06))
 ARM = ArmSpecification.in_sections(TWO, links=10, placement="mid", bending_limit=20.0)
@@ -26,14 +28,9 @@ def recorded(*effects, name="two", seed=2):
     time = np.arange(121) * 0.01
     command = (time[:, None] >= 0.1 - 1e-9) * np.ones(4)
     runs = [Scenario(ARM, time, command * each, Settled(0.0), effects, MARKERS) for each in COMMANDS]
-    random, trials = np.random.default_rng(seed), []
-    for number, result in enumerate(simulate_batch(runs), 1):
-        seen = result.raise_on_failure().trajectory
-        positions = seen.positions + 2e-4 * random.normal(size=seen.positions.shape)
-        trajectory = Trajectory(time, MARKERS, positions, torque=seen.torque)
-        trials.append(Trial(f"trial_{number:02d}", trajectory, ARM.keq / 1.1, ARM.damping))
+    motions = [result.raise_on_failure().trajectory for result in simulate_batch(runs)]
     numbers = {name: getattr(ARM, name) for name in ("length", "mass", "diameter", "mount", "bending")}
-    return Dataset(name, trials=tuple(trials), sections=TWO, **numbers)
+    return Dataset(name, trials=filmed(motions, 2e-4, seed, (ARM.keq / 1.1, ARM.damping)), sections=TWO, **numbers)
 
 
 def test_its_law_is_named_under_the_torque_of_each_section_and_is_not_under_their_mean():

@@ -15,7 +15,7 @@ from hsr_pin.effects.effect import Bending, with_values
 from hsr_pin.effects.flexible import FLEXIBLE
 from hsr_pin.effects.vector import limited
 from hsr_pin.effects.viscoelastic import Viscoelastic
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.batch import simulate_together
@@ -382,7 +382,7 @@ class Bad(Effect):
 
     name = "bad"
     passive = True
-    level: float = parameter(0.0, lower=-9.0, upper=9.0, unit="1", scale=0.1, amplitude=True, description="")
+    level: float = amplitude(0.1, "1", lower=-9.0, upper=9.0, description="")
 
     @staticmethod
     def moment(p, bending):
@@ -402,7 +402,7 @@ class Pump(Bad):
 
 @dataclass(frozen=True)
 class Twins(Bad):
-    other: float = parameter(1.0, lower=0.0, upper=9.0, unit="1", scale=0.1, description="")
+    other: float = shape(1.0, 0.1, "1", lower=0.0, upper=9.0, description="")
 
     @staticmethod
     def moment(p, bending):

@@ -16,7 +16,7 @@ from hsr_pin.export.file import write
 from hsr_pin.export.mjcf import to_mjcf
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.parts import sort
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.chain import Arms, chain_of, mass_matrix
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
@@ -280,7 +280,7 @@ class Vibrating(Effect):
     lacks = "something of one's own"
     cause = "a test"
     citation = "none"
-    size: float = parameter(0.0, lower=0.0, upper=1.0, unit="1", scale=0.1, amplitude=True, description="of it")
+    size: float = amplitude(0.1, "1", lower=0.0, upper=1.0, description="of it")
 
     @staticmethod
     def moment(p, bending):

@@ -18,7 +18,9 @@ from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.simulation.scenario import Scenario, Settled
-from hsr_pin.trajectory import Dataset, Marker, Section, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker, Section
+
+from ..filmed import filmed
 
 TWO = (Section(0.14, 0.10, 1.6, 0.09), Section(0.10, 0.05, 1.4, 0.06))
 ARM = ArmSpecification.in_sections(TWO, links=12, placement="mid", bending_limit=20.0)
@@ -31,14 +33,10 @@ def recorded(commands=COMMANDS, keq=1.3, damping=0.8):
     time = np.arange(101) * 0.01
     stepped = time[:, None] >= 0.1 - 1e-9
     runs = [Scenario(ARM, time, stepped * np.array(each), Settled(0.0), (), MARKERS) for each in commands]
-    random, trials = np.random.default_rng(2), []
-    for number, result in enumerate(simulate_batch(runs), 1):
-        seen = result.raise_on_failure().trajectory
-        positions = seen.positions + 1e-4 * random.normal(size=seen.positions.shape)
-        trajectory = Trajectory(time, MARKERS, positions, torque=seen.torque)
-        trials.append(Trial(f"trial_{number:02d}", trajectory, ARM.keq / keq, ARM.damping / damping))
+    motions = [result.raise_on_failure().trajectory for result in simulate_batch(runs)]
     numbers = {name: getattr(ARM, name) for name in ("length", "mass", "diameter", "mount", "bending")}
-    return Dataset("two", trials=tuple(trials), sections=TWO, **numbers)
+    trials = filmed(motions, 1e-4, 2, (ARM.keq / keq, ARM.damping / damping))
+    return Dataset("two", trials=trials, sections=TWO, **numbers)
 
 
 def under_the_mean(dataset):

@@ -23,3 +23,14 @@ def model(causes: Sequence[Cause], misfit: float, *, departures: Sequence[float]
     away = np.zeros(count)
     away[: len(departures)] = departures
     return Model(tuple(causes), misfit, np.full(count, information), away)
+
+
+def noise(size: float, *, trials: int = 4, samples: int = 5000, seed: int = 0) -> list[np.ndarray]:
+    """Return white residuals of two markers in each trial."""
+    generator = np.random.default_rng(seed)
+    return [size * generator.standard_normal((samples, 2, 3)) for _ in range(trials)]
+
+
+def trials_of(*sizes: float, samples: int = 40) -> list[np.ndarray]:
+    """Return residuals of one marker, constant in each trial, with these distances [m]."""
+    return [np.tile([size, 0.0, 0.0], (samples, 1, 1)) for size in sizes]

@@ -5,15 +5,7 @@ import pytest
 
 from hsr_pin.inference.residuals import lasting_square
 
-
-def noise(size, *, trials=4, samples=5000, seed=0):
-    generator = np.random.default_rng(seed)
-    return [size * generator.standard_normal((samples, 2, 3)) for _ in range(trials)]
-
-
-def trials_of(*sizes, samples=40):
-    """Residuals of one marker, constant in each trial, with these distances [m]."""
-    return [np.tile([size, 0.0, 0.0], (samples, 1, 1)) for size in sizes]
+from .fabricated import noise, trials_of
 
 
 def mean_square(residual):

@@ -15,7 +15,7 @@ from hsr_pin.effects.stiffening import Stiffening
 from hsr_pin.effects.tip_mass import TipMass
 from hsr_pin.effects.viscoelastic import Viscoelastic
 from hsr_pin.errors import SimulationFailure
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import shape
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.result import Outcome
@@ -32,8 +32,8 @@ class Spoilt(Effect):
     """A test's own law: from a bending on, its moment is not a number (size 1) or drives the arm away (size -1e3)."""
 
     name = "spoilt"
-    size: float = parameter(0.0, lower=-1e9, upper=1.0, unit="1", scale=1.0, description="of the fault")
-    start: float = parameter(9.0, lower=-1.0, upper=9.0, unit="rad", scale=1.0, description="where it begins")
+    size: float = shape(0.0, 1.0, "1", lower=-1e9, upper=1.0, description="of the fault")
+    start: float = shape(9.0, 1.0, "rad", lower=-1.0, upper=9.0, description="where it begins")
 
     @staticmethod
     def moment(p, bending):

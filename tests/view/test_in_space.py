@@ -8,11 +8,12 @@ from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.scenario import step_scenario
-from hsr_pin.trajectory import Dataset, Marker, Trajectory, Trial
+from hsr_pin.trajectory import Dataset, Marker
 from hsr_pin.view.controls import arm_sliders, effect_sliders, effects_for, variants
 from hsr_pin.view.session import POINTS, Session
 from hsr_pin.view.settings import Settings
 
+from ..filmed import filmed
 from ..replay.conftest import chromium, open_tab
 from .test_page import DEPRECATED, blue, facts, finished, millimetres, orange, room, stand_still, wait_until
 
@@ -23,15 +24,11 @@ MARKERS = (Marker("base", 0.0), Marker("mid", 0.12, 0.02, 1.0), Marker("tip", 0.
 @pytest.fixture(scope="module")
 def session():
     """Two trials of an arm that is bent at ease towards y, 0.3 mm of noise."""
-    noise, trials = np.random.default_rng(3), []
     arm = ArmSpecification(links=12, placement="mid", bending="space", torsion=1.11)
     bent = (parse_effect("bend_at_rest:towards_y=0.3"),)
     steps = [step_scenario(arm, tau, duration=1.0, effects=bent, markers=MARKERS) for tau in ((0.5, 0.2), (-0.3, 0.8))]
-    for number, result in enumerate(simulate_batch(steps), 1):
-        motion = result.trajectory
-        seen = motion.positions + 3e-4 * noise.standard_normal(motion.positions.shape)
-        trials.append(Trial(f"trial_{number:02d}", Trajectory(motion.time, MARKERS, seen, torque=motion.torque), 1.11, 0.05))
-    dataset = Dataset("bent", arm.length, arm.mass, arm.diameter, arm.mount, tuple(trials), bending="space", torsion=1.11)
+    trials = filmed([result.trajectory for result in simulate_batch(steps)], 3e-4, 3)
+    dataset = Dataset("bent", arm.length, arm.mass, arm.diameter, arm.mount, trials, bending="space", torsion=1.11)
     return Session.of(dataset, 12, "mid")
 
 

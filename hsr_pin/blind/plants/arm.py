@@ -106,7 +106,7 @@ class Motion:
 
     def angle_at(self, arc_length: float) -> Array:
         """Return the direction of the tangent at an arc length, (T,) [rad], interpolated linearly between the nodes."""
-        k, u = self._place(arc_length)
+        k, u, _ = hermite(self.s, arc_length)
         return np.asarray((1 - u) * self.angle[:, k] + u * self.angle[:, k + 1])
 
     def at(self, arc_length: float, offset: float | Array = 0.0, along: float | Array = 0.0) -> tuple[Array, Array]:
@@ -114,10 +114,7 @@ class Motion:
 
         offset: distance from the backbone, towards +x when straight; along: distance along the tangent [m].
         """
-        k, u = self._place(arc_length)
-        h = self.s[k + 1] - self.s[k]
-        h00, h01 = (1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u)
-        h10, h11 = u * (1 - u) ** 2 * h, u * u * (u - 1) * h
+        k, _, (h00, h01, h10, h11) = hermite(self.s, arc_length)
         a, b = self.angle[:, k], self.angle[:, k + 1]
         x = h00 * self.x[:, k] + h01 * self.x[:, k + 1] + h10 * np.sin(a) + h11 * np.sin(b)
         z = h00 * self.z[:, k] + h01 * self.z[:, k + 1] + h10 * np.cos(a) + h11 * np.cos(b)
@@ -125,7 +122,15 @@ class Motion:
         c, s = np.cos(angle), np.sin(angle)
         return x + offset * c + along * s, z - offset * s + along * c
 
-    def _place(self, arc_length: float) -> tuple[int, float]:
-        """Return the node before an arc length, and the relative distance to the next node, 0 to 1."""
-        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
-        return k, float((arc_length - self.s[k]) / (self.s[k + 1] - self.s[k]))
+
+def hermite(s: Array, arc_length: float) -> tuple[int, float, tuple[float, float, float, float]]:
+    """Return how a value at an arc length follows from the nodes at arc lengths `s`, by cubic Hermite interpolation.
+
+    Returns:
+        index k of the node before it; relative distance to the next node, 0 to 1; weights of the values at the nodes k and
+        k + 1, and of their derivatives.
+    """
+    k = int(np.clip(np.searchsorted(s, arc_length) - 1, 0, s.size - 2))
+    h = float(s[k + 1] - s[k])
+    u = float(arc_length - s[k]) / h
+    return k, u, ((1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u), u * (1 - u) ** 2 * h, u * u * (u - 1) * h)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .arm import Array
-from .laws.session import RestingPlace
+from .laws.law import Law, random_of_trial, random_seed, strength
 from .nuisance import Nuisance
 from .program import RATE, Program, Trial
 
@@ -16,6 +16,24 @@ from .program import RATE, Program, Trial
 MIN_NOISE, MAX_NOISE = 2e-4, 1.2e-3
 #: Length of the arm [m]: a bending of the whole arm by b moves its tip by about b times half of the length.
 LENGTH = 0.24
+
+
+@dataclass(frozen=True)
+class RestingPlace(Law, name="resting_place"):
+    """Scatter of the rest pose from trial to trial, constant within a trial.
+
+    Real arms show it if they are set up by hand or have a little friction. The law is a small moment along the arm, another one
+    in each trial.
+
+    spread: largest bending of the whole arm [rad]; seed: seed of the moments, combined with the session time.
+    """
+
+    spread: float = strength(0.01, limit=0.1)
+    seed: int = random_seed()
+
+    def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
+        own = random_of_trial(self.seed, clock).uniform(-1, 1)
+        return tau + self.spread * own * keq
 
 
 @dataclass(frozen=True)
@@ -67,7 +85,7 @@ class Artefacts:
         return asdict(self)
 
     def _disturbed(self, trial: Trial) -> Trial:
-        rng = np.random.default_rng([self.seed, round(100 * trial.clock)])
+        rng = random_of_trial(self.seed, trial.clock)
         at, side = float(rng.uniform(0.55, 1.0)), float(rng.choice([-1.0, 1.0]))
         return replace(
             trial,

@@ -7,39 +7,16 @@ order in 1/n. MuJoCo's own springs, dampers and implicitfast integrator (implici
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from hsr_pin.errors import MissingDependencyError
 
-from .arm import Arm, Array, Motion
-from .integration import loaded, planar, simulated
-from .laws.law import Law, Nodes
+from .arm import Arm, Array
+from .laws.law import Nodes
 from .plant import Plant
-from .program import Trial
-
-
-@dataclass(frozen=True)
-class ChainPlant(Plant):
-    """The arm as a MuJoCo chain.
-
-    Attributes:
-        elements: number of hinges.
-        step: integrator step [s], an integer fraction of 10 ms.
-        bare: the arm as declared.
-    """
-
-    elements: int = 32
-    step: float = 1e-4
-    bare: Arm = field(default_factory=Arm)
-
-    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
-        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
-        arm = loaded(self.bare, trial, laws)
-        return simulated(Chain, arm, trial, laws, (k, c), middles(self.elements), self.step, planar)
 
 
 def middles(n: int) -> Array:
@@ -128,6 +105,19 @@ class Chain(MujocoEngine):
         turning = np.cumsum((fx * z - fz * x)[:0:-1])[::-1]
         torque: Array = turning - beyond[0] * joint[1] + beyond[1] * joint[0]
         return torque
+
+
+@dataclass(frozen=True)
+class ChainPlant(Plant):
+    """The arm as a MuJoCo chain of hinges."""
+
+    elements: int = 32
+    step: float = 1e-4
+    engine = Chain
+
+    @property
+    def joints(self) -> Array:
+        return middles(self.elements)
 
 
 def build(arm: Arm, stiffness: Array, damping: Array, step: float, *, ball: bool = False) -> Any:

@@ -7,7 +7,6 @@ springs and dampers, including damping that a law adds.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import reduce
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -26,7 +25,6 @@ FULL_TURN = 2 * np.pi  # rad of bending from base to tip; an arm that bends furt
 
 
 AnyMotion = TypeVar("AnyMotion")
-AnyArm = TypeVar("AnyArm", bound=Arm)
 
 
 class Engine(Protocol):
@@ -54,14 +52,6 @@ def profile(laws: Sequence[Law], place: str, s: Array) -> Array:
     for law in acting(laws, place):
         out = out * getattr(law, place)(s)
     return out
-
-
-def loaded(bare: AnyArm, trial: Trial, laws: Sequence[Law]) -> AnyArm:
-    """Return the true arm in a trial."""
-    arm = replace(bare, tip_mass=bare.tip_mass + trial.tip_mass)
-    for law in laws:
-        arm = law.arm(arm, trial)  # type: ignore[assignment]  # of the same kind
-    return arm
 
 
 def simulated(

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from .arm import Arm, Array, Motion
+from hsr_pin.errors import SimulationFailure
+
+from .arm import Arm, Array
 from .artefacts import Artefacts
+from .integration import planar, simulated
 from .laws.law import Law
 from .nuisance import Nuisance
 from .program import Program, Trial
@@ -20,18 +23,58 @@ from .writing import MARKERS, Marker, observe, write
 AnyPlant = TypeVar("AnyPlant", bound="Plant")
 
 
+@dataclass(frozen=True)
 class Plant(ABC):
-    """An arm in an engine; `bare` is the arm as declared."""
+    """An arm in an engine.
 
-    bare: Arm
+    Attributes:
+        elements: number of elements of the arm.
+        step: integrator step [s], an integer fraction of 10 ms.
+        bare: the arm as declared.
+    """
 
+    elements: int
+    step: float
+    bare: Arm = field(default_factory=Arm)
+    #: Class of the engine, which implements `integration.Engine`.
+    engine: ClassVar[type[Any]]
+    #: Factor by which the step is reduced if a simulation diverges; None: the simulation is not repeated.
+    refinement: ClassVar[float | None] = None
+
+    @property
     @abstractmethod
-    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
+    def joints(self) -> Array:
+        """Arc lengths of the joints, (n,), relative to the length."""
+
+    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Any:
         """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
+        arm = self.loaded(trial, laws)
+        given = self.engine, arm, trial, laws, (k, c), self.joints
+        try:
+            return simulated(*given, self.step, self.motion)
+        except SimulationFailure:
+            if self.refinement is None:
+                raise
+            return simulated(*given, self.step / self.refinement, self.motion)
+
+    def loaded(self, trial: Trial, laws: Sequence[Law]) -> Arm:
+        """Return the true arm in a trial."""
+        arm = replace(self.bare, tip_mass=self.bare.tip_mass + trial.tip_mass)
+        for law in laws:
+            arm = law.arm(arm, trial)
+        return arm
+
+    def motion(self, t: Array, s: Array, nodes: Sequence[Any]) -> Any:
+        """Return the motion for times (T,) [s], arc lengths (N,) [m] and the nodes at each sample."""
+        return planar(t, s, nodes)
+
+    def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
+        """Return the marker points of a motion, see `writing.observe`."""
+        return observe(motion, arm, laws, markers, error)
 
     def mounted(self: AnyPlant, mount: str) -> AnyPlant:
         """Return the same plant with another mount."""
-        return replace(self, bare=replace(self.bare, mount=mount))  # type: ignore[type-var]
+        return replace(self, bare=replace(self.bare, mount=mount))
 
     def watch(
         self,
@@ -50,16 +93,9 @@ class Plant(ABC):
         error = np.zeros((len(markers), 2)) if placement is None else placement
         points = []
         for trial in program.trials:
-            arm = plant.bare
-            for law in laws:
-                arm = law.arm(arm, trial)
             motion = plant.simulate(trial, laws, nuisance.k, nuisance.c)
-            points.append(self.observed(motion, arm, laws, markers, error))
+            points.append(self.observed(motion, plant.loaded(trial, laws), laws, markers, error))
         return points
-
-    def observed(self, motion: Motion, arm: Arm, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-        """Return the marker points of a motion, see `writing.observe`."""
-        return observe(motion, arm, laws, markers, error)
 
     def run(
         self,

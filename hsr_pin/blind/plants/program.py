@@ -6,7 +6,7 @@ Tables I and II of the paper; pressures follow from its Eqs. (1), (4) and (5).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,27 +85,24 @@ def pressures(torque: Array, keq: float) -> tuple[Array, Array]:
 def steps(keq: float) -> list[Trial]:
     """Return steps from rest to each torque of Table II at 0.3 s, 2 s each."""
     t = np.arange(2 * RATE + 1) / RATE
-    return [_trial(keq, np.where(t >= 0.3, tau, 0.0)) for tau in LEVELS[keq][1]]
+    return [trial_of(keq, np.where(t >= 0.3, tau, 0.0)) for tau in LEVELS[keq][1]]
 
 
 def staircase(keq: float) -> list[Trial]:
     """Return a staircase: up in four stairs, down past zero and back, 0.7 s for each stair."""
     stairs = np.array([0, 0.25, 0.5, 0.75, 1, 0.75, 0.5, 0.25, 0, -0.2, 0, 0.5, 0]) * LEVELS[keq][1][2]
     tau = np.repeat(stairs, round(0.7 * RATE))
-    return [_trial(keq, np.append(tau, tau[-1]))]
+    return [trial_of(keq, np.append(tau, tau[-1]))]
 
 
 def chirp(keq: float) -> list[Trial]:
     """Return a chirp from 0.2 to 4 Hz in 6 s about a mean torque that is approached slowly."""
-    t = np.arange(6 * RATE + 1) / RATE
-    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
-    tau = LEVELS[keq][1][2] * 0.45 * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase))
-    return [_trial(keq, tau)]
+    return [trial_of(keq, sweep(LEVELS[keq][1][2] * 0.45)[1])]
 
 
 def releases(keq: float) -> list[Trial]:
     """Return two releases at 0.2 s without input, 1.5 s each: bent by a couple, and bent by a force at the tip."""
-    bare = _trial(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2)
+    bare = trial_of(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2)
     bare = replace(bare, command=())
     pull = 1.2 * keq / 0.24
     return [replace(bare, hold_torque=0.7 * keq), replace(bare, hold_force=pull)]
@@ -126,19 +123,30 @@ def program(kinds: str = "steps", mount: str = "hanging", given: str = "pressure
 
     There is a pause of 20 s after each trial.
     """
-    names = kinds.split("+")
-    if unknown := [name for name in names if name not in KINDS]:
-        raise InputError("program", expected=f"names of {sorted(KINDS)} joined by +", received=unknown)
     if given not in ("pressures", "tau"):
         raise InputError("input", expected="pressures or tau", received=given)
+    return Program(mount, in_session(kinds, KINDS, sorted(LEVELS)), given)
+
+
+def in_session(kinds: str, known: Mapping[str, Callable[[float], list[Trial]]], levels: Sequence[float]) -> tuple[Trial, ...]:
+    """Return the trials of ``known`` kinds, joined by ``+``, on each stiffness level, with a pause of 20 s after each trial."""
+    names = kinds.split("+")
+    if unknown := [name for name in names if name not in known]:
+        raise InputError("program", expected=f"names of {sorted(known)} joined by +", received=unknown)
     clock, trials = 0.0, []
-    for keq in sorted(LEVELS):
-        for trial in (trial for name in names for trial in KINDS[name](keq)):
-            trials.append(replace(trial, clock=clock))
-            clock += trial.duration + 20.0
-    return Program(mount, tuple(trials), given)
+    for trial in (trial for keq in levels for name in names for trial in known[name](keq)):
+        trials.append(replace(trial, clock=clock))
+        clock += trial.duration + 20.0
+    return tuple(trials)
 
 
-def _trial(keq: float, tau: Array, release: float = 0.0) -> Trial:
-    command = tuple(float(value) for value in tau)
-    return Trial(keq, LEVELS[keq][0], (len(command) - 1) / RATE, command, release=release)
+def trial_of(keq: float, tau: Array, release: float = 0.0) -> Trial:
+    """Return a trial with a torque at each sample, (T,) [N m]; complex, x + i y, for an arm in space."""
+    return Trial(keq, LEVELS[keq][0], (len(tau) - 1) / RATE, tuple(tau.tolist()), release=release)
+
+
+def sweep(mean: float) -> tuple[Array, Array]:
+    """Return times (T,) [s] and torques [N m] of a chirp from 0.2 to 4 Hz in 6 s about a mean that is approached slowly."""
+    t = np.arange(6 * RATE + 1) / RATE
+    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
+    return t, mean * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase))

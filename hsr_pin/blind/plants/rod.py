@@ -11,16 +11,15 @@ static sag allows (see `AXIAL_STIFFNESS`).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.errors import EffectError, MissingDependencyError, SimulationFailure
+from hsr_pin.errors import EffectError, MissingDependencyError
 
-from .arm import Arm, Array, Motion
-from .integration import AnyMotion, Engine, loaded, planar, simulated
+from .arm import Arm, Array
 from .laws.law import Law, Nodes
 from .plant import Plant
 from .program import Trial
@@ -28,54 +27,6 @@ from .program import Trial
 #: Stretch and shear stiffness [N]. The arm's weight of 1.5 N stretches it by 0.02 mm, at most a tenth of the noise. A rubber
 #: rod of this section and bending stiffness has about a third of it.
 AXIAL_STIFFNESS = 1e4
-#: Factor by which the step is reduced if the simulation diverges.
-REFINEMENT = 2.5
-
-
-@dataclass(frozen=True)
-class RodPlant(Plant):
-    """The arm as a PyElastica rod.
-
-    Attributes:
-        elements: number of elements of the rod.
-        step: integrator step [s], an integer fraction of 10 ms.
-        bare: the arm as declared.
-    """
-
-    elements: int = 24
-    step: float = 5e-5
-    bare: Arm = field(default_factory=Arm)
-
-    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> Motion:
-        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones.
-
-        A law that is stiffer than the rod's own springs may need a smaller step, because the integrator is explicit.
-        """
-        arm = loaded(self.bare, trial, laws)
-        if arm.wall is not None or any(place > arm.length for place, _ in arm.lumps):
-            raise EffectError(
-                "rod plant", expected="no contact, and no mass beyond the tip",
-                received=[law.name for law in laws], hint="use the chain plant",
-            )  # fmt: skip
-        return simulated_finer(Rod, arm, trial, laws, (k, c), self.elements, self.step, planar)
-
-
-def simulated_finer(
-    make: Callable[[Any, Array, Array, float], Engine],
-    arm: Arm,
-    trial: Trial,
-    laws: Sequence[Law],
-    scales: tuple[float, float],
-    elements: int,
-    step: float,
-    motion: Callable[[Array, Array, Sequence[Any]], AnyMotion],
-) -> AnyMotion:
-    """Return the motion of a rod, see `integration.simulated`; if the simulation diverges, it is repeated with a smaller step."""
-    given = make, arm, trial, laws, scales, joints_of(elements)
-    try:
-        return simulated(*given, step, motion)
-    except SimulationFailure:
-        return simulated(*given, step / REFINEMENT, motion)
 
 
 def joints_of(elements: int) -> Array:
@@ -193,6 +144,37 @@ class Rod(Cosserat):
         along = self.rod.director_collection[2]
         angle: Array = np.arctan2(along[0], along[2])
         return angle
+
+
+@dataclass(frozen=True)
+class RodPlant(Plant):
+    """The arm as a PyElastica rod.
+
+    A law that is stiffer than the rod's own springs may need a smaller step, because the integrator is explicit.
+    """
+
+    elements: int = 24
+    step: float = 5e-5
+    engine = Rod
+    refinement = 2.5
+
+    @property
+    def joints(self) -> Array:
+        return joints_of(self.elements)
+
+    def loaded(self, trial: Trial, laws: Sequence[Law]) -> Arm:
+        """Return the true arm in a trial.
+
+        Raises:
+            EffectError: the rod does not support a law.
+        """
+        arm = super().loaded(trial, laws)
+        if arm.wall is not None or any(place > arm.length for place, _ in arm.lumps):
+            raise EffectError(
+                "rod plant", expected="no contact, and no mass beyond the tip",
+                received=[law.name for law in laws], hint="use the chain plant",
+            )  # fmt: skip
+        return arm
 
 
 def _rod(elastica: Any, arm: Arm, stiffness: Array, h: float, normal: tuple[float, float, float]) -> Any:

@@ -11,28 +11,23 @@ from hsr_pin.diagnosis.change.fitting import Fitted
 from hsr_pin.diagnosis.change.history import History
 from hsr_pin.diagnosis.change.verdict import ChangeEvidence
 from hsr_pin.diagnosis.words import readable
-from hsr_pin.report.inline_svg import ROLES, drawing
+from hsr_pin.report.inline_svg import ROLES, page_figure
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Width of a page [inch].
-_WIDTH = 7.4
 #: Largest number of trials that are shown.
 _SHOWN = 2
 
 
 def gains_figure(found: ChangeEvidence) -> Figure:
     """Return a figure of how much each change explains, compared with the required gain."""
-    from matplotlib.figure import Figure
-
     fits = [fitted for fitted, _ in found.fits]
     at = np.arange(len(fits))
     gains = np.array([max(found.gain(fitted), 0.5) for fitted in fits])
     needed = np.full(len(fits), found.needed)
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 0.6 + 0.3 * len(fits)), layout="constrained")
+    with page_figure(0.6 + 0.3 * len(fits)) as figure:
         axes = figure.add_subplot()
         axes.barh(at, gains, height=0.62, color=ROLES["bar"])
         axes.plot(needed, at, "|", color=ROLES["declared"], ms=12, mew=2)
@@ -61,16 +56,13 @@ def shown_trials(diagnosis: ChangeDiagnosis) -> list[tuple[int, str]]:
 
 def motion_figure(diagnosis: ChangeDiagnosis, index: int) -> Figure:
     """Return a figure of one current trial: its deviation from the prediction, and the part that the change explains."""
-    from matplotlib.figure import Figure
-
     found, pair = diagnosis.found, diagnosis.pair
     assert found is not None
     fitted, marker = _named(found, diagnosis), _far(diagnosis)
     bins = pair.bins[len(pair.old.runs) + index]
     seen = _seen(found, marker, index)
     rows, columns = (1, 2) if len(seen) == 2 else (len(seen), 1)
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 2.4 * rows), layout="constrained")
+    with page_figure(2.4 * rows) as figure:
         for axis, along in enumerate(pair.experiment.axes):
             axes = figure.add_subplot(rows, columns, axis + 1)
             shown = bins.counts[:, marker] > 0
@@ -113,11 +105,8 @@ def _far(diagnosis: ChangeDiagnosis) -> int:
 
 def sessions_figure(history: History) -> Figure:
     """Return a figure of all quantities over the sessions."""
-    from matplotlib.figure import Figure
-
     at = np.arange(len(history.names))
-    with drawing():
-        figure = Figure(figsize=(_WIDTH, 1.5 * len(history.quantities) + 0.4), layout="constrained")
+    with page_figure(1.5 * len(history.quantities) + 0.4) as figure:
         panels = np.atleast_1d(figure.subplots(len(history.quantities), 1, sharex=True))
         for axes, quantity in zip(panels, history.quantities, strict=True):
             for k, point in zip(at, quantity.points, strict=True):

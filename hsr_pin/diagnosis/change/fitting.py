@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,12 +12,9 @@ from scipy.optimize import least_squares
 from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.identification.evaluation import FRACTION, simulate_run
-from hsr_pin.identification.hypothesis import Hypothesis
-from hsr_pin.parallel import Shared, run
+from hsr_pin.parallel import Shared, run, with_shared
 from hsr_pin.trajectory import Array
 
-#: Number of links and tolerance of a time step [m at the tip] of the coarse chain, which suffices for differences of predictions.
-_LINKS, _TOLERANCE = 8, 5e-4
 #: Number of start points, without and with shape parameters, and their least distance from the bounds [scales].
 _STARTS, _SHAPES, _INSIDE = 2, 3, 0.2
 #: Range of factors on the size of a probe in an initial estimate, which covers the distance to the next probe.
@@ -88,17 +85,13 @@ def moved(frame: Frame, change: ChangeHypothesis, changed: Array, runs: Sequence
     experiment = frame.pair.experiment
     late, changed = change.delays(changed)
     points = np.vstack([change.values(changed), change.before])
-    model = change.hypothesis if fine else _rough(change.hypothesis)
+    model = change.hypothesis if fine else change.hypothesis.rough
     found = []
     for k in runs:
         seen = np.moveaxis(simulate_run(experiment, experiment.runs[k], model, points).positions[..., experiment.axes], 1, -1)
         seen = np.nan_to_num(seen, nan=experiment.dataset.length)
         found.append(frame.pair.bins[k](seen[..., :-1] - seen[..., -1:]) + (frame.pair.later(k, late) if late.any() else 0.0))
     return found
-
-
-def _rough(model: Hypothesis) -> Hypothesis:
-    return replace(model, links=min(_LINKS, model.links), tolerance=max(_TOLERANCE, model.tolerance))
 
 
 def initial_estimates(frame: Frame, change: ChangeHypothesis, assumed: Fitted | None = None) -> InitialEstimate | None:
@@ -207,18 +200,12 @@ class ChangeFitPool:
         self, change_hypotheses: Sequence[ChangeHypothesis], assumed: Fitted | None = None
     ) -> list[InitialEstimate]:
         """Return the initial estimates of the changes that can be simulated, the most promising first."""
-        answers = run(self._executor, _initial_estimate, [(self._shared, change, assumed) for change in change_hypotheses])
+        answers = run(
+            self._executor, with_shared, [(self._shared, initial_estimates, each, assumed) for each in change_hypotheses]
+        )
         return sorted((estimate for estimate in answers if estimate is not None), key=lambda estimate: estimate.square)
 
     def refined(self, estimates: Sequence[InitialEstimate]) -> list[Fitted]:
         """Return the fits from initial estimates, the best first."""
-        answers = run(self._executor, _refined, [(self._shared, estimate) for estimate in estimates])
+        answers = run(self._executor, with_shared, [(self._shared, refined, estimate) for estimate in estimates])
         return sorted(answers, key=lambda fitted: fitted.square)
-
-
-def _initial_estimate(shared: Shared[Frame], change: ChangeHypothesis, assumed: Fitted | None) -> InitialEstimate | None:
-    return initial_estimates(shared.get(), change, assumed)
-
-
-def _refined(shared: Shared[Frame], estimate: InitialEstimate) -> Fitted:
-    return refined(shared.get(), estimate)

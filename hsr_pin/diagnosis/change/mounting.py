@@ -6,15 +6,15 @@ rotation about the arm's axis not from one of its actuators.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View
-from hsr_pin.effects.gravity_tilt import GravityTilt
-from hsr_pin.effects.spatial.base_tilt import BaseTilt, seen_turned
-from hsr_pin.parameters import parameter
+from hsr_pin.effects.gravity_tilt import GravityTilt, seen_turned_in_plane
+from hsr_pin.effects.spatial.base_tilt import BaseTilt, seen_turned, tilted
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.rotations import rotations
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
@@ -31,26 +31,13 @@ class FrameTurn(Effect):
     cause = "a new calibration"
     citation = _CALIBRATION
     kind = "measurement"
+    in_space = False
     passive = True
 
-    angle: float = parameter(
-        0.0,
-        lower=-0.8,
-        upper=0.8,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        description="rotation of the observed arm, to positive bending",
-    )
-
-    @property
-    def in_space(self) -> bool:
-        return False
+    angle: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the observed arm, to positive bending")
 
     def observe(self, view: View) -> Array:
-        p, axis, angle = view.positions, view.axis, np.asarray(self.angle)[..., None, None]
-        along = axis * (p @ axis)[..., None]  # Rodrigues' formula
-        return np.asarray(p * np.cos(angle) + np.cross(axis, p) * np.sin(angle) + along * (1 - np.cos(angle)))
+        return seen_turned_in_plane(view, self.angle)
 
 
 @dataclass(frozen=True)
@@ -62,22 +49,13 @@ class FrameRotation(Effect):
     cause = "a new calibration"
     citation = _CALIBRATION
     kind = "measurement"
+    in_plane = False
     contains = ("frame_turn",)
     passive = True
 
-    towards_x: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the observed arm"
-    )
-    towards_y: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the observed arm"
-    )
-    twist: float = parameter(
-        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="from x towards y of the base"
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    towards_x: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the observed arm")
+    towards_y: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the observed arm")
+    twist: float = amplitude(0.05, "rad", lower=-1.6, upper=1.6, description="from x towards y of the base")
 
     def observe(self, view: View) -> Array:
         return seen_turned(view, self.towards_x, self.towards_y, self.twist)
@@ -96,27 +74,16 @@ class BaseRotation(Effect):
     cause = "mounting"
     citation = _CALIBRATION
     kind = "mass_gravity"
+    in_plane = False
     contains = ("base_tilt",)
     passive = True
 
-    towards_x: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
-    )
-    towards_y: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="turn of the base"
-    )
-    twist: float = parameter(
-        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="from x towards y of the base"
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    towards_x: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="turn of the base")
+    towards_y: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="turn of the base")
+    twist: float = amplitude(0.05, "rad", lower=-1.6, upper=1.6, description="from x towards y of the base")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
-        return replace(
-            specification, tilt=specification.tilt + self.towards_x, cross_tilt=specification.cross_tilt + self.towards_y
-        )
+        return tilted(specification, self.towards_x, self.towards_y)
 
     def observe(self, view: View) -> Array:
         places: Any = view.places

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isclose
@@ -183,7 +182,7 @@ def pair(old: Experiment, new: Experiment) -> Pair:
         ("markers", [[_placed(marker) for marker in each.markers] for each in (old, new)]),
     ):
         if listings[0] != listings[1]:
-            expected, received = (_listed(each) or "none" for each in listings)
+            expected, received = (", ".join(each) or "none" for each in listings)
             raise IdentificationError(f"{what} of {new.dataset.name}", expected=expected, received=received, hint=hint)
     return Pair(old, new)
 
@@ -191,7 +190,3 @@ def pair(old: Experiment, new: Experiment) -> Pair:
 def _placed(marker: Marker) -> str:
     offset = f", {marker.radius:g} m off the backbone at {marker.angle:g} rad" if marker.radius else ""
     return f"{marker.name} at {marker.arc_length:g} m{offset}"
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names)

@@ -21,12 +21,14 @@ from hsr_pin.diagnosis.change.frame import Frame
 from hsr_pin.diagnosis.change.hypotheses import ChangeHypothesis
 from hsr_pin.diagnosis.change.size import Size, left_out, sizes
 from hsr_pin.diagnosis.change.swing import apparent_damping_range
-from hsr_pin.diagnosis.change.words import changes_in_words, listed, millimetres
+from hsr_pin.diagnosis.change.words import changes_in_words
+from hsr_pin.diagnosis.verdict import millimetres
 from hsr_pin.effects.effect import KINDS
 from hsr_pin.inference import Cause, Data, Decision, Loss, Model, Posterior, decide, posterior
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.evidence import variance
 from hsr_pin.inference.model import information
+from hsr_pin.inference.verdict import listed
 
 #: Largest distance of the current recording from its prediction without a change, as a multiple of the expected scatter.
 _FARTHER = 2.0
@@ -239,7 +241,8 @@ def judge(found: ChangeEvidence, loss: Loss | None = None) -> ChangeVerdict:
         each = ", or ".join(" with ".join(one) for one in decision.sets)
         return said("ambiguous", f"These recordings do not determine what has changed: {common}{each} ({share}).", decision.sets)
     if not decision.sets:
-        further_kinds = [kind for kind in decision.kinds if kind not in _kinds_of(found, decision.names)]
+        known = {kind for name, kind in found.posterior.kinds.items() if name in decision.names}
+        further_kinds = [kind for kind in decision.kinds if kind not in known]
         of_kind = [f"something of the kind {kind} ({KINDS[kind]})" for kind in further_kinds]
         return said(
             "partly_identified", f"{listed([*decision.names, *of_kind])} has changed, together with other causes ({share})."
@@ -251,13 +254,8 @@ def judge(found: ChangeEvidence, loss: Loss | None = None) -> ChangeVerdict:
     )
 
 
-def _kinds_of(found: ChangeEvidence, names: Sequence[str]) -> set[str]:
-    return {cause.kind for model in found.posterior.models for cause in model.causes if cause.name in names}
-
-
 def _confidence(judged: Posterior) -> dict[str, float]:
-    names = {cause.name for model in judged.models for cause in model.causes}
-    stated = {name: judged.of_name(name) for name in names} | {kind: judged.of_kind(kind) for kind in KINDS}
+    stated = {name: judged.of_name(name) for name in judged.kinds} | {kind: judged.of_kind(kind) for kind in KINDS}
     return {name: round(value, 3) for name, value in sorted(stated.items()) if value >= _LISTED}
 
 

@@ -64,16 +64,6 @@ def rounded(value: float, interval: Sequence[float]) -> str:
     return f"{value:.{places}f}"
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names as ``a, b and c``."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def millimetres(metres: float) -> str:
-    """Return a length in millimetres with two decimals."""
-    return f"{1e3 * metres:.2f} mm"
-
-
 def advice(diagnosis: ChangeDiagnosis) -> list[str]:
     """Return what to do next, one sentence for each item."""
     status, proposals = diagnosis.verdict.status, diagnosis.next_experiment

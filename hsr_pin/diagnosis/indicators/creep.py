@@ -10,10 +10,10 @@ import numpy as np
 from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.indicators.bending import Bending, bending
 from hsr_pin.diagnosis.indicators.decay import turning_points
-from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, logarithmic, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, logarithmic, rounded, thinned
 from hsr_pin.diagnosis.indicators.timing import crossing
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.jackknife import Estimate, coefficients_of
+from hsr_pin.identification.jackknife import Estimate, mean_by_trial
 from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
 
@@ -116,7 +116,7 @@ class Creep(Indicator):
 
     def draw(self, axes: Axes) -> None:
         """Draw the share of the displacement against the logarithm of time; creep is a rising line."""
-        for drift in self.drifts[:: max(1, -(-len(self.drifts) // _CURVES))]:
+        for drift in thinned(self.drifts, _CURVES):
             late = drift.elapsed >= drift.begin
             axes.plot(drift.elapsed, drift.share, color=ROLES["faint"], lw=0.5, alpha=0.6)
             axes.plot(drift.elapsed[late], drift.share[late], color=ROLES["model"], lw=1.0)
@@ -147,8 +147,7 @@ def creep(experiment: Experiment) -> Creep | None:
             before = motion.settled(plateau)
     if not drifts:
         return None
-    decades = np.array([drift.decade for drift in drifts])
-    return Creep(tuple(drifts), coefficients_of(np.ones((len(drifts), 1)), decades, [drift.trial for drift in drifts])[0])
+    return Creep(tuple(drifts), mean_by_trial([drift.decade for drift in drifts], [drift.trial for drift in drifts]))
 
 
 def _drift(motion: Bending, time: Array, angle: Array, origin: float, released: bool) -> Drift | None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.indicators.bending import Bending, bending
-from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, logarithmic, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, logarithmic, rounded, rounded_range
 from hsr_pin.diagnosis.smooth import smoothed
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, slope_of
@@ -141,7 +141,7 @@ class Decay(Indicator):
         frequency = np.array([swing.frequency for swing in self.swings])
         low, high = np.percentile(frequency, [10, 90])
         text = (
-            f"In {counted(len(self.swings), 'cycle')} the arm swings at {_range(low, high)} Hz with a damping ratio of "
+            f"In {counted(len(self.swings), 'cycle')} the arm swings at {rounded_range(low, high)} Hz with a damping ratio of "
             f"{rounded(float(np.median(damping)))}"
         )
         if not np.isfinite(self.damping_trend.low):
@@ -296,7 +296,7 @@ def _trend(swings: list[Swing], values: list[float]) -> Estimate:
         shares[members] = shares[members] / np.median(shares[members]) - 1
         centred[members] -= doubled[members].mean()
     if len(swings) < _CYCLES or np.ptp(centred) < np.log2(_RANGE):
-        return Estimate(np.nan, -np.inf, np.inf)
+        return Estimate(np.nan)
     trials = [swing.trial for swing in swings]
     slope, own = slope_of(centred, shares, trials), []
     for name in dict.fromkeys(trials):  # a trend in a single trial is not significant
@@ -308,7 +308,3 @@ def _trend(swings: list[Swing], values: list[float]) -> Estimate:
 
 def _sign(trend: Estimate, least: float) -> int:
     return int(np.sign(trend.value)) if trend.excludes_zero and abs(trend.value) > least else 0
-
-
-def _range(low: float, high: float) -> str:
-    return rounded(low) if rounded(low) == rounded(high) else f"{rounded(low)} to {rounded(high)}"

@@ -4,27 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.identification.jackknife import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Kinds of physics that an indicator may point to, including errors of the measurement.
-KINDS = (
-    "elastic",
-    "damping",
-    "friction",
-    "creep",
-    "actuation_time",
-    "actuation_map",
-    "mass_gravity",
-    "contact",
-    "measurement",
-)
+Items = TypeVar("Items", tuple[Any, ...], list[Any], NDArray[np.float64])
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +32,7 @@ class Indicator(ABC):
     @property
     @abstractmethod
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of physics from :data:`KINDS` that it points to; none if the arm behaves like the nominal model."""
+        """Kinds of physics that it points to (:data:`hsr_pin.effects.effect.KINDS`); none if the arm behaves like the model."""
 
     @abstractmethod
     def numbers(self) -> dict[str, Any]:
@@ -59,20 +49,26 @@ class Indicator(ABC):
 
 def rounded(value: float) -> str:
     """Return a number with two significant digits as text."""
-    return (
-        "?"
-        if not np.isfinite(value)
-        else "0"
-        if value == 0
-        else f"{value:#.2g}".rstrip(".")
-        if abs(value) < 100
-        else f"{value:.0f}"
-    )
+    if not np.isfinite(value):
+        return "?"
+    if value == 0:
+        return "0"
+    return f"{value:#.2g}".rstrip(".") if abs(value) < 100 else f"{value:.0f}"
+
+
+def rounded_range(low: float, high: float) -> str:
+    """Return an interval with two significant digits as text, or one number if both ends look the same."""
+    return rounded(low) if rounded(low) == rounded(high) else f"{rounded(low)} to {rounded(high)}"
 
 
 def counted(count: int, thing: str) -> str:
     """Return a count with its noun: ``1 step``, ``2 steps``."""
     return f"{count} {thing}{'s' * (count != 1)}"
+
+
+def thinned(items: Items, most: int) -> Items:
+    """Return every n-th item, so that a figure shows at most ``most`` of them."""
+    return items[:: max(1, -(-len(items) // most))]
 
 
 def logarithmic(axes: Axes) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from hsr_pin.diagnosis.indicators.creep import creep
 from hsr_pin.diagnosis.indicators.decay import decay
-from hsr_pin.diagnosis.indicators.indicator import KINDS, Indicator, jsonable
+from hsr_pin.diagnosis.indicators.indicator import Indicator, jsonable
 from hsr_pin.diagnosis.indicators.length import length
 from hsr_pin.diagnosis.indicators.lines import lines
 from hsr_pin.diagnosis.indicators.loops import loops
@@ -20,6 +20,7 @@ from hsr_pin.diagnosis.indicators.rests import rests
 from hsr_pin.diagnosis.indicators.sides import sides
 from hsr_pin.diagnosis.indicators.start import Stretch, start_stretch
 from hsr_pin.diagnosis.indicators.timing import timing
+from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.experiment import Experiment
 
 #: Indicators of a planar arm, in the order of a report.

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.diagnosis.indicators.bending import bending
-from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded
+from hsr_pin.diagnosis.indicators.bending import along_and_across, bending
+from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded, thinned
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
 from hsr_pin.identification.prepared import Run
@@ -125,12 +125,11 @@ def length(experiment: Experiment) -> Length | None:
     two_sided = part.min() < -0.3 and part.max() > 0.3
     design = np.stack([np.ones(len(part)), part**2, *([part] if two_sided else [])], axis=1)
     if len(experiment.runs) < 3:
-        fitted = tuple(Estimate(float(b), -np.inf, np.inf) for b in np.linalg.lstsq(design, arc, rcond=None)[0])
+        fitted = tuple(Estimate(float(b)) for b in np.linalg.lstsq(design, arc, rcond=None)[0])
     else:
         fitted = coefficients_of(design, arc, trials)
-    sided = fitted[2] if two_sided else Estimate(0.0, -np.inf, np.inf)
+    sided = fitted[2] if two_sided else Estimate(0.0)
     reached = max(marker.arc_length for marker in experiment.markers)
-    every = -(-len(angle) // _DOTS)
     return Length(
         bent=fitted[1],
         sided=sided,
@@ -138,7 +137,7 @@ def length(experiment: Experiment) -> Length | None:
         offset=-float(sided.value) * reached / reach,
         driven=any(np.ptp(run.torque) > 0 for run in experiment.runs),
         declared=fitted[0].value - 1,
-        points=np.stack([angle, arc], axis=1)[::every],
+        points=thinned(np.stack([angle, arc], axis=1), _DOTS),
     )
 
 
@@ -147,7 +146,7 @@ def _sideways(experiment: Experiment) -> float:
     squares = []
     for run in experiment.runs:
         marker = bending(run, experiment).marker
-        shown = run.measured[np.isfinite(run.measured[:, marker, 0]), marker]
+        shown = run.shown(marker)
         squares.append(np.mean((shown - np.median(shown, axis=0)) ** 2, axis=0))
     square = np.mean(squares, axis=0)
     return float(np.sqrt(max(square[1] - float(np.max(experiment.noise)) ** 2, 0.0) / max(square[0] + square[2], 1e-30)))
@@ -158,13 +157,7 @@ def _lengths(run: Run, experiment: Experiment) -> tuple[Array, Array]:
     motion = bending(run, experiment)
     order = np.argsort([marker.arc_length for marker in experiment.markers])
     order = order[: int(np.flatnonzero(order == motion.marker)[0]) + 1]
-    mount = experiment.dataset.mount
-    plane = run.tracked[:, order]
-    along, across = {
-        "hanging": (-plane[..., 1], plane[..., 0]),
-        "upright": (plane[..., 1], plane[..., 0]),
-        "horizontal": (plane[..., 0], -plane[..., 1]),
-    }[mount]
+    along, across = along_and_across(run.tracked[:, order], experiment.dataset.mount)
     steps_along, steps_across = (np.diff(part, axis=1, prepend=0.0) for part in (along, across))
     tangent = np.zeros(len(along))
     arc = np.zeros(len(along))

@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.commands import plateaus
 from hsr_pin.diagnosis.indicators.bending import Bending, bending
 from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_of
+from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_by_trial, mean_of
 from hsr_pin.identification.prepared import Run
 from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
@@ -241,9 +241,8 @@ def _waits(motion: Bending, stood: list[tuple[float, float, float, int]]) -> lis
 def _by_trial(waits: list[Wait]) -> Estimate:
     """Return the mean width over the range of bending, with an interval from leaving out single trials."""
     if not waits:
-        return Estimate(np.nan, -np.inf, np.inf)
-    shares = np.array([wait.width / wait.size for wait in waits])
-    return coefficients_of(np.ones((len(waits), 1)), shares, [wait.trial for wait in waits])[0]
+        return Estimate(np.nan)
+    return mean_by_trial([wait.width / wait.size for wait in waits], [wait.trial for wait in waits])
 
 
 def _cycles(motion: Bending) -> list[Cycle]:
@@ -280,7 +279,7 @@ def _cycles(motion: Bending) -> list[Cycle]:
 
 def _at_no_speed(cycles: list[Cycle]) -> tuple[Estimate, Estimate]:
     """Return the ratio of width to height extrapolated to zero frequency, and the delay [s] that explains the rest."""
-    nothing = Estimate(np.nan, -np.inf, np.inf)
+    nothing = Estimate(np.nan)
     if len(cycles) < _CYCLES or np.ptp([cycle.frequency for cycle in cycles]) < 0.5 * min(cycle.frequency for cycle in cycles):
         return nothing, nothing
     frequency = np.array([cycle.frequency for cycle in cycles])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, rounded, thinned
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.plane import Plane, plane_of
 from hsr_pin.report.inline_svg import ROLES
@@ -61,7 +61,7 @@ class OutOfPlane(Indicator):
 
     def draw(self, axes: Axes) -> None:
         """Draw the path of the outermost marker as seen along the straight arm."""
-        points = self.plane.points[:: -(-len(self.plane.points) // _DOTS)]
+        points = thinned(self.plane.points, _DOTS)
         axes.plot(*(1e3 * points.T), ".", ms=2, mew=0, color=ROLES["model"], alpha=0.6)
         if self.plane.turned:
             reach = np.array([points[:, 0].min(), points[:, 0].max()])

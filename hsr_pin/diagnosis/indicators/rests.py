@@ -11,7 +11,7 @@ from hsr_pin.diagnosis.commands import Plateau, plateaus
 from hsr_pin.diagnosis.indicators.bending import bending
 from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded
 from hsr_pin.identification.experiment import Experiment
-from hsr_pin.identification.jackknife import Estimate, coefficients_of, mean_of
+from hsr_pin.identification.jackknife import Estimate, mean_by_trial, mean_of
 from hsr_pin.identification.prepared import Run
 from hsr_pin.report.inline_svg import ROLES
 from hsr_pin.trajectory import Array
@@ -208,10 +208,10 @@ def rests(experiment: Experiment) -> Rests | None:
         for rest, origin in zip(kept, _origins(kept, one_sided), strict=True)
         if rest.side and np.isfinite(origin)
     ]
-    towards = faded = Estimate(np.nan, -np.inf, np.inf)
+    towards = faded = Estimate(np.nan)
     if sided:
         trials, offsets, lessened = zip(*sided, strict=True)
-        towards = coefficients_of(np.ones((len(sided), 1)), np.array(offsets), trials)[0]
+        towards = mean_by_trial(offsets, trials)
         if any(rest.group[3] for rest in kept):
             faded = mean_of(lessened)
     first = [members for members in groups if members[0].group[3]]
@@ -263,7 +263,7 @@ def _rests(run: Run, experiment: Experiment) -> list[Rest]:
 
 
 def _moved(place: Array, before: Array, run: Run, marker: int, noise: float) -> bool:
-    shown = run.measured[np.isfinite(run.measured[:, marker, 0]), marker]
+    shown = run.shown(marker)
     span = float(np.max(np.percentile(shown, 98, axis=0) - np.percentile(shown, 2, axis=0)))
     moved = float(np.linalg.norm(place - np.median(before, axis=0)))
     return moved > max(_STILL * noise, _SHARE * span)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from hsr_pin.diagnosis.indicators.decay import decay
-from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded, rounded_range
 from hsr_pin.diagnosis.indicators.lines import Lines
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
 from hsr_pin.report.inline_svg import ROLES
@@ -70,10 +70,10 @@ class Sides(Indicator):
 
     @property
     def sentence(self) -> str:
-        low, high = rounded(float(self.frequencies.min())), rounded(float(self.frequencies.max()))
         text = (
             f"Along the lines of {counted(len(self.angles), 'trial')} the arm oscillates at "
-            f"{low if low == high else f'{low} to {high}'} Hz with a damping ratio of {rounded(float(np.median(self.dampings)))}"
+            f"{rounded_range(float(self.frequencies.min()), float(self.frequencies.max()))} Hz with a damping ratio of "
+            f"{rounded(float(np.median(self.dampings)))}"
         )
         if self.unequal:
             return (
@@ -139,7 +139,7 @@ def _stiffer(angles: Array, squares: Array) -> tuple[Estimate, Estimate]:
     From trials on two perpendicular lines, only the difference between these two directions can be determined.
     """
     if len(angles) < _TRIALS:
-        return (Estimate(np.nan, -np.inf, np.inf),) * 2
+        return (Estimate(np.nan),) * 2
     twice = np.stack([np.cos(2 * angles), np.sin(2 * angles)], axis=1)
     _, spread, ways = np.linalg.svd(twice - twice.mean(axis=0), full_matrices=False)
     ways = ways[spread > _SPREAD * np.sqrt(len(angles))]

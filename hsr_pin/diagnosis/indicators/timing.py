@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.diagnosis.commands import Step, steps
 from hsr_pin.diagnosis.indicators.bending import Bending, bending
-from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded
+from hsr_pin.diagnosis.indicators.indicator import Indicator, counted, rounded, thinned
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, mean_of
 from hsr_pin.report.inline_svg import ROLES
@@ -162,7 +162,7 @@ class Timing(Indicator):
         longest = 2.5 * max(step.most for step in self.steps)
         for rises, role, line, label in ((True, "model", "-", "rise"), (False, "declared", (0, (4, 2)), "fall")):
             chosen = [step for step in self.steps if step.rises is rises]
-            for index, step in enumerate(chosen[:: max(1, -(-len(chosen) // _CURVES))]):
+            for index, step in enumerate(thinned(chosen, _CURVES)):
                 shown = step.elapsed <= longest
                 name = f"{label} ({len(chosen)})" if index == 0 else None
                 axes.plot(step.elapsed[shown], step.share[shown], color=ROLES[role], ls=line, lw=1.1, label=name)

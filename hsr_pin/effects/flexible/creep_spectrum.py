@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Time constants of the branches [s].
@@ -31,33 +31,9 @@ class CreepSpectrum(Effect):
     states = len(TIMES)
     passive = True
 
-    fast: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=3.0,
-        unit="1",
-        scale=0.1,
-        amplitude=True,
-        description="stiffness of the branch of 0.1 s relative to Keq",
-    )
-    middle: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=3.0,
-        unit="1",
-        scale=0.1,
-        amplitude=True,
-        description="stiffness of the branch of 0.6 s relative to Keq",
-    )
-    slow: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=3.0,
-        unit="1",
-        scale=0.1,
-        amplitude=True,
-        description="stiffness of the branch of 4 s relative to Keq",
-    )
+    fast: float = amplitude(0.1, "1", lower=0.0, upper=3.0, description="stiffness of the branch of 0.1 s relative to Keq")
+    middle: float = amplitude(0.1, "1", lower=0.0, upper=3.0, description="stiffness of the branch of 0.6 s relative to Keq")
+    slow: float = amplitude(0.1, "1", lower=0.0, upper=3.0, description="stiffness of the branch of 4 s relative to Keq")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect, option
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 from hsr_pin.trajectory import Array
 
 #: Rates of bending of the whole arm [rad/s]: that at which the moment equals the coefficient, and those below and above which the
@@ -38,10 +38,8 @@ class DampingCurve(Effect):
     flexible = True
     passive = True
 
-    coefficient: float = parameter(
-        0.0, lower=0.0, upper=3.0, unit="Nm", scale=0.05, amplitude=True, description="moment at 3 rad/s"
-    )
-    power: float = parameter(1.5, lower=0.3, upper=3.0, unit="1", scale=0.3, description="exponent of the rate")
+    coefficient: float = amplitude(0.05, "Nm", lower=0.0, upper=3.0, description="moment at 3 rad/s")
+    power: float = shape(1.5, 0.3, "1", lower=0.3, upper=3.0, description="exponent of the rate")
     way: str = option("both", "positive", "negative", description="direction of motion that is damped")
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -25,12 +25,8 @@ class DampingProfile(Effect):
     kind = "damping"
     flexible = True
 
-    first: float = parameter(
-        0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="difference between base and tip"
-    )
-    second: float = parameter(
-        0.0, lower=-4.0, upper=4.0, unit="1", scale=0.3, amplitude=True, description="difference between ends and middle"
-    )
+    first: float = amplitude(0.3, "1", lower=-4.0, upper=4.0, description="difference between base and tip")
+    second: float = amplitude(0.3, "1", lower=-4.0, upper=4.0, description="difference between ends and middle")
 
     def damping(self, s: Array) -> Array:
         x = 2 * s - 1

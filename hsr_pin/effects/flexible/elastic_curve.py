@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import Bending, Effect
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Bending of the whole arm [rad] beyond which the additional stiffness is constant.
@@ -27,26 +27,12 @@ class ElasticCurve(Effect):
     kind = "elastic"
     flexible = True
 
-    first: float = parameter(
-        0.0, lower=-1.0, upper=5.0, unit="1/rad", scale=0.1, amplitude=True, description="stiffness proportional to |bending|"
+    first: float = amplitude(0.1, "1/rad", lower=-1.0, upper=5.0, description="stiffness proportional to |bending|")
+    second: float = amplitude(
+        0.1, "1/rad^2", lower=-2.0, upper=5.0, description="stiffness proportional to the square of bending"
     )
-    second: float = parameter(
-        0.0,
-        lower=-2.0,
-        upper=5.0,
-        unit="1/rad^2",
-        scale=0.1,
-        amplitude=True,
-        description="stiffness proportional to the square of bending",
-    )
-    fourth: float = parameter(
-        0.0,
-        lower=-1.0,
-        upper=5.0,
-        unit="1/rad^4",
-        scale=0.1,
-        amplitude=True,
-        description="stiffness proportional to the fourth power of bending",
+    fourth: float = amplitude(
+        0.1, "1/rad^4", lower=-1.0, upper=5.0, description="stiffness proportional to the fourth power of bending"
     )
 
     @staticmethod

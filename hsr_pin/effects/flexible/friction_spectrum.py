@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
 from hsr_pin.effects.vector import limited
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 #: Bending of the whole arm at which each slider slips [rad].
@@ -32,30 +32,10 @@ class FrictionSpectrum(Effect):
     states = len(SLIPS)
     passive = True
 
-    first: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=1.0,
-        unit="rad",
-        scale=0.03,
-        amplitude=True,
-        description="level of the slider that slips at 0.03 rad",
-    )
-    second: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=1.0,
-        unit="rad",
-        scale=0.03,
-        amplitude=True,
-        description="level of the slider that slips at 0.12 rad",
-    )
-    third: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level of the slider that slips at 0.4 rad"
-    )
-    fourth: float = parameter(
-        0.0, lower=0.0, upper=1.0, unit="rad", scale=0.03, amplitude=True, description="level of the slider that slips at 1.2 rad"
-    )
+    first: float = amplitude(0.03, "rad", lower=0.0, upper=1.0, description="level of the slider that slips at 0.03 rad")
+    second: float = amplitude(0.03, "rad", lower=0.0, upper=1.0, description="level of the slider that slips at 0.12 rad")
+    third: float = amplitude(0.03, "rad", lower=0.0, upper=1.0, description="level of the slider that slips at 0.4 rad")
+    fourth: float = amplitude(0.03, "rad", lower=0.0, upper=1.0, description="level of the slider that slips at 1.2 rad")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

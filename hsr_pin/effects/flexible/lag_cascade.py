@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -26,15 +26,9 @@ class LagCascade(Effect):
     flexible = True
     memories = 2
 
-    first: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the first lag"
-    )
-    second: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="time constant of the second lag"
-    )
-    delay: float = parameter(
-        0.0, lower=0.0, upper=5.0, unit="s", scale=0.05, amplitude=True, description="delay before both lags"
-    )
+    first: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="time constant of the first lag")
+    second: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="time constant of the second lag")
+    delay: float = amplitude(0.05, "s", lower=0.0, upper=5.0, description="delay before both lags")
 
     def command_delay(self) -> Any:
         return self.delay

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -24,31 +24,16 @@ class MarkerProfile(Effect):
     cause = "plates and sleeves that differ, lift off and slide"
     citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
     kind = "measurement"
+    in_space = False
     passive = True
     flexible = True
 
-    across: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="mean offset from the neutral line"
+    across: float = amplitude(0.002, "m", lower=-0.05, upper=0.05, description="mean offset from the neutral line")
+    taper: float = amplitude(0.002, "m", lower=-0.05, upper=0.05, description="increase of the offset towards the tip")
+    lift: float = amplitude(0.002, "m/rad", lower=-0.05, upper=0.05, description="offset per bending up to the marker")
+    slide: float = amplitude(
+        0.002, "m/rad", lower=-0.05, upper=0.05, description="displacement along the arm per bending up to the marker"
     )
-    taper: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m", scale=0.002, amplitude=True, description="increase of the offset towards the tip"
-    )
-    lift: float = parameter(
-        0.0, lower=-0.05, upper=0.05, unit="m/rad", scale=0.002, amplitude=True, description="offset per bending up to the marker"
-    )
-    slide: float = parameter(
-        0.0,
-        lower=-0.05,
-        upper=0.05,
-        unit="m/rad",
-        scale=0.002,
-        amplitude=True,
-        description="displacement along the arm per bending up to the marker",
-    )
-
-    @property
-    def in_space(self) -> bool:
-        return False
 
     def observe(self, view: View) -> Array:
         across, taper, lift, slide = (np.asarray(each)[..., None] for each in (self.across, self.taper, self.lift, self.slide))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -25,13 +25,9 @@ class StiffnessProfile(Effect):
     kind = "elastic"
     flexible = True
 
-    first: float = parameter(
-        0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="difference between base and tip"
-    )
-    second: float = parameter(
-        0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="difference between ends and middle"
-    )
-    third: float = parameter(0.0, lower=-3.0, upper=3.0, unit="1", scale=0.2, amplitude=True, description="term of third order")
+    first: float = amplitude(0.2, "1", lower=-3.0, upper=3.0, description="difference between base and tip")
+    second: float = amplitude(0.2, "1", lower=-3.0, upper=3.0, description="difference between ends and middle")
+    third: float = amplitude(0.2, "1", lower=-3.0, upper=3.0, description="term of third order")
 
     def stiffness(self, s: Array) -> Array:
         x = 2 * s - 1

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -23,39 +23,16 @@ class TorqueCurve(Effect):
     cause = "any map from pressure to torque without memory"
     citation = "C.-P. Chou, B. Hannaford, Measurement and modeling of McKibben pneumatic artificial muscles, IEEE TRA 12 (1996)"
     kind = "actuation_map"
+    in_space = False
     flexible = True
 
-    even: float = parameter(
-        0.0,
-        lower=-8.0,
-        upper=8.0,
-        unit="1/rad",
-        scale=0.1,
-        amplitude=True,
-        description="logarithmic gain proportional to the command",
+    even: float = amplitude(0.1, "1/rad", lower=-8.0, upper=8.0, description="logarithmic gain proportional to the command")
+    odd: float = amplitude(
+        0.1, "1/rad", lower=-8.0, upper=8.0, description="logarithmic gain proportional to the size of the command"
     )
-    odd: float = parameter(
-        0.0,
-        lower=-8.0,
-        upper=8.0,
-        unit="1/rad",
-        scale=0.1,
-        amplitude=True,
-        description="logarithmic gain proportional to the size of the command",
+    cubic: float = amplitude(
+        0.1, "1/rad^2", lower=-8.0, upper=8.0, description="logarithmic gain proportional to the square of the command"
     )
-    cubic: float = parameter(
-        0.0,
-        lower=-8.0,
-        upper=8.0,
-        unit="1/rad^2",
-        scale=0.1,
-        amplitude=True,
-        description="logarithmic gain proportional to the square of the command",
-    )
-
-    @property
-    def in_space(self) -> bool:
-        return False
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hsr_pin.effects.effect import Effect, View, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.rotations import rotations, vectors
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array
@@ -27,33 +27,29 @@ class BaseTilt(Effect):
     cause = "mounting"
     citation = "B. W. Mooring, Z. S. Roth, M. R. Driels, Fundamentals of Manipulator Calibration, Wiley (1991)"
     kind = "mass_gravity"
+    in_plane = False
     contains = ("gravity_tilt",)
     passive = True
 
-    towards_x: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base towards x"
-    )
-    towards_y: float = parameter(
-        0.0, lower=-0.8, upper=0.8, unit="rad", scale=0.05, amplitude=True, description="rotation of the base towards y"
-    )
+    towards_x: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the base towards x")
+    towards_y: float = amplitude(0.05, "rad", lower=-0.8, upper=0.8, description="rotation of the base towards y")
     frame: str = option("world", "base", "cameras", description="body that the markers' frame is fixed to")
-
-    @property
-    def in_plane(self) -> bool:
-        return False
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         if self.frame == "cameras":
             return specification
-        return replace(
-            specification, tilt=specification.tilt + self.towards_x, cross_tilt=specification.cross_tilt + self.towards_y
-        )
+        return tilted(specification, self.towards_x, self.towards_y)
 
     def observe(self, view: View) -> Array:
         if self.frame == "world":
             return view.positions
         way = 1.0 if self.frame == "cameras" else -1.0
         return seen_turned(view, way * np.asarray(self.towards_x), way * np.asarray(self.towards_y))
+
+
+def tilted(arm: ArmSpecification, towards_x: float, towards_y: float) -> ArmSpecification:
+    """Return an arm whose base is rotated in addition, towards x and towards y [rad]."""
+    return replace(arm, tilt=arm.tilt + towards_x, cross_tilt=arm.cross_tilt + towards_y)
 
 
 def seen_turned(view: View, towards_x: ArrayLike, towards_y: ArrayLike, twist: ArrayLike = 0.0) -> Array:

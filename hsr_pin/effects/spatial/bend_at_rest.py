@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.effects.effect import Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -18,31 +18,12 @@ class BendAtRest(Effect):
     cause = "moulding, creep under its own weight, tendons and tubes that pull"
     citation = "D. Trivedi, A. Lotfi, C. D. Rahn, Geometrically exact models for soft robotic manipulators, IEEE TRO 24 (2008)"
     kind = "elastic"
+    in_plane = False
     contains = ("preset_bend",)
     passive = True
 
-    towards_x: float = parameter(
-        0.0,
-        lower=-1.5,
-        upper=1.5,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        description="bending of the whole relaxed arm towards x",
-    )
-    towards_y: float = parameter(
-        0.0,
-        lower=-1.5,
-        upper=1.5,
-        unit="rad",
-        scale=0.05,
-        amplitude=True,
-        description="bending of the whole relaxed arm towards y",
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    towards_x: float = amplitude(0.05, "rad", lower=-1.5, upper=1.5, description="bending of the whole relaxed arm towards x")
+    towards_y: float = amplitude(0.05, "rad", lower=-1.5, upper=1.5, description="bending of the whole relaxed arm towards y")
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect, View, option
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -24,32 +24,13 @@ class MarkersBeside(Effect):
     cause = "marker plates"
     citation = "A. Leardini et al., Human movement analysis using stereophotogrammetry. Part 3, Gait Posture 21 (2005)"
     kind = "measurement"
+    in_plane = False
     contains = ("marker_offset",)
     passive = True
 
-    towards_x: float = parameter(
-        0.0,
-        lower=-0.05,
-        upper=0.05,
-        unit="m",
-        scale=0.002,
-        amplitude=True,
-        description="offset from the declared position towards x",
-    )
-    towards_y: float = parameter(
-        0.0,
-        lower=-0.05,
-        upper=0.05,
-        unit="m",
-        scale=0.002,
-        amplitude=True,
-        description="offset from the declared position towards y",
-    )
+    towards_x: float = amplitude(0.002, "m", lower=-0.05, upper=0.05, description="offset from the declared position towards x")
+    towards_y: float = amplitude(0.002, "m", lower=-0.05, upper=0.05, description="offset from the declared position towards y")
     base: str = option("moved", "kept", "zeroed", description="whether the marker at the base has the offset too")
-
-    @property
-    def in_plane(self) -> bool:
-        return False
 
     def observe(self, view: View) -> Array:
         places: Any = view.places

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -21,32 +21,11 @@ class TorqueOffset(Effect):
     cause = "pressure offset, unequal muscles"
     citation = "F. Daerden, D. Lefeber, Pneumatic artificial muscles, Eur. J. Mech. Environ. Eng. 47 (2002)"
     kind = "actuation_map"
+    in_plane = False
     contains = ("torque_bias",)
 
-    towards_x: float = parameter(
-        0.0,
-        lower=-1.0,
-        upper=1.0,
-        unit="Nm",
-        scale=0.05,
-        amplitude=True,
-        level_exponent=1,
-        description="additional torque towards x",
-    )
-    towards_y: float = parameter(
-        0.0,
-        lower=-1.0,
-        upper=1.0,
-        unit="Nm",
-        scale=0.05,
-        amplitude=True,
-        level_exponent=1,
-        description="additional torque towards y",
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    towards_x: float = amplitude(0.05, "Nm", lower=-1.0, upper=1.0, level_exponent=1, description="additional torque towards x")
+    towards_y: float = amplitude(0.05, "Nm", lower=-1.0, upper=1.0, level_exponent=1, description="additional torque towards y")
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

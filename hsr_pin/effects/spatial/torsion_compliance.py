@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.robot.specification import ArmSpecification
 
 #: Ratio of torsional to bending stiffness above which the arm is treated as rigid in torsion.
@@ -26,21 +26,10 @@ class TorsionCompliance(Effect):
     cause = "a body that is as soft in torsion as in bending"
     citation = "D. C. Rucker, R. J. Webster III, Statics and dynamics of continuum robots with tendon routing, IEEE TRO 27 (2011)"
     kind = "elastic"
+    in_plane = False
     passive = True
 
-    ratio: float = parameter(
-        0.0,
-        lower=0.0,
-        upper=20.0,
-        unit="1",
-        scale=0.5,
-        amplitude=True,
-        description="ratio of twist to bending under the same moment",
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    ratio: float = amplitude(0.5, "1", lower=0.0, upper=20.0, description="ratio of twist to bending under the same moment")
 
     def arm(self, specification: ArmSpecification) -> ArmSpecification:
         with np.errstate(divide="ignore"):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 
 
 @dataclass(frozen=True)
@@ -22,14 +22,9 @@ class TurnedActuation(Effect):
         "R. J. Webster III, B. A. Jones, Design and kinematic modeling of constant curvature continuum robots, IJRR 29 (2010)"
     )
     kind = "actuation_map"
+    in_plane = False
 
-    angle: float = parameter(
-        0.0, lower=-1.6, upper=1.6, unit="rad", scale=0.05, amplitude=True, description="rotation from x towards y of the base"
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
+    angle: float = amplitude(0.05, "rad", lower=-1.6, upper=1.6, description="rotation from x towards y of the base")
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

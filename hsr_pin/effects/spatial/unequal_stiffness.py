@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import IMPLICIT, Bending, Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude
 from hsr_pin.trajectory import Array
 
 
@@ -24,24 +24,13 @@ class UnequalStiffness(Effect):
     cause = "a flat cross section, tubes on two sides, layers of a printed body"
     citation = "D. B. Camarillo et al., Mechanics modeling of tendon-driven continuum manipulators, IEEE Trans. Robot. 24 (2008)"
     kind = "elastic"
+    in_plane = False
     passive = True
 
-    along_x: float = parameter(
-        0.0, lower=-0.6, upper=0.6, unit="1", scale=0.05, amplitude=True, description="relative additional stiffness towards x"
+    along_x: float = amplitude(0.05, "1", lower=-0.6, upper=0.6, description="relative additional stiffness towards x")
+    diagonal: float = amplitude(
+        0.05, "1", lower=-0.6, upper=0.6, description="relative additional stiffness halfway between x and y"
     )
-    diagonal: float = parameter(
-        0.0,
-        lower=-0.6,
-        upper=0.6,
-        unit="1",
-        scale=0.05,
-        amplitude=True,
-        description="relative additional stiffness halfway between x and y",
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
 
     @staticmethod
     def moment(p: Any, bending: Bending) -> Any:

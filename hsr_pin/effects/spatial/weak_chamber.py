@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hsr_pin.effects.effect import Effect
-from hsr_pin.parameters import parameter
+from hsr_pin.parameters import amplitude, shape
 
 #: Rotation from one chamber to the next.
 _NEXT = complex(-0.5, sqrt(0.75))
@@ -29,22 +29,12 @@ class WeakChamber(Effect):
     cause = "a chamber that leaks or whose wall is thicker, a tube that is squeezed"
     citation = "M. Cianchetti et al., Soft robotics technologies to address shortcomings in today's MIS, Soft Robot. 1 (2014)"
     kind = "actuation_map"
+    in_plane = False
 
-    loss: float = parameter(
-        0.0, lower=-1.0, upper=1.0, unit="1", scale=0.1, amplitude=True, description="missing share of its torque"
+    loss: float = amplitude(0.1, "1", lower=-1.0, upper=1.0, description="missing share of its torque")
+    direction: float = shape(
+        0.0, 0.3, "rad", lower=-3.1416, upper=3.1416, description="direction of its bending, from x towards y of the base"
     )
-    direction: float = parameter(
-        0.0,
-        lower=-3.1416,
-        upper=3.1416,
-        unit="rad",
-        scale=0.3,
-        description="direction of its bending, from x towards y of the base",
-    )
-
-    @property
-    def in_plane(self) -> bool:
-        return False
 
     @staticmethod
     def actuator_response(p: Any, torque: Any, memory: tuple[Any, ...], step: float, keq: Any) -> tuple[Any, tuple[Any, ...]]:

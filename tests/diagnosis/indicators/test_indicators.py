@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from hsr_pin.diagnosis.indicators.indicator import KINDS
 from hsr_pin.diagnosis.indicators.indicators import indicators
+from hsr_pin.effects.effect import KINDS
 from hsr_pin.identification.experiment import prepare
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.report.inline_svg import drawing

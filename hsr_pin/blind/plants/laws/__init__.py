@@ -7,10 +7,12 @@
 - ``law``: what a law can change
 - ``mounting``: added_mass, gravity_tilt, marker_offset, tip_mass
 - ``outside``: laws outside of the catalogue
-- ``session``: what changes between recordings: plain parameters, where the arm comes to rest
+- ``session``: changes of plain parameters between recordings
 """
 
 from __future__ import annotations
+
+from types import ModuleType
 
 import numpy as np
 
@@ -25,101 +27,23 @@ from .forms import mounting as mounting_forms
 from .law import Law
 
 
-def _by_name(*laws: type[Law]) -> dict[str, type[Law]]:
-    return {law.name: law for law in sorted(laws, key=lambda law: law.name)}
+def _laws_in(*modules: ModuleType) -> dict[str, type[Law]]:
+    """Return the laws that some modules define, by name or ``name:variant``."""
+    found = [
+        each
+        for module in modules
+        for each in vars(module).values()
+        if isinstance(each, type) and issubclass(each, Law) and each.__module__ == module.__name__
+    ]
+    return dict(sorted((f"{law.name}:{law.variant}" if law.variant else law.name, law) for law in found))
 
 
-CATALOGUE: dict[str, type[Law]] = _by_name(
-    actuation.ActuatorLag,
-    actuation.DeadTime,
-    actuation.TorqueBias,
-    actuation.TorqueDecay,
-    actuation.TorqueMap,
-    dissipative.DampingGradient,
-    dissipative.DryFriction,
-    dissipative.Hysteresis,
-    dissipative.QuadraticDamping,
-    dissipative.Viscoelastic,
-    elastic.Backlash,
-    elastic.BendingStop,
-    elastic.SoftSpot,
-    elastic.Stiffening,
-    elastic.StiffnessGradient,
-    mounting.AddedMass,
-    mounting.GravityTilt,
-    mounting.MarkerOffset,
-    mounting.TipMass,
-)
-
-OUTSIDE: dict[str, type[Law]] = _by_name(
-    outside.BaseShake,
-    outside.CameraScale,
-    outside.FollowerThrust,
-    outside.MarkerSlip,
-    outside.PulsingStiffness,
-    outside.SkewPlane,
-    outside.SupplyRipple,
-    outside.Tether,
-    outside.TipGust,
-    outside.Wall,
-    outside.WarmingArm,
-)
-
-
+CATALOGUE = _laws_in(actuation, dissipative, elastic, mounting)
+OUTSIDE = _laws_in(outside)
 #: Laws of the catalogue in other forms, by ``name:variant``.
-FORMS: dict[str, type[Law]] = {
-    f"{law.name}:{law.variant}": law
-    for law in (
-        actuation_forms.ChokedLag,
-        actuation_forms.SecondOrderLag,
-        actuation_forms.UnequalLag,
-        mounting_forms.GrowingMass,
-        mounting_forms.HalfHose,
-        elastic_forms.LocalPlay,
-        elastic_forms.SmoothPlay,
-        elastic_forms.GradualStop,
-        elastic_forms.ImpactStop,
-        damping_forms.CuffDamping,
-        damping_forms.ExponentialDamping,
-        actuation_forms.JitteredDelay,
-        actuation_forms.RestartedDelay,
-        friction_forms.BaseFriction,
-        friction_forms.LoadFriction,
-        friction_forms.StribeckFriction,
-        mounting_forms.Remounted,
-        mounting_forms.SaggingMount,
-        friction_forms.Preisach,
-        friction_forms.SkewedLoop,
-        mounting_forms.SlidingSleeve,
-        mounting_forms.UnevenPlates,
-        damping_forms.OneWayDamping,
-        damping_forms.PowerDamping,
-        elastic_forms.BoxSpot,
-        elastic_forms.CrackedSpot,
-        elastic_forms.Quintic,
-        elastic_forms.Saturating,
-        elastic_forms.TaperedRadius,
-        elastic_forms.TwoSections,
-        mounting_forms.Overhang,
-        mounting_forms.Ring,
-        actuation_forms.DriftingBias,
-        actuation_forms.PartialBias,
-        actuation_forms.ParabolicTorque,
-        actuation_forms.ShortMuscles,
-        actuation_forms.SaturatingMap,
-        actuation_forms.ThresholdMap,
-        damping_forms.PowerLawCreep,
-        damping_forms.Relaxations,
-    )
-}
-
+FORMS = _laws_in(actuation_forms, damping_forms, elastic_forms, friction_forms, mounting_forms)
 #: Laws for changes of the arm's plain parameters between two recordings.
-PARAMETERS: dict[str, type[Law]] = _by_name(
-    session.DampingScale,
-    session.KeqScale,
-    session.MassScale,
-    session.TorqueGain,
-)
+PARAMETERS = _laws_in(session)
 
 
 def draw(name: str, rng: np.random.Generator) -> Law:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
-from hsr_pin.errors import EffectError
-
 from ..arm import Array
-from .law import Law, sign
+from .law import Law, one_of, strength
 
 
 @dataclass(frozen=True)
-class ActuatorLag(Law):
+class ActuatorLag(Law, name="actuator_lag"):
     """Actuator with a first-order lag of the torque.
 
     First-order filling of the muscles, T p' = p_c - p (V. Falkenhahn et al., Dynamic Modeling of
@@ -23,14 +20,7 @@ class ActuatorLag(Law):
     time: T [s].
     """
 
-    name: ClassVar[str] = "actuator_lag"
-    strength: ClassVar[str] = "time"
-    limit: ClassVar[float] = 0.5
-    time: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ActuatorLag:
-        return cls(0.03)
+    time: float = strength(0.03, limit=0.5)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.time <= 0:
@@ -43,20 +33,13 @@ class ActuatorLag(Law):
 
 
 @dataclass(frozen=True)
-class DeadTime(Law):
+class DeadTime(Law, name="dead_time"):
     """Transport delay of the command (J. E. Normey-Rico, E. F. Camacho, Control of Dead-time Processes, 2007).
 
     delay: delay [s].
     """
 
-    name: ClassVar[str] = "dead_time"
-    strength: ClassVar[str] = "delay"
-    limit: ClassVar[float] = 0.3
-    delay: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> DeadTime:
-        return cls(0.03)
+    delay: float = strength(0.03, limit=0.3)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         dt = t[1] - t[0]
@@ -68,27 +51,20 @@ class DeadTime(Law):
 
 
 @dataclass(frozen=True)
-class TorqueBias(Law):
+class TorqueBias(Law, name="torque_bias"):
     """A constant moment along the arm, such as from unequal actuators or pressure offsets.
 
     bias: moment [N m].
     """
 
-    name: ClassVar[str] = "torque_bias"
-    strength: ClassVar[str] = "bias"
-    limit: ClassVar[float] = 0.5
-    bias: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TorqueBias:
-        return cls(0.05 * sign(rng))
+    bias: float = strength(0.05, limit=0.5, signed=True)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return tau + self.bias
 
 
 @dataclass(frozen=True)
-class TorqueMap(Law):
+class TorqueMap(Law, name="torque_map"):
     """Nonlinear relation between command and torque.
 
     The moment is quadratic in the commanded bending, tau = Keq phi (1 + a phi): muscle force is a quadratic function of
@@ -98,21 +74,14 @@ class TorqueMap(Law):
     quadratic: a [1/rad].
     """
 
-    name: ClassVar[str] = "torque_map"
-    strength: ClassVar[str] = "quadratic"
-    limit: ClassVar[float] = 0.5
-    quadratic: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TorqueMap:
-        return cls(0.1 * sign(rng))
+    quadratic: float = strength(0.1, limit=0.5, signed=True)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return tau * (1 + self.quadratic * tau / keq)
 
 
 @dataclass(frozen=True)
-class TorqueDecay(Law):
+class TorqueDecay(Law, name="torque_decay"):
     """Actuation that decreases from base to tip by friction along the backbone.
 
     form ``exponential``: exp(-a s), the capstan equation (M. Kaneko et al., Control Engineering of Tendon
@@ -121,19 +90,8 @@ class TorqueDecay(Law):
     decay: a [-].
     """
 
-    name: ClassVar[str] = "torque_decay"
-    strength: ClassVar[str] = "decay"
-    limit: ClassVar[float] = 0.95
-    decay: float = 0.0
-    form: str = "exponential"
-
-    def __post_init__(self) -> None:
-        if self.form not in ("exponential", "linear"):
-            raise EffectError("torque_decay form", expected="exponential or linear", received=self.form)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TorqueDecay:
-        return cls(0.15, str(rng.choice(["exponential", "linear"])))
+    decay: float = strength(0.15, limit=0.95)
+    form: str = one_of("exponential", "linear")
 
     def torque(self, s: Array) -> Array:
         return np.exp(-self.decay * s) if self.form == "exponential" else 1 - self.decay * s

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
-from hsr_pin.errors import EffectError
-
 from ..arm import Array
-from .law import Joints, Law, Nodes, State, sign
+from .law import Joints, Law, Nodes, State, bristle, one_of, slider, strength, uniform
 
 
 @dataclass(frozen=True)
-class DryFriction(Law):
+class DryFriction(Law, name="dry_friction"):
     """Coulomb friction with sticking, the same moment in every joint.
 
     form ``lugre``: bristles without micro-damping, z' = v - |v| z / z_c(v), M = M_c z / z_0 (C. Canudas de
@@ -26,38 +24,23 @@ class DryFriction(Law):
     kinetic friction; stribeck: rate at which the excess fades [rad/s]; the last two only for ``lugre``.
     """
 
-    name: ClassVar[str] = "dry_friction"
-    strength: ClassVar[str] = "level"
-    limit: ClassVar[float] = 0.6
-    level: float = 0.0
-    form: str = "lugre"
+    level: float = strength(0.05, limit=0.6)
+    form: str = one_of("lugre", "prandtl")
     bristle: float = 0.004
-    breakaway: float = 1.0
+    breakaway: float = uniform(1.0, 1.15, default=1.0)
     stribeck: float = 0.1
-
-    def __post_init__(self) -> None:
-        if self.form not in ("lugre", "prandtl"):
-            raise EffectError("dry_friction form", expected="lugre or prandtl", received=self.form)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> DryFriction:
-        form = str(rng.choice(["lugre", "prandtl"]))
-        return cls(0.05, form, breakaway=float(rng.uniform(1.0, 1.15)))
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         if self.form == "prandtl":
-            z = np.clip(memory + state.rate * state.dt, -self.bristle, self.bristle)
+            z = slider(memory, state, self.bristle)
         else:
             excess = (self.breakaway - 1) * np.exp(-((state.rate / self.stribeck) ** 2))
-            top = self.bristle * (1 + excess)
-            # Exact for a constant rate, so that stiff bristles do not limit the step.
-            end = np.sign(state.rate) * top
-            z = end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top)
+            z = bristle(memory, state, self.bristle * (1 + excess))
         return self.level * joints.keq / self.bristle * z, z
 
 
 @dataclass(frozen=True)
-class Hysteresis(Law):
+class Hysteresis(Law, name="hysteresis"):
     """Smooth rate-independent hysteresis loop.
 
     form ``bouc_wen``: z' = v (1 - |z|^n (1 + sgn(v z)) / 2) / b_y, M = A Keq b_y z (Y.-K. Wen, Method for
@@ -69,22 +52,11 @@ class Hysteresis(Law):
     amplitude: stiffness of the loop over Keq [-]; yield_angle: b_y [rad]; exponent: n [-].
     """
 
-    name: ClassVar[str] = "hysteresis"
-    strength: ClassVar[str] = "amplitude"
-    limit: ClassVar[float] = 4.0
-    amplitude: float = 0.0
-    yield_angle: float = 0.15
+    amplitude: float = strength(0.3, limit=4.0)
+    yield_angle: float = uniform(0.08, 0.3, default=0.15)
     exponent: float = 1.0
-    form: str = "bouc_wen"
+    form: str = one_of("bouc_wen", "iwan")
     _SPREAD: ClassVar[Array] = np.array([0.4, 0.7, 1.0, 1.3, 1.6])
-
-    def __post_init__(self) -> None:
-        if self.form not in ("bouc_wen", "iwan"):
-            raise EffectError("hysteresis form", expected="bouc_wen or iwan", received=self.form)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Hysteresis:
-        return cls(0.3, float(rng.uniform(0.08, 0.3)), form=str(rng.choice(["bouc_wen", "iwan"])))
 
     def memory(self, joints: Joints) -> Array:
         return np.zeros((self._SPREAD.size if self.form == "iwan" else 1, joints.s.size))
@@ -103,7 +75,7 @@ class Hysteresis(Law):
 
 
 @dataclass(frozen=True)
-class Viscoelastic(Law):
+class Viscoelastic(Law, name="viscoelastic"):
     """Creep and relaxation by a Maxwell branch in parallel with the spring.
 
     This is the standard linear solid (J. C. Simo, T. J. R. Hughes, Computational Inelasticity, Springer 1998, sec. 10.2, with its
@@ -112,15 +84,8 @@ class Viscoelastic(Law):
     ratio: stiffness of the branch over K [-]; time: relaxation time [s].
     """
 
-    name: ClassVar[str] = "viscoelastic"
-    strength: ClassVar[str] = "ratio"
-    limit: ClassVar[float] = 3.0
-    ratio: float = 0.0
-    time: float = 0.5
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Viscoelastic:
-        return cls(0.3, float(rng.uniform(0.25, 1.2)))
+    ratio: float = strength(0.3, limit=3.0)
+    time: float = uniform(0.25, 1.2, default=0.5)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         # `memory` is the bending at which the branch is relaxed; while the arm settles, the branch relaxes completely.
@@ -130,7 +95,7 @@ class Viscoelastic(Law):
 
 
 @dataclass(frozen=True)
-class QuadraticDamping(Law):
+class QuadraticDamping(Law, name="quadratic_damping"):
     """Damping that grows with the square of the rate.
 
     form ``joint``: M = c2 |b'| b' in every joint, fluid pressed through the muscles (Nayfeh, Mook,
@@ -140,20 +105,9 @@ class QuadraticDamping(Law):
     coefficient: c2 [Nm s2/rad2].
     """
 
-    name: ClassVar[str] = "quadratic_damping"
-    strength: ClassVar[str] = "coefficient"
-    limit: ClassVar[float] = 0.1
-    coefficient: float = 0.0
-    form: str = "joint"
+    coefficient: float = strength(0.005, limit=0.1)
+    form: str = field(default="joint", metadata={"choices": ("joint", "drag")})
     length: float = 0.24  # m, used by ``drag`` only
-
-    def __post_init__(self) -> None:
-        if self.form not in ("joint", "drag"):
-            raise EffectError("quadratic_damping form", expected="joint or drag", received=self.form)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> QuadraticDamping:
-        return cls(0.005)
 
     def acts(self, place: str) -> bool:
         other_form = "force" if self.form == "joint" else "viscous"
@@ -171,7 +125,7 @@ class QuadraticDamping(Law):
 
 
 @dataclass(frozen=True)
-class DampingGradient(Law):
+class DampingGradient(Law, name="damping_gradient"):
     """Damping that varies along the arm.
 
     Damping varies linearly from base to tip with a constant mean: non-proportional damping (S. Adhikari, Structural Dynamic
@@ -180,14 +134,7 @@ class DampingGradient(Law):
     slope: (C(tip) - C(base)) / C(middle) [-].
     """
 
-    name: ClassVar[str] = "damping_gradient"
-    strength: ClassVar[str] = "slope"
-    limit: ClassVar[float] = 1.9
-    slope: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> DampingGradient:
-        return cls(0.6 * sign(rng))
+    slope: float = strength(0.6, limit=1.9, signed=True)
 
     def damping(self, s: Array) -> Array:
         return 1 + self.slope * (s - 0.5)

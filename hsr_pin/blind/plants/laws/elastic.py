@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
 from ..arm import Array
-from .law import Joints, Law, State, sign
+from .law import Joints, Law, State, strength, uniform
 
 
 @dataclass(frozen=True)
-class StiffnessGradient(Law):
+class StiffnessGradient(Law, name="stiffness_gradient"):
     """Stiffness that varies along the arm.
 
     EI varies linearly from base to tip, as in a tapered rod (F. Renda et al., Dynamic Model of a Multibending Soft Robot Arm
@@ -21,14 +20,7 @@ class StiffnessGradient(Law):
     slope: (EI(tip) - EI(base)) / EI(middle) [-].
     """
 
-    name: ClassVar[str] = "stiffness_gradient"
-    strength: ClassVar[str] = "slope"
-    limit: ClassVar[float] = 1.6
-    slope: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> StiffnessGradient:
-        return cls(0.4 * sign(rng))
+    slope: float = strength(0.4, limit=1.6, signed=True)
 
     def stiffness(self, s: Array) -> Array:
         a = self.slope
@@ -37,7 +29,7 @@ class StiffnessGradient(Law):
 
 
 @dataclass(frozen=True)
-class SoftSpot(Law):
+class SoftSpot(Law, name="soft_spot"):
     """A part of the arm that is softer or stiffer.
 
     A defect as an added local compliance, the rotational spring of a cracked beam smeared over a
@@ -47,16 +39,9 @@ class SoftSpot(Law):
     there (negative: stiffer) [-]; width: standard deviation over L [-].
     """
 
-    name: ClassVar[str] = "soft_spot"
-    strength: ClassVar[str] = "depth"
-    limit: ClassVar[float] = 0.9
-    centre: float = 0.5
-    depth: float = 0.0
-    width: float = 0.06
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SoftSpot:
-        return cls(float(rng.uniform(0.15, 0.75)), 0.4, float(rng.uniform(0.04, 0.1)))
+    centre: float = uniform(0.15, 0.75, default=0.5)
+    depth: float = strength(0.4, limit=0.9)
+    width: float = uniform(0.04, 0.1, default=0.06)
 
     def stiffness(self, s: Array) -> Array:
         bump = np.exp(-(((s - self.centre) / self.width) ** 2) / 2)
@@ -64,7 +49,7 @@ class SoftSpot(Law):
 
 
 @dataclass(frozen=True)
-class Stiffening(Law):
+class Stiffening(Law, name="stiffening"):
     """Stiffness that grows or falls with bending.
 
     Cubic (Duffing) spring, M = K b (1 + beta b^2), b the local bending (A. H. Nayfeh, D. T. Mook,
@@ -73,10 +58,7 @@ class Stiffening(Law):
     cubic: beta [1/rad2].
     """
 
-    name: ClassVar[str] = "stiffening"
-    strength: ClassVar[str] = "cubic"
-    limit: ClassVar[float] = 1.0
-    cubic: float = 0.0
+    cubic: float = strength(0.05, limit=1.0)
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> Stiffening:
@@ -91,7 +73,7 @@ class Stiffening(Law):
 
 
 @dataclass(frozen=True)
-class BendingStop(Law):
+class BendingStop(Law, name="bending_stop"):
     """Stiffness that jumps beyond an angle.
 
     Piecewise linear elastic stops, on both sides (S. W. Shaw, P. J. Holmes, A Periodically Forced
@@ -100,15 +82,8 @@ class BendingStop(Law):
     angle: bending at which the links lock [rad]; ratio: stiffness of the stop over K [-].
     """
 
-    name: ClassVar[str] = "bending_stop"
-    strength: ClassVar[str] = "ratio"
-    limit: ClassVar[float] = 30.0
-    angle: float = 0.6
-    ratio: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> BendingStop:
-        return cls(float(rng.uniform(0.35, 0.75)), 0.5)
+    angle: float = uniform(0.35, 0.75, default=0.6)
+    ratio: float = strength(0.5, limit=30.0)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         beyond = state.bend - np.clip(state.bend, -self.angle, self.angle)
@@ -116,7 +91,7 @@ class BendingStop(Law):
 
 
 @dataclass(frozen=True)
-class Backlash(Law):
+class Backlash(Law, name="backlash"):
     """Play between links.
 
     Dead-zone spring: no elastic moment while |b| <= gap / 2 (M. Nordin, P.-O. Gutman, Controlling
@@ -125,14 +100,7 @@ class Backlash(Law):
     gap: width of the dead zone, in bending of the whole arm [rad].
     """
 
-    name: ClassVar[str] = "backlash"
-    strength: ClassVar[str] = "gap"
-    limit: ClassVar[float] = 0.8
-    gap: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Backlash:
-        return cls(0.1)
+    gap: float = strength(0.1, limit=0.8)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return -joints.stiffness * np.clip(state.bend, -self.gap / 2, self.gap / 2), memory

@@ -8,11 +8,13 @@ nominal moment is Keq * bend + C * rate for any number of joints.
 from __future__ import annotations
 
 from abc import ABC
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import Field, asdict, dataclass, field, fields, replace
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
+
+from hsr_pin.errors import EffectError
 
 from ..arm import Arm, Array
 from ..program import Trial
@@ -67,32 +69,91 @@ class Nodes(NamedTuple):
     angle: Array
 
 
+def slider(memory: Array, state: State, reach: float) -> Array:
+    """Return the deflection of a spring in series with a slider after a step: it follows the bending up to `reach` [rad]."""
+    return np.clip(memory + state.rate * state.dt, -reach, reach)
+
+
+def bristle(memory: Array, state: State, top: Array | float) -> Array:
+    """Return LuGre's bristle deflection after a step, which tends to `top` [rad]: exact for a constant rate."""
+    end = np.sign(state.rate) * top
+    return np.asarray(end + (memory - end) * np.exp(-np.abs(state.rate) * state.dt / top))
+
+
+def random_of_trial(seed: int, clock: float) -> np.random.Generator:
+    """Return random numbers that belong to the trial at this session time [s]."""
+    return np.random.default_rng([seed, round(100 * clock)])
+
+
+def drawn(draw: Callable[[np.random.Generator], Any], *, default: Any, kw_only: bool = False, **metadata: Any) -> Any:
+    """Return a field of a law whose random value is ``draw(rng)``."""
+    return field(default=default, kw_only=kw_only, metadata={"draw": draw, **metadata})
+
+
+def strength(moderate: float, *, limit: float, signed: bool = False) -> Any:
+    """Return the field that makes a law stronger, from 0 (no effect) to its largest plausible size `limit`.
+
+    The random value is `moderate`, with a random sign if the law is `signed`.
+    """
+    return drawn(lambda rng: moderate * sign(rng) if signed else moderate, default=0.0, limit=limit)
+
+
+def uniform(low: float, high: float, *, default: float, kw_only: bool = False) -> Any:
+    """Return a field whose random value is distributed uniformly."""
+    return drawn(lambda rng: float(rng.uniform(low, high)), default=default, kw_only=kw_only)
+
+
+def random_seed() -> Any:
+    """Return a field for the seed of a law's own random numbers."""
+    return drawn(lambda rng: int(rng.integers(1 << 31)), default=0)
+
+
+def one_of(*choices: str, among: Sequence[str] = (), default: str = "") -> Any:
+    """Return a field with one of these values, of which those of `among` (or all) may be drawn; the default is the first."""
+    return drawn(lambda rng: str(rng.choice(among or choices)), default=default or choices[0], choices=choices)
+
+
+@dataclass(frozen=True)
 class Law(ABC):
     """One piece of physics that the nominal model lacks.
 
-    `strength` is the name of the field that makes the law stronger, and `limit` is the largest plausible size of that field.
-    `variant` is the name of a form that the catalogue does not have.
+    A subclass gives its `name` as in the catalogue, and the name `variant` of a form that the catalogue does not have. One of its
+    fields is the :func:`strength`.
     """
 
     name: ClassVar[str]
     variant: ClassVar[str] = ""
+    #: Name of the field that makes the law stronger, and the largest plausible size of that field.
     strength: ClassVar[str]
     limit: ClassVar[float]
+
+    def __init_subclass__(cls, *, name: str = "", variant: str = "") -> None:
+        if name:
+            cls.name, cls.variant = name, variant
+        for key, value in vars(cls).copy().items():
+            if isinstance(value, Field) and "limit" in value.metadata:
+                cls.strength, cls.limit = key, value.metadata["limit"]
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            choices, given = each.metadata.get("choices"), getattr(self, each.name)
+            if choices and given not in choices:
+                raise EffectError(f"{self.name} {each.name}", expected=" or ".join(choices), received=given)
 
     @classmethod
     def draw(cls: type[AnyLaw], rng: np.random.Generator) -> AnyLaw:
         """Return a law with random secondary parameters and a moderate strength of random sign."""
-        raise NotImplementedError
+        return cls(**{each.name: each.metadata["draw"](rng) for each in fields(cls) if "draw" in each.metadata})
 
     def scaled(self: AnyLaw, factor: float) -> AnyLaw:
         """Return the same law with `factor` times the strength, at most up to its limit."""
         value = getattr(self, self.strength) * factor
-        return replace(self, **{self.strength: float(np.clip(value, -self.limit, self.limit))})  # type: ignore[type-var]
+        return replace(self, **{self.strength: float(np.clip(value, -self.limit, self.limit))})
 
     def describe(self) -> dict[str, Any]:
         """Return name and parameters for an answer file."""
         form = {"variant": self.variant} if self.variant else {}
-        return {"name": self.name, **form, **asdict(self)}  # type: ignore[call-overload]
+        return {"name": self.name, **form, **asdict(self)}
 
     def acts(self, place: str) -> bool:
         """Return whether the law overrides the method of this name."""

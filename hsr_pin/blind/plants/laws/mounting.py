@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
-from hsr_pin.errors import EffectError
-
 from ..arm import Arm, Array
 from ..program import Trial
-from .law import Law, sign
+from .law import Law, one_of, strength
 
 
 @dataclass(frozen=True)
-class GravityTilt(Law):
+class GravityTilt(Law, name="gravity_tilt"):
     """Tilt of the base from its declared mounting.
 
     The base is rotated in the plane (robot-to-world calibration: B. Siciliano, O. Khatib, eds., Springer
@@ -27,19 +24,8 @@ class GravityTilt(Law):
     angle: towards positive bending [rad].
     """
 
-    name: ClassVar[str] = "gravity_tilt"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 0.6
-    angle: float = 0.0
-    form: str = "mount"
-
-    def __post_init__(self) -> None:
-        if self.form not in ("mount", "frame"):
-            raise EffectError("gravity_tilt form", expected="mount or frame", received=self.form)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> GravityTilt:
-        return cls(0.05 * sign(rng), str(rng.choice(["mount", "frame"])))
+    angle: float = strength(0.05, limit=0.6, signed=True)
+    form: str = one_of("mount", "frame")
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         seen = arm.tilt_seen and self.form == "mount"
@@ -47,47 +33,33 @@ class GravityTilt(Law):
 
 
 @dataclass(frozen=True)
-class TipMass(Law):
+class TipMass(Law, name="tip_mass"):
     """An unknown point mass at the tip (D. J. Inman, Engineering Vibration, ch. 6).
 
     mass: [kg].
     """
 
-    name: ClassVar[str] = "tip_mass"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.2
-    mass: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TipMass:
-        return cls(0.015)
+    mass: float = strength(0.015, limit=0.2)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, tip_mass=arm.tip_mass + self.mass)
 
 
 @dataclass(frozen=True)
-class AddedMass(Law):
+class AddedMass(Law, name="added_mass"):
     """Mass without stiffness, evenly spread along the arm, such as tubes.
 
     mass: [kg].
     """
 
-    name: ClassVar[str] = "added_mass"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.3
-    mass: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> AddedMass:
-        return cls(0.04)
+    mass: float = strength(0.04, limit=0.3)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, added_mass=arm.added_mass + self.mass)
 
 
 @dataclass(frozen=True)
-class MarkerOffset(Law):
+class MarkerOffset(Law, name="marker_offset"):
     """Offset of the markers from the neutral line.
 
     Markers are mounted off the neutral line on plates that rotate with the arm (U. Della Croce et al., Human
@@ -96,14 +68,7 @@ class MarkerOffset(Law):
     distance: towards +x of the straight arm [m].
     """
 
-    name: ClassVar[str] = "marker_offset"
-    strength: ClassVar[str] = "distance"
-    limit: ClassVar[float] = 0.04
-    distance: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> MarkerOffset:
-        return cls(0.004 * sign(rng))
+    distance: float = strength(0.004, limit=0.04, signed=True)
 
     def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
         return np.zeros_like(angle), np.full_like(angle, self.distance)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
 from ..arm import Arm, Array
 from ..program import Trial
-from .law import Joints, Law, Nodes, State, sign
+from .law import Joints, Law, Nodes, State, random_seed, strength, uniform
 
 
 @dataclass(frozen=True)
-class BaseShake(Law):
+class BaseShake(Law, name="base_shake"):
     """Vibration of the structure that carries the base.
 
     The structure swings along x (support excitation: R. W. Clough, J. Penzien,
@@ -22,15 +21,8 @@ class BaseShake(Law):
     amplitude: [m]; frequency: [Hz].
     """
 
-    name: ClassVar[str] = "base_shake"
-    strength: ClassVar[str] = "amplitude"
-    limit: ClassVar[float] = 0.03
-    amplitude: float = 0.0
-    frequency: float = 3.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> BaseShake:
-        return cls(0.003, float(rng.uniform(1.5, 5.0)))
+    amplitude: float = strength(0.003, limit=0.03)
+    frequency: float = uniform(1.5, 5.0, default=3.0)
 
     def base(self, t: Array) -> Array:
         u = np.clip(t * self.frequency / 2, 0.0, 1.0)
@@ -39,7 +31,7 @@ class BaseShake(Law):
 
 
 @dataclass(frozen=True)
-class WarmingArm(Law):
+class WarmingArm(Law, name="warming_arm"):
     """Softening of the arm over the session.
 
     Stiffness falls over the session as the silicone warms with work (L. Mullins, Softening of Rubber by
@@ -48,15 +40,8 @@ class WarmingArm(Law):
     loss: final relative loss of stiffness [-]; time: time constant, in session time [s].
     """
 
-    name: ClassVar[str] = "warming_arm"
-    strength: ClassVar[str] = "loss"
-    limit: ClassVar[float] = 0.7
-    loss: float = 0.0
-    time: float = 60.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> WarmingArm:
-        return cls(0.15, float(rng.uniform(30, 120)))
+    loss: float = strength(0.15, limit=0.7)
+    time: float = uniform(30, 120, default=60.0)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         lost = self.loss * (1 - np.exp(-(state.clock + state.t) / self.time))
@@ -64,7 +49,7 @@ class WarmingArm(Law):
 
 
 @dataclass(frozen=True)
-class PulsingStiffness(Law):
+class PulsingStiffness(Law, name="pulsing_stiffness"):
     """Periodic stiffness.
 
     The stiffness pulses with the supply of the actuators: parametric excitation (Nayfeh, Mook, Nonlinear
@@ -73,16 +58,9 @@ class PulsingStiffness(Law):
     depth: relative amplitude [-]; frequency: [Hz]; phase: in session time [rad].
     """
 
-    name: ClassVar[str] = "pulsing_stiffness"
-    strength: ClassVar[str] = "depth"
-    limit: ClassVar[float] = 0.6
-    depth: float = 0.0
-    frequency: float = 2.0
-    phase: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> PulsingStiffness:
-        return cls(0.08, float(rng.uniform(0.8, 4.0)), float(rng.uniform(0, 2 * np.pi)))
+    depth: float = strength(0.08, limit=0.6)
+    frequency: float = uniform(0.8, 4.0, default=2.0)
+    phase: float = uniform(0, 2 * np.pi, default=0.0)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         wave = np.sin(2 * np.pi * self.frequency * (state.clock + state.t) + self.phase)
@@ -91,7 +69,7 @@ class PulsingStiffness(Law):
 
 
 @dataclass(frozen=True)
-class SupplyRipple(Law):
+class SupplyRipple(Law, name="supply_ripple"):
     """Ripple of the supply pressure.
 
     The cycle of a compressor adds a sawtooth of fixed amplitude to the torque, independent of the command.
@@ -99,16 +77,9 @@ class SupplyRipple(Law):
     amplitude: [N m]; frequency: [Hz]; phase: in session time [cycles].
     """
 
-    name: ClassVar[str] = "supply_ripple"
-    strength: ClassVar[str] = "amplitude"
-    limit: ClassVar[float] = 0.5
-    amplitude: float = 0.0
-    frequency: float = 1.5
-    phase: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SupplyRipple:
-        return cls(0.05, float(rng.uniform(0.7, 3.0)), float(rng.uniform(0, 1)))
+    amplitude: float = strength(0.05, limit=0.5)
+    frequency: float = uniform(0.7, 3.0, default=1.5)
+    phase: float = uniform(0, 1, default=0.0)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         cycle = (self.frequency * (clock + t) + self.phase) % 1.0
@@ -117,7 +88,7 @@ class SupplyRipple(Law):
 
 
 @dataclass(frozen=True)
-class TipGust(Law):
+class TipGust(Law, name="tip_gust"):
     """Wind on the tip.
 
     A fan's turbulent side force at the tip: first-order (Dryden-like) coloured noise (MIL-F-8785C,
@@ -126,16 +97,9 @@ class TipGust(Law):
     force_rms: standard deviation [N]; corner: corner frequency [Hz]; seed: seed of the phases.
     """
 
-    name: ClassVar[str] = "tip_gust"
-    strength: ClassVar[str] = "force_rms"
-    limit: ClassVar[float] = 2.0
-    force_rms: float = 0.0
-    corner: float = 1.0
-    seed: int = 0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TipGust:
-        return cls(0.2, float(rng.uniform(0.5, 2.0)), int(rng.integers(1 << 31)))
+    force_rms: float = strength(0.2, limit=2.0)
+    corner: float = uniform(0.5, 2.0, default=1.0)
+    seed: int = random_seed()
 
     def __post_init__(self) -> None:
         rng = np.random.default_rng(self.seed)
@@ -153,7 +117,7 @@ class TipGust(Law):
 
 
 @dataclass(frozen=True)
-class Tether(Law):
+class Tether(Law, name="tether"):
     """A hose at the tip.
 
     A supply hose from the tip to a fixed point: slack, then taut (a one-sided spring: Shaw, Holmes, J.
@@ -162,10 +126,7 @@ class Tether(Law):
     stiffness_taut: [N/m]; reach: free length [m]; x, z: fixed point in the arm frame [m].
     """
 
-    name: ClassVar[str] = "tether"
-    strength: ClassVar[str] = "stiffness_taut"
-    limit: ClassVar[float] = 300.0
-    stiffness_taut: float = 0.0
+    stiffness_taut: float = strength(10.0, limit=300.0)
     reach: float = 0.2
     x: float = -0.15
     z: float = 0.1
@@ -186,7 +147,7 @@ class Tether(Law):
 
 
 @dataclass(frozen=True)
-class FollowerThrust(Law):
+class FollowerThrust(Law, name="follower_thrust"):
     """Thrust of a leak at the tip.
 
     The leak blows along the arm: a follower force that grows with the square of the torque
@@ -195,14 +156,7 @@ class FollowerThrust(Law):
     thrust: force towards the base at 1 N m [N/(N m)2].
     """
 
-    name: ClassVar[str] = "follower_thrust"
-    strength: ClassVar[str] = "thrust"
-    limit: ClassVar[float] = 3.0
-    thrust: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> FollowerThrust:
-        return cls(0.3 * sign(rng))
+    thrust: float = strength(0.3, limit=3.0, signed=True)
 
     def force(self, state: State, nodes: Nodes) -> Array:
         out = np.zeros_like(nodes.position)
@@ -212,41 +166,27 @@ class FollowerThrust(Law):
 
 
 @dataclass(frozen=True)
-class Wall(Law):
+class Wall(Law, name="wall"):
     """A wall next to the arm: the engine's own contact with friction (Todorov, ICRA 2014); chain only.
 
     nearness: distance of the wall from `far` towards the arm [m]; far: distance at which no motion touches it [m].
     """
 
-    name: ClassVar[str] = "wall"
-    strength: ClassVar[str] = "nearness"
-    limit: ClassVar[float] = 0.24
-    nearness: float = 0.0
+    nearness: float = strength(0.15, limit=0.24)
     far: float = 0.3
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Wall:
-        return cls(0.15)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, wall=self.far - self.nearness)
 
 
 @dataclass(frozen=True)
-class SkewPlane(Law):
+class SkewPlane(Law, name="skew_plane"):
     """Skewed actuators: the arm bends in a plane rotated about its straight axis (vertical mounts).
 
     angle: [rad].
     """
 
-    name: ClassVar[str] = "skew_plane"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 0.8
-    angle: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SkewPlane:
-        return cls(0.08 * sign(rng))
+    angle: float = strength(0.08, limit=0.8, signed=True)
 
     def seen(self, points: Array) -> Array:
         c, s = np.cos(self.angle), np.sin(self.angle)
@@ -255,7 +195,7 @@ class SkewPlane(Law):
 
 
 @dataclass(frozen=True)
-class CameraScale(Law):
+class CameraScale(Law, name="camera_scale"):
     """Wrong scale of the cameras, from a calibration wand of wrong length: everything appears larger.
 
     Z. Zhang, Camera Calibration with One-Dimensional Objects, IEEE T-PAMI 26, 2004.
@@ -263,21 +203,14 @@ class CameraScale(Law):
     excess: relative excess over the true size [-].
     """
 
-    name: ClassVar[str] = "camera_scale"
-    strength: ClassVar[str] = "excess"
-    limit: ClassVar[float] = 0.1
-    excess: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> CameraScale:
-        return cls(0.02 * sign(rng))
+    excess: float = strength(0.02, limit=0.1, signed=True)
 
     def seen(self, points: Array) -> Array:
         return points * (1 + self.excess)
 
 
 @dataclass(frozen=True)
-class MarkerSlip(Law):
+class MarkerSlip(Law, name="marker_slip"):
     """Slipped markers: all markers except the one at the base are closer to the base than declared.
 
     U. Della Croce et al., Gait & Posture 21, 2005: misplacement of landmarks.
@@ -285,14 +218,7 @@ class MarkerSlip(Law):
     slip: displacement of the tip's marker [m]; that of the others is in proportion to their arc length.
     """
 
-    name: ClassVar[str] = "marker_slip"
-    strength: ClassVar[str] = "slip"
-    limit: ClassVar[float] = 0.05
-    slip: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> MarkerSlip:
-        return cls(0.006)
+    slip: float = strength(0.006, limit=0.05)
 
     def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
         return np.full_like(angle, -self.slip * s), np.zeros_like(angle)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arm import MOUNTS, Arm, Array
+from ..arm import MOUNTS, Arm, Array, hermite
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,7 @@ class SpaceMotion:
 
     def at(self, arc_length: float, beside: complex = 0.0, along: float = 0.0) -> Array:
         """Return a point (T, 3) [m] at an offset x + i y of the section from the backbone, by cubic Hermite interpolation."""
-        k = int(np.clip(np.searchsorted(self.s, arc_length) - 1, 0, self.s.size - 2))
-        h = self.s[k + 1] - self.s[k]
-        u = (arc_length - self.s[k]) / h
-        h00, h01 = (1 + 2 * u) * (1 - u) ** 2, u * u * (3 - 2 * u)
-        h10, h11 = u * (1 - u) ** 2 * h, u * u * (u - 1) * h
+        k, u, (h00, h01, h10, h11) = hermite(self.s, arc_length)
         a, b = self.frames[:, k], self.frames[:, k + 1]
         place = h00 * self.position[..., k] + h01 * self.position[..., k + 1] + h10 * a[..., 2] + h11 * b[..., 2]
         between = (1 - u) * a + u * b

@@ -6,45 +6,14 @@ bending stiffness are equal. Moments of laws act in the axes of the outer link.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arm import Array
 from ..chain import MujocoEngine, middles
-from ..integration import loaded, simulated
-from ..laws.law import Law
-from ..plant import Plant
-from ..program import Trial
-from ..writing import Marker
-from .arm import SpaceArm, SpaceMotion, SpaceNodes, moving
-from .writing import observe
-
-
-@dataclass(frozen=True)
-class BallPlant(Plant):
-    """The arm as a MuJoCo chain in space.
-
-    Attributes:
-        elements: number of ball joints.
-        step: integrator step [s], an integer fraction of 10 ms.
-        bare: the arm as declared.
-    """
-
-    elements: int = 24
-    step: float = 2e-4
-    bare: SpaceArm = field(default_factory=SpaceArm)
-
-    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
-        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
-        arm = loaded(self.bare, trial, laws)
-        return simulated(Balls, arm, trial, laws, (k, c), middles(self.elements), self.step, moving)
-
-    def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-        """Return the marker points of a motion, for markers that may be at a distance from the backbone."""
-        return observe(motion, arm, laws, markers, error)
+from .arm import SpaceNodes
+from .plant import SpacePlant
 
 
 class Balls(MujocoEngine):
@@ -81,3 +50,16 @@ class Balls(MujocoEngine):
             places = self.nodes().position[:, 1:].T
             arms = places - self.data.xipos[1 : self.n + 1]
             self.data.xfrc_applied[1 : self.n + 1] = np.hstack([force[:, 1:].T, np.cross(arms, force[:, 1:].T)])
+
+
+@dataclass(frozen=True)
+class BallPlant(SpacePlant):
+    """The arm as a MuJoCo chain of ball joints."""
+
+    elements: int = 24
+    step: float = 2e-4
+    engine = Balls
+
+    @property
+    def joints(self) -> Array:
+        return middles(self.elements)

@@ -5,29 +5,22 @@ Laws that scale moments, masses or time (gradients, lags, creep, payloads) are t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..arm import Arm, Array
 from ..laws import actuation, dissipative, elastic, mounting, outside
-from ..laws.law import Joints, Law, State, sign
+from ..laws.law import Joints, Law, State, strength, uniform
 from ..program import Trial
-
-AnyDirectional = TypeVar("AnyDirectional", bound="Directional")
 
 
 @dataclass(frozen=True)
 class Directional(Law):
-    """A law with its own direction ``side``, from x towards y [rad]; ``moderate`` is a moderate strength."""
+    """A law with its own direction ``side``, from x towards y [rad]."""
 
-    moderate: ClassVar[float]
-    side: float = field(default=0.0, kw_only=True)
-
-    @classmethod
-    def draw(cls: type[AnyDirectional], rng: np.random.Generator) -> AnyDirectional:
-        return cls(**{cls.strength: cls.moderate, "side": float(rng.uniform(-np.pi, np.pi))})
+    side: float = uniform(-np.pi, np.pi, default=0.0, kw_only=True)
 
     @property
     def vector(self) -> complex:
@@ -40,14 +33,10 @@ def _limited(z: Array, longest: Any) -> Array:
 
 
 @dataclass(frozen=True)
-class UnequalStiffness(Directional):
+class UnequalStiffness(Directional, name="unequal_stiffness"):
     """A flat section: stiffer by `share` about one axis, softer by `share` about the other; side: the stiff direction [rad]."""
 
-    name: ClassVar[str] = "unequal_stiffness"
-    strength: ClassVar[str] = "share"
-    limit: ClassVar[float] = 0.5
-    moderate: ClassVar[float] = 0.1
-    share: float = 0.0
+    share: float = strength(0.1, limit=0.5)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         along = state.bend * np.exp(-1j * self.side)
@@ -55,48 +44,33 @@ class UnequalStiffness(Directional):
 
 
 @dataclass(frozen=True)
-class BendAtRest(Directional):
+class BendAtRest(Directional, name="bend_at_rest"):
     """A moulded bend: the springs pull towards a bend of `angle` [rad] in the direction `side` [rad], fixed in the arm."""
 
-    name: ClassVar[str] = "bend_at_rest"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 1.0
-    moderate: ClassVar[float] = 0.05
-    angle: float = 0.0
+    angle: float = strength(0.05, limit=1.0)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return -joints.stiffness * self.vector + 0 * state.bend, memory  # type: ignore[return-value]
 
 
 @dataclass(frozen=True)
-class TurnedActuation(Law):
+class TurnedActuation(Law, name="turned_actuation"):
     """Actuators mounted with a rotation about the arm by `angle` [rad]."""
 
-    name: ClassVar[str] = "turned_actuation"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 1.2
-    angle: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> TurnedActuation:
-        return cls(0.08 * sign(rng))
+    angle: float = strength(0.08, limit=1.2, signed=True)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return np.asarray(tau * np.exp(1j * self.angle))
 
 
 @dataclass(frozen=True)
-class WeakChamber(Directional):
+class WeakChamber(Directional, name="weak_chamber"):
     """A weak chamber: one of three chambers at 120 degrees, at `side` [rad], gives `loss` less [-].
 
     At any instant one of the chambers is empty.
     """
 
-    name: ClassVar[str] = "weak_chamber"
-    strength: ClassVar[str] = "loss"
-    limit: ClassVar[float] = 0.9
-    moderate: ClassVar[float] = 0.15
-    loss: float = 0.0
+    loss: float = strength(0.15, limit=0.9)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         ways = np.exp(1j * (self.side + 2 * np.pi / 3 * np.arange(3)))
@@ -107,42 +81,30 @@ class WeakChamber(Directional):
 
 
 @dataclass(frozen=True)
-class TorqueOffset(Directional):
+class TorqueOffset(Directional, name="torque_offset"):
     """A constant moment `bias` [N m] in the direction `side` [rad]."""
 
-    name: ClassVar[str] = "torque_offset"
-    strength: ClassVar[str] = "bias"
-    limit: ClassVar[float] = 0.5
-    moderate: ClassVar[float] = 0.05
-    bias: float = 0.0
+    bias: float = strength(0.05, limit=0.5)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         return np.asarray(tau + self.vector)
 
 
 @dataclass(frozen=True)
-class BaseTilt(Directional):
+class BaseTilt(Directional, name="base_tilt"):
     """A base tilted by `angle` in the direction `side` [rad]; the markers show the tilt."""
 
-    name: ClassVar[str] = "base_tilt"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 0.5
-    moderate: ClassVar[float] = 0.05
-    angle: float = 0.0
+    angle: float = strength(0.05, limit=0.5)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, tilt=arm.tilt + self.vector.real, side_tilt=arm.side_tilt + self.vector.imag)  # type: ignore[call-arg, attr-defined]
 
 
 @dataclass(frozen=True)
-class MarkersBeside(Directional):
+class MarkersBeside(Directional, name="markers_beside"):
     """Marker plates: all markers except the one at the base are `distance` [m] off the line, in the direction `side` [rad]."""
 
-    name: ClassVar[str] = "markers_beside"
-    strength: ClassVar[str] = "distance"
-    limit: ClassVar[float] = 0.03
-    moderate: ClassVar[float] = 0.004
-    distance: float = 0.0
+    distance: float = strength(0.004, limit=0.03)
 
     @property
     def beside(self) -> complex:
@@ -151,17 +113,10 @@ class MarkersBeside(Directional):
 
 
 @dataclass(frozen=True)
-class CrossCoupling(Law):
+class CrossCoupling(Law, name="cross_coupling"):
     """Coupling of bending to the perpendicular axis: M = i `gain` K b, which no spring has, but a tensioned helix may have."""
 
-    name: ClassVar[str] = "cross_coupling"
-    strength: ClassVar[str] = "gain"
-    limit: ClassVar[float] = 0.5
-    gain: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> CrossCoupling:
-        return cls(0.1 * sign(rng))
+    gain: float = strength(0.1, limit=0.5, signed=True)
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         return 1j * self.gain * joints.stiffness * state.bend, memory  # type: ignore[return-value]

@@ -7,10 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr_pin.errors import InputError
-
-from ..arm import Array
-from ..program import LEVELS, RATE, Program, Trial
+from ..program import RATE, Program, Trial, in_session, sweep, trial_of
 
 #: Size relative to Keq and direction [rad] of the first step of each trial.
 _STEPS = ((0.9, 0.3), (0.6, 2.2), (0.75, -2.5), (0.4, -1.0))
@@ -22,7 +19,7 @@ def steps(keq: float) -> list[Trial]:
     found = []
     for size, side in _STEPS:
         way = size * keq * np.exp(1j * side)
-        found.append(_trial(keq, np.select([t < 0.3, t < 1.3], [0.0, way], way * np.exp(1.3j))))
+        found.append(trial_of(keq, np.select([t < 0.3, t < 1.3], [0.0, way], way * np.exp(1.3j))))
     return found
 
 
@@ -30,19 +27,18 @@ def circle(keq: float) -> list[Trial]:
     """Return a circle in stairs of 30 degrees, forth and back, after 2 s of approach; 10 s."""
     t = np.arange(10 * RATE + 1) / RATE
     turn = np.pi / 6 * np.round(np.interp(t, [2.0, 6.0, 10.0], [0.0, 12.0, 0.0]))
-    return [_trial(keq, 0.7 * keq * np.minimum(t / 2, 1.0) * np.exp(1j * turn))]
+    return [trial_of(keq, 0.7 * keq * np.minimum(t / 2, 1.0) * np.exp(1j * turn))]
 
 
 def chirp(keq: float) -> list[Trial]:
     """Return a chirp from 0.2 to 4 Hz in 6 s in a rotating direction, about a mean torque that is approached slowly."""
-    t = np.arange(6 * RATE + 1) / RATE
-    phase = 2 * np.pi * (0.2 * t + (4 - 0.2) / 12 * t**2)
-    return [_trial(keq, 0.4 * keq * (1 - np.exp(-t)) * (1 + 0.7 * np.sin(phase)) * np.exp(1j * (0.5 + 0.6 * t)))]
+    t, torque = sweep(0.4 * keq)
+    return [trial_of(keq, torque * np.exp(1j * (0.5 + 0.6 * t)))]
 
 
 def releases(keq: float) -> list[Trial]:
     """Return three releases at 0.2 s without input, 1.5 s each: two from a couple, one from a force at the tip."""
-    bare = replace(_trial(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2), command=())
+    bare = replace(trial_of(keq, np.zeros(round(1.5 * RATE) + 1), release=0.2), command=())
     ways = [np.exp(1j * side) for side in (0.5, 2.6, -1.6)]
     couples = [replace(bare, hold_torque=0.7 * keq * way) for way in ways[:2]]
     return [*couples, replace(bare, hold_force=0.8 * keq / 0.24 * ways[2])]
@@ -60,16 +56,4 @@ KINDS: dict[str, Callable[[float], list[Trial]]] = {
 
 def program(kinds: str = "steps", mount: str = "hanging", keq: float = 1.11) -> Program:
     """Return a program on one stiffness level; `kinds` joins names of `KINDS` by ``+``; pauses between trials are 20 s."""
-    names = kinds.split("+")
-    if unknown := [name for name in names if name not in KINDS]:
-        raise InputError("program", expected=f"names of {sorted(KINDS)} joined by +", received=unknown)
-    clock, trials = 0.0, []
-    for trial in (trial for name in names for trial in KINDS[name](keq)):
-        trials.append(replace(trial, clock=clock))
-        clock += trial.duration + 20.0
-    return Program(mount, tuple(trials), "tau")
-
-
-def _trial(keq: float, tau: Array, release: float = 0.0) -> Trial:
-    command = tuple(complex(value) for value in tau)
-    return Trial(keq, LEVELS[keq][0], (len(command) - 1) / RATE, command, release=release)  # type: ignore[arg-type]
+    return Program(mount, in_session(kinds, KINDS, [keq]), "tau")

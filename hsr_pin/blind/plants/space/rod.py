@@ -7,45 +7,16 @@ is half of a disc's. The difference is a two-hundredth of the inertia against sw
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..arm import Arm, Array
-from ..integration import loaded
-from ..laws.law import Law
-from ..plant import Plant
-from ..program import Trial
-from ..rod import Cosserat, simulated_finer
-from ..writing import Marker
-from .arm import SpaceArm, SpaceMotion, SpaceNodes, moving
-from .writing import observe
-
-
-@dataclass(frozen=True)
-class SpaceRodPlant(Plant):
-    """The arm as a PyElastica rod in space.
-
-    Attributes:
-        elements: number of elements of the rod.
-        step: integrator step [s], an integer fraction of 10 ms.
-        bare: the arm as declared.
-    """
-
-    elements: int = 16
-    step: float = 1e-4
-    bare: SpaceArm = field(default_factory=SpaceArm)
-
-    def simulate(self, trial: Trial, laws: Sequence[Law] = (), k: float = 1.0, c: float = 1.0) -> SpaceMotion:  # type: ignore[override]
-        """Return the motion in a trial; true stiffness and damping are k and c times the declared ones."""
-        return simulated_finer(SpaceRod, loaded(self.bare, trial, laws), trial, laws, (k, c), self.elements, self.step, moving)
-
-    def observed(self, motion: Any, arm: Any, laws: Sequence[Law], markers: Sequence[Marker], error: Array) -> Array:
-        """Return the marker points of a motion, for markers that may be at a distance from the backbone."""
-        return observe(motion, arm, laws, markers, error)
+from ..rod import Cosserat, RodPlant, joints_of
+from .arm import SpaceNodes
+from .plant import SpacePlant
 
 
 class SpaceRod(Cosserat):
@@ -96,3 +67,17 @@ class SpaceRod(Cosserat):
         sine = np.sqrt((size**2).sum(axis=0))
         angle = np.arctan2(sine, (np.trace(between) - 1) / 2)
         return size * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-12), 1.0), between
+
+
+@dataclass(frozen=True)
+class SpaceRodPlant(SpacePlant):
+    """The arm as a PyElastica rod in space."""
+
+    elements: int = 16
+    step: float = 1e-4
+    engine = SpaceRod
+    refinement = RodPlant.refinement
+
+    @property
+    def joints(self) -> Array:
+        return joints_of(self.elements)

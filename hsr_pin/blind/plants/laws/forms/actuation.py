@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from ...arm import Array
 from ...program import RATE
-from ..law import Joints, Law, State, sign
-from .scale import KEQ, check_scale, drawn_scale
+from ..law import Joints, Law, State, drawn, random_of_trial, random_seed, strength, uniform
+from .scale import KEQ, scaling
 
 
 def _level(scale: str, keq: float) -> float:
@@ -19,7 +18,7 @@ def _level(scale: str, keq: float) -> float:
 
 
 @dataclass(frozen=True)
-class SecondOrderLag(Law):
+class SecondOrderLag(Law, name="actuator_lag", variant="second_order"):
     """A lag of second order, T^2 y'' + 2 z T y' + y = u: supply line and actuator in series, possibly underdamped.
 
     Exact for a held command (K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 3rd ed., 1997, ch. 2).
@@ -28,20 +27,9 @@ class SecondOrderLag(Law):
     line).
     """
 
-    name: ClassVar[str] = "actuator_lag"
-    variant: ClassVar[str] = "second_order"
-    strength: ClassVar[str] = "time"
-    limit: ClassVar[float] = 0.3
-    time: float = 0.0
-    ratio: float = 1.0
-    scale: str = "stays"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SecondOrderLag:
-        return cls(0.015, float(rng.uniform(0.6, 1.2)), drawn_scale(rng, "stays", "stiffness"))
+    time: float = strength(0.015, limit=0.3)
+    ratio: float = uniform(0.6, 1.2, default=1.0)
+    scale: str = scaling("stays", "stiffness", default="stays")
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.time <= 0:
@@ -55,7 +43,7 @@ class SecondOrderLag(Law):
 
 
 @dataclass(frozen=True)
-class UnequalLag(Law):
+class UnequalLag(Law, name="actuator_lag", variant="unequal"):
     """A lag with different times for filling and venting.
 
     P. Beater, Pneumatic Drives, Springer 2007, ch. 5: first order, with one time constant while the magnitude of the torque
@@ -64,16 +52,8 @@ class UnequalLag(Law):
     time: time constant of filling [s]; ratio: venting over filling [-].
     """
 
-    name: ClassVar[str] = "actuator_lag"
-    variant: ClassVar[str] = "unequal"
-    strength: ClassVar[str] = "time"
-    limit: ClassVar[float] = 0.4
-    time: float = 0.0
-    ratio: float = 2.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> UnequalLag:
-        return cls(0.025, float(rng.choice([rng.uniform(0.3, 0.55), rng.uniform(1.8, 3.2)])))
+    time: float = strength(0.025, limit=0.4)
+    ratio: float = drawn(lambda rng: float(rng.choice([rng.uniform(0.3, 0.55), rng.uniform(1.8, 3.2)])), default=2.0)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.time <= 0:
@@ -88,7 +68,7 @@ class UnequalLag(Law):
 
 
 @dataclass(frozen=True)
-class ChokedLag(Law):
+class ChokedLag(Law, name="actuator_lag", variant="choked"):
     """A lag with choked flow: far from its target the torque changes at a fixed rate, near it with a first-order lag.
 
     Sonic flow through the valve (ISO 6358-1:2013): y' = clip((u - y) / T, -r, r) with r so that the whole of `span` Keq
@@ -97,16 +77,8 @@ class ChokedLag(Law):
     time: T [s]; span: [rad].
     """
 
-    name: ClassVar[str] = "actuator_lag"
-    variant: ClassVar[str] = "choked"
-    strength: ClassVar[str] = "time"
-    limit: ClassVar[float] = 0.4
-    time: float = 0.0
-    span: float = 0.9
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ChokedLag:
-        return cls(0.02, float(rng.uniform(0.6, 1.2)))
+    time: float = strength(0.02, limit=0.4)
+    span: float = uniform(0.6, 1.2, default=0.9)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.time <= 0:
@@ -121,7 +93,7 @@ class ChokedLag(Law):
 
 
 @dataclass(frozen=True)
-class JitteredDelay(Law):
+class JitteredDelay(Law, name="dead_time", variant="jittered"):
     """A delay that differs between commands; commands keep their order, so that one may wait for those before it.
 
     J. Nilsson, Real-Time Control Systems with Delays, PhD thesis, Lund 1998, ch. 3.
@@ -129,22 +101,14 @@ class JitteredDelay(Law):
     delay: mean delay without waiting [s]; jitter: largest relative deviation from it [-]; seed: seed of the delays.
     """
 
-    name: ClassVar[str] = "dead_time"
-    variant: ClassVar[str] = "jittered"
-    strength: ClassVar[str] = "delay"
-    limit: ClassVar[float] = 0.3
-    delay: float = 0.0
-    jitter: float = 0.7
-    seed: int = 0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> JitteredDelay:
-        return cls(0.03, float(rng.uniform(0.5, 0.95)), int(rng.integers(1 << 31)))
+    delay: float = strength(0.03, limit=0.3)
+    jitter: float = uniform(0.5, 0.95, default=0.7)
+    seed: int = random_seed()
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         packet = np.floor(t * RATE + 1e-6).astype(int)  # index of the command at each instant
         first, index = np.unique(packet, return_index=True)
-        rng = np.random.default_rng([self.seed, round(100 * clock)])
+        rng = random_of_trial(self.seed, clock)
         late = self.delay * (1 + self.jitter * rng.uniform(-1, 1, first.size))
         arrival = np.maximum.accumulate(t[index] + late)
         known = np.searchsorted(arrival, t, side="right") - 1
@@ -152,7 +116,7 @@ class JitteredDelay(Law):
 
 
 @dataclass(frozen=True)
-class RestartedDelay(Law):
+class RestartedDelay(Law, name="dead_time", variant="restarted"):
     """A delay that differs between trials, because the clocks of two computers are set again for each trial.
 
     D. L. Mills, Internet Time Synchronization: the Network Time Protocol, IEEE Trans. Commun. 39, 1991.
@@ -160,26 +124,18 @@ class RestartedDelay(Law):
     delay: mean delay [s]; spread: largest relative deviation from it [-]; seed: seed of the delays.
     """
 
-    name: ClassVar[str] = "dead_time"
-    variant: ClassVar[str] = "restarted"
-    strength: ClassVar[str] = "delay"
-    limit: ClassVar[float] = 0.3
-    delay: float = 0.0
-    spread: float = 0.6
-    seed: int = 0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> RestartedDelay:
-        return cls(0.03, float(rng.uniform(0.3, 0.8)), int(rng.integers(1 << 31)))
+    delay: float = strength(0.03, limit=0.3)
+    spread: float = uniform(0.3, 0.8, default=0.6)
+    seed: int = random_seed()
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
-        own = np.random.default_rng([self.seed, round(100 * clock)]).uniform(-1, 1)
+        own = random_of_trial(self.seed, clock).uniform(-1, 1)
         late = self.delay * (1 + self.spread * own)
         return np.interp(t - late, t, tau)
 
 
 @dataclass(frozen=True)
-class DriftingBias(Law):
+class DriftingBias(Law, name="torque_bias", variant="drifting"):
     """A torque bias that grows over the session, as sensors and regulators warm up.
 
     J. Fraden, Handbook of Modern Sensors, 5th ed., 2016, ch. 3.
@@ -187,20 +143,9 @@ class DriftingBias(Law):
     bias: final bias [N m]; time: time constant, in session time [s]; scale: quantity with which the bias scales.
     """
 
-    name: ClassVar[str] = "torque_bias"
-    variant: ClassVar[str] = "drifting"
-    strength: ClassVar[str] = "bias"
-    limit: ClassVar[float] = 0.5
-    bias: float = 0.0
-    time: float = 60.0
-    scale: str = "stays"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> DriftingBias:
-        return cls(0.05 * sign(rng), float(rng.uniform(20.0, 60.0)), drawn_scale(rng, "stays", "stiffness"))
+    bias: float = strength(0.05, limit=0.5, signed=True)
+    time: float = uniform(20.0, 60.0, default=60.0)
+    scale: str = scaling("stays", "stiffness", default="stays")
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         grown = 1 - 0.7 * np.exp(-(clock + np.maximum(t, 0.0)) / self.time)
@@ -208,7 +153,7 @@ class DriftingBias(Law):
 
 
 @dataclass(frozen=True)
-class PartialBias(Law):
+class PartialBias(Law, name="torque_bias", variant="partial"):
     """A constant moment on the outer part of the arm, such as from a shorter actuator.
 
     R. J. Webster, B. A. Jones, IJRR 29, 2010: sections of piecewise constant moment.
@@ -217,20 +162,9 @@ class PartialBias(Law):
     the arm was glued bent).
     """
 
-    name: ClassVar[str] = "torque_bias"
-    variant: ClassVar[str] = "partial"
-    strength: ClassVar[str] = "bias"
-    limit: ClassVar[float] = 0.6
-    bias: float = 0.0
-    start: float = 0.4
-    scale: str = "stays"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> PartialBias:
-        return cls(0.06 * sign(rng), float(rng.uniform(0.2, 0.5)), drawn_scale(rng, "stays", "stiffness"))
+    bias: float = strength(0.06, limit=0.6, signed=True)
+    start: float = uniform(0.2, 0.5, default=0.4)
+    scale: str = scaling("stays", "stiffness", default="stays")
 
     def moment(self, joints: Joints, state: State, memory: Array) -> tuple[Array, Array]:
         size = -self.bias * _level(self.scale, joints.keq)
@@ -238,7 +172,7 @@ class PartialBias(Law):
 
 
 @dataclass(frozen=True)
-class SaturatingMap(Law):
+class SaturatingMap(Law, name="torque_map", variant="saturating"):
     """A torque that saturates, tau = T tanh(tau_c / T), because muscles lose force as they shorten.
 
     B. Tondu, Modelling of the McKibben Artificial Muscle: a Review, J. Intell. Mater. Syst. Struct. 23, 2012.
@@ -246,15 +180,7 @@ class SaturatingMap(Law):
     curvature: Keq / T [1/rad].
     """
 
-    name: ClassVar[str] = "torque_map"
-    variant: ClassVar[str] = "saturating"
-    strength: ClassVar[str] = "curvature"
-    limit: ClassVar[float] = 1.2
-    curvature: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SaturatingMap:
-        return cls(0.4)
+    curvature: float = strength(0.4, limit=1.2)
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         if self.curvature <= 0:
@@ -264,7 +190,7 @@ class SaturatingMap(Law):
 
 
 @dataclass(frozen=True)
-class ThresholdMap(Law):
+class ThresholdMap(Law, name="torque_map", variant="threshold"):
     """A torque with a smooth threshold, because a bladder must first fill its braid.
 
     C.-P. Chou, B. Hannaford, IEEE T-RA 12, 1996.
@@ -272,19 +198,8 @@ class ThresholdMap(Law):
     threshold: [N m]; scale: quantity with which the threshold scales.
     """
 
-    name: ClassVar[str] = "torque_map"
-    variant: ClassVar[str] = "threshold"
-    strength: ClassVar[str] = "threshold"
-    limit: ClassVar[float] = 0.3
-    threshold: float = 0.0
-    scale: str = "stays"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ThresholdMap:
-        return cls(0.06, drawn_scale(rng, "stays", "stiffness"))
+    threshold: float = strength(0.06, limit=0.3)
+    scale: str = scaling("stays", "stiffness", default="stays")
 
     def command(self, tau: Array, t: Array, keq: float, clock: float) -> Array:
         edge = self.threshold * _level(self.scale, keq)
@@ -294,7 +209,7 @@ class ThresholdMap(Law):
 
 
 @dataclass(frozen=True)
-class ShortMuscles(Law):
+class ShortMuscles(Law, name="torque_decay", variant="short_muscles"):
     """Actuators that end before the tip.
 
     R. J. Webster, B. A. Jones, IJRR 29, 2010: the tip section carries no moment.
@@ -302,15 +217,7 @@ class ShortMuscles(Law):
     bare: share of the arm without actuators [-].
     """
 
-    name: ClassVar[str] = "torque_decay"
-    variant: ClassVar[str] = "short_muscles"
-    strength: ClassVar[str] = "bare"
-    limit: ClassVar[float] = 0.6
-    bare: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ShortMuscles:
-        return cls(0.15)
+    bare: float = strength(0.15, limit=0.6)
 
     def torque(self, s: Array) -> Array:
         soft = 0.02  # over L: width of the transition at the end of the actuators
@@ -318,7 +225,7 @@ class ShortMuscles(Law):
 
 
 @dataclass(frozen=True)
-class ParabolicTorque(Law):
+class ParabolicTorque(Law, name="torque_decay", variant="parabolic"):
     """Actuation that decreases parabolically towards the tip, 1 - a s^2, as in a tapered bellows.
 
     F. Renda et al., IEEE T-RO 30, 2014: the moment is proportional to the radius at which a cable or chamber sits.
@@ -326,15 +233,7 @@ class ParabolicTorque(Law):
     decay: a [-].
     """
 
-    name: ClassVar[str] = "torque_decay"
-    variant: ClassVar[str] = "parabolic"
-    strength: ClassVar[str] = "decay"
-    limit: ClassVar[float] = 1.0
-    decay: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ParabolicTorque:
-        return cls(0.25)
+    decay: float = strength(0.25, limit=1.0)
 
     def torque(self, s: Array) -> Array:
         return np.asarray(1 - self.decay * s**2)

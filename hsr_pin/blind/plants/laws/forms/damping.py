@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...arm import Array
-from ..law import Joints, Law, State, sign
-from .scale import DAMPING, KEQ, check_scale, drawn_scale, moment_scale
+from ..law import Joints, Law, State, drawn, sign, strength, uniform
+from .scale import DAMPING, KEQ, moment_scale, scaling
 
 
 def _branches(times: Array, shares: Array, state: State, memory: Array) -> tuple[Array, Array]:
@@ -20,7 +20,7 @@ def _branches(times: Array, shares: Array, state: State, memory: Array) -> tuple
 
 
 @dataclass(frozen=True)
-class Relaxations(Law):
+class Relaxations(Law, name="viscoelastic", variant="three_times"):
     """Creep with three relaxation times.
 
     The generalised Maxwell solid (R. M. Christensen, Theory of Viscoelasticity, 2nd ed., 1982, ch. 1).
@@ -29,21 +29,10 @@ class Relaxations(Law):
     neighbouring times [-]; scale: quantity with which the branches' stiffness scales.
     """
 
-    name: ClassVar[str] = "viscoelastic"
-    variant: ClassVar[str] = "three_times"
-    strength: ClassVar[str] = "ratio"
-    limit: ClassVar[float] = 3.0
-    ratio: float = 0.0
-    time: float = 0.4
-    spread: float = 6.0
-    scale: str = "stiffness"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Relaxations:
-        return cls(0.3, float(rng.uniform(0.3, 0.7)), float(rng.uniform(5.0, 9.0)), drawn_scale(rng))
+    ratio: float = strength(0.3, limit=3.0)
+    time: float = uniform(0.3, 0.7, default=0.4)
+    spread: float = uniform(5.0, 9.0, default=6.0)
+    scale: str = scaling(default="stiffness")
 
     def memory(self, joints: Joints) -> Array:
         return np.zeros((3, joints.s.size))
@@ -55,7 +44,7 @@ class Relaxations(Law):
 
 
 @dataclass(frozen=True)
-class PowerLawCreep(Law):
+class PowerLawCreep(Law, name="viscoelastic", variant="power_law"):
     """Creep that follows a power of time without a characteristic time, as in rubber.
 
     The springpot (F. Mainardi, Fractional Calculus and Waves in Linear Viscoelasticity, Imperial College Press 2010), by
@@ -64,21 +53,10 @@ class PowerLawCreep(Law):
     ratio: stiffness of all branches together over K [-]; order: 0 to 1 [-]; scale: quantity with which the stiffness scales.
     """
 
-    name: ClassVar[str] = "viscoelastic"
-    variant: ClassVar[str] = "power_law"
-    strength: ClassVar[str] = "ratio"
-    limit: ClassVar[float] = 4.0
-    ratio: float = 0.0
-    order: float = 0.3
-    scale: str = "stiffness"
+    ratio: float = strength(0.4, limit=4.0)
+    order: float = uniform(0.15, 0.4, default=0.3)
+    scale: str = scaling("stays", "stiffness", default="stiffness")
     _TIMES: ClassVar[Array] = np.geomspace(0.02, 60.0, 8)
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> PowerLawCreep:
-        return cls(0.4, float(rng.uniform(0.15, 0.4)), drawn_scale(rng, "stays", "stiffness"))
 
     def memory(self, joints: Joints) -> Array:
         return np.zeros((self._TIMES.size, joints.s.size))
@@ -90,7 +68,7 @@ class PowerLawCreep(Law):
 
 
 @dataclass(frozen=True)
-class PowerDamping(Law):
+class PowerDamping(Law, name="quadratic_damping", variant="power"):
     """Damping with an exponent other than two, M = c |b'|^(p - 1) b'.
 
     Powers of the rate: B. Ravindra, A. K. Mallik, Performance of Non-linear Vibration Isolators under Harmonic Excitation,
@@ -99,20 +77,9 @@ class PowerDamping(Law):
     coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; power: p; scale: quantity with which c scales.
     """
 
-    name: ClassVar[str] = "quadratic_damping"
-    variant: ClassVar[str] = "power"
-    strength: ClassVar[str] = "coefficient"
-    limit: ClassVar[float] = 3.0
-    coefficient: float = 0.0
+    coefficient: float = strength(0.1, limit=3.0)
     power: float = 1.5
-    scale: str = "damping"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> PowerDamping:
-        return cls(0.1, 1.5, drawn_scale(rng))
+    scale: str = scaling(default="damping")
 
     def viscous(self, joints: Joints, state: State) -> Array:
         at_one = self.coefficient * DAMPING / KEQ * moment_scale(self.scale, joints)
@@ -120,7 +87,7 @@ class PowerDamping(Law):
 
 
 @dataclass(frozen=True)
-class OneWayDamping(Law):
+class OneWayDamping(Law, name="quadratic_damping", variant="one_way"):
     """Quadratic damping in one direction only, as if air enters through a wide valve and leaves through a narrow one.
 
     J. C. Dixon, The Shock Absorber Handbook, 2nd ed., 2007, ch. 6: M = c |b'| b' while b' has the sign of `way`.
@@ -128,20 +95,9 @@ class OneWayDamping(Law):
     coefficient: c at 1 rad/s, over the declared damping at the lower level [-]; scale: quantity with which c scales.
     """
 
-    name: ClassVar[str] = "quadratic_damping"
-    variant: ClassVar[str] = "one_way"
-    strength: ClassVar[str] = "coefficient"
-    limit: ClassVar[float] = 3.0
-    coefficient: float = 0.0
-    way: int = 1
-    scale: str = "damping"
-
-    def __post_init__(self) -> None:
-        check_scale(self.scale)
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> OneWayDamping:
-        return cls(0.1, int(sign(rng)), drawn_scale(rng))
+    coefficient: float = strength(0.1, limit=3.0)
+    way: int = drawn(lambda rng: int(sign(rng)), default=1)
+    scale: str = scaling(default="damping")
 
     def viscous(self, joints: Joints, state: State) -> Array:
         at_one = self.coefficient * DAMPING / KEQ * moment_scale(self.scale, joints)
@@ -149,7 +105,7 @@ class OneWayDamping(Law):
 
 
 @dataclass(frozen=True)
-class CuffDamping(Law):
+class CuffDamping(Law, name="damping_gradient", variant="cuff"):
     """Higher damping at one end of the arm by a cuff; the mean over the arm is kept.
 
     Lumped, non-proportional damping (S. Adhikari, Structural Dynamic Analysis with Generalized Damping Models, Wiley 2014,
@@ -158,17 +114,9 @@ class CuffDamping(Law):
     excess: C in the cuff over C elsewhere, minus one [-]; reach: length of the cuff over L; end: 0 base, 1 tip.
     """
 
-    name: ClassVar[str] = "damping_gradient"
-    variant: ClassVar[str] = "cuff"
-    strength: ClassVar[str] = "excess"
-    limit: ClassVar[float] = 30.0
-    excess: float = 0.0
-    reach: float = 0.3
-    end: int = 0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> CuffDamping:
-        return cls(1.0, float(rng.uniform(0.2, 0.35)), int(rng.integers(2)))
+    excess: float = strength(1.0, limit=30.0)
+    reach: float = uniform(0.2, 0.35, default=0.3)
+    end: int = drawn(lambda rng: int(rng.integers(2)), default=0)
 
     def damping(self, s: Array) -> Array:
         inside = np.abs(s - self.end) < self.reach
@@ -176,21 +124,13 @@ class CuffDamping(Law):
 
 
 @dataclass(frozen=True)
-class ExponentialDamping(Law):
+class ExponentialDamping(Law, name="damping_gradient", variant="exponential"):
     """Damping that varies exponentially along the arm with a constant mean (S. Adhikari, as above, ch. 2).
 
     rate: logarithm of C at the tip over C at the base [-].
     """
 
-    name: ClassVar[str] = "damping_gradient"
-    variant: ClassVar[str] = "exponential"
-    strength: ClassVar[str] = "rate"
-    limit: ClassVar[float] = 5.0
-    rate: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> ExponentialDamping:
-        return cls(0.8 * sign(rng))
+    rate: float = strength(0.8, limit=5.0, signed=True)
 
     def damping(self, s: Array) -> Array:
         mean = np.expm1(self.rate) / self.rate if self.rate else 1.0

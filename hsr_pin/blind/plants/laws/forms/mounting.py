@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
 from ...arm import Arm, Array
 from ...program import Trial
-from ..law import Law, sign
+from ..law import Law, drawn, sign, strength, uniform
 from .scale import KEQ
 
 
 @dataclass(frozen=True)
-class SaggingMount(Law):
+class SaggingMount(Law, name="gravity_tilt", variant="sagging"):
     """A mount that creeps over the session, so that the tilt grows with every trial.
 
     Creep of a clamped joint (W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic
@@ -23,23 +22,15 @@ class SaggingMount(Law):
     angle: final tilt towards positive bending [rad]; time: time constant, in session time [s].
     """
 
-    name: ClassVar[str] = "gravity_tilt"
-    variant: ClassVar[str] = "sagging"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 0.6
-    angle: float = 0.0
-    time: float = 60.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SaggingMount:
-        return cls(0.05 * sign(rng), float(rng.uniform(30.0, 90.0)))
+    angle: float = strength(0.05, limit=0.6, signed=True)
+    time: float = uniform(30.0, 90.0, default=60.0)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, tilt=arm.tilt + self.angle * (1 - 0.7 * np.exp(-trial.clock / self.time)))
 
 
 @dataclass(frozen=True)
-class Remounted(Law):
+class Remounted(Law, name="gravity_tilt", variant="remounted"):
     """An arm that was removed and clamped again between its stiffness levels, with another tilt.
 
     Repeatability of a mount (A. H. Slocum, Precision Machine Design, 1992, ch. 7).
@@ -47,16 +38,8 @@ class Remounted(Law):
     angle: tilt at the lower level, towards positive bending [rad]; second: tilt at the others relative to it [-].
     """
 
-    name: ClassVar[str] = "gravity_tilt"
-    variant: ClassVar[str] = "remounted"
-    strength: ClassVar[str] = "angle"
-    limit: ClassVar[float] = 0.6
-    angle: float = 0.0
-    second: float = 0.3
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Remounted:
-        return cls(0.05 * sign(rng), float(rng.uniform(0.0, 0.6)))
+    angle: float = strength(0.05, limit=0.6, signed=True)
+    second: float = uniform(0.0, 0.6, default=0.3)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         share = 1.0 if trial.keq <= KEQ else self.second
@@ -64,51 +47,35 @@ class Remounted(Law):
 
 
 @dataclass(frozen=True)
-class Ring(Law):
+class Ring(Law, name="tip_mass", variant="ring"):
     """A heavy ring near the tip (D. J. Inman, Engineering Vibration, ch. 6).
 
     mass: [kg]; place: over L.
     """
 
-    name: ClassVar[str] = "tip_mass"
-    variant: ClassVar[str] = "ring"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.25
-    mass: float = 0.0
-    place: float = 0.85
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Ring:
-        return cls(0.02, float(rng.uniform(0.78, 0.92)))
+    mass: float = strength(0.02, limit=0.25)
+    place: float = uniform(0.78, 0.92, default=0.85)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, lumps=(*arm.lumps, (self.place * arm.length, self.mass)))
 
 
 @dataclass(frozen=True)
-class Overhang(Law):
+class Overhang(Law, name="tip_mass", variant="overhang"):
     """A tool with its mass beyond the tip (B. Siciliano, O. Khatib, eds., Springer Handbook of Robotics, 2nd ed., ch. 3).
 
     mass: [kg]; beyond: distance from the tip along the arm, over L.
     """
 
-    name: ClassVar[str] = "tip_mass"
-    variant: ClassVar[str] = "overhang"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.2
-    mass: float = 0.0
-    beyond: float = 0.15
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> Overhang:
-        return cls(0.015, float(rng.uniform(0.1, 0.25)))
+    mass: float = strength(0.015, limit=0.2)
+    beyond: float = uniform(0.1, 0.25, default=0.15)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         return replace(arm, lumps=(*arm.lumps, ((1 + self.beyond) * arm.length, self.mass)))
 
 
 @dataclass(frozen=True)
-class HalfHose(Law):
+class HalfHose(Law, name="added_mass", variant="half_hose"):
     """A hose along a part of the arm, with its mass spread from `start` to `end`.
 
     D. J. Inman, Engineering Vibration, ch. 6: distributed mass as eight lumps.
@@ -116,17 +83,9 @@ class HalfHose(Law):
     mass: [kg]; start, end: over L.
     """
 
-    name: ClassVar[str] = "added_mass"
-    variant: ClassVar[str] = "half_hose"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.4
-    mass: float = 0.0
+    mass: float = strength(0.06, limit=0.4)
     start: float = 0.0
-    end: float = 0.6
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> HalfHose:
-        return cls(0.06, 0.0, float(rng.uniform(0.6, 0.8)))
+    end: float = uniform(0.6, 0.8, default=0.6)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         places = self.start + (self.end - self.start) * (np.arange(8) + 0.5) / 8
@@ -134,7 +93,7 @@ class HalfHose(Law):
 
 
 @dataclass(frozen=True)
-class GrowingMass(Law):
+class GrowingMass(Law, name="added_mass", variant="growing"):
     """Mass per length that grows towards the tip, such as tubes and fittings near the tip.
 
     D. J. Inman, Engineering Vibration, ch. 6: a linearly growing density as eight lumps.
@@ -142,15 +101,7 @@ class GrowingMass(Law):
     mass: [kg].
     """
 
-    name: ClassVar[str] = "added_mass"
-    variant: ClassVar[str] = "growing"
-    strength: ClassVar[str] = "mass"
-    limit: ClassVar[float] = 0.3
-    mass: float = 0.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> GrowingMass:
-        return cls(0.03)
+    mass: float = strength(0.03, limit=0.3)
 
     def arm(self, arm: Arm, trial: Trial) -> Arm:
         s = (np.arange(8) + 0.5) / 8
@@ -158,29 +109,21 @@ class GrowingMass(Law):
 
 
 @dataclass(frozen=True)
-class UnevenPlates(Law):
+class UnevenPlates(Law, name="marker_offset", variant="uneven"):
     """Marker plates of different heights (U. Della Croce et al., Gait & Posture 21, 2005).
 
     distance: of the middle marker, towards +x of the straight arm [m]; growth: relative change from base to tip [-].
     """
 
-    name: ClassVar[str] = "marker_offset"
-    variant: ClassVar[str] = "uneven"
-    strength: ClassVar[str] = "distance"
-    limit: ClassVar[float] = 0.04
-    distance: float = 0.0
-    growth: float = 1.0
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> UnevenPlates:
-        return cls(0.004 * sign(rng), float(rng.uniform(0.6, 1.6)) * sign(rng))
+    distance: float = strength(0.004, limit=0.04, signed=True)
+    growth: float = drawn(lambda rng: float(rng.uniform(0.6, 1.6)) * sign(rng), default=1.0)
 
     def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
         return np.zeros_like(angle), np.full_like(angle, self.distance * (1 + self.growth * (s - 0.5)))
 
 
 @dataclass(frozen=True)
-class SlidingSleeve(Law):
+class SlidingSleeve(Law, name="marker_offset", variant="sleeve"):
     """Markers on a sleeve that lifts off and slides as the arm bends.
 
     Soft tissue artefact (A. Leardini et al., Human Movement Analysis Using Stereophotogrammetry, part 3, Gait & Posture 21,
@@ -189,17 +132,9 @@ class SlidingSleeve(Law):
     distance: [m]; lift: its growth with the direction of the arm [1/rad]; slide: along the arm, over distance and angle [-].
     """
 
-    name: ClassVar[str] = "marker_offset"
-    variant: ClassVar[str] = "sleeve"
-    strength: ClassVar[str] = "distance"
-    limit: ClassVar[float] = 0.04
-    distance: float = 0.0
-    lift: float = 0.8
-    slide: float = 0.5
-
-    @classmethod
-    def draw(cls, rng: np.random.Generator) -> SlidingSleeve:
-        return cls(0.004 * sign(rng), float(rng.uniform(0.4, 1.2)), float(rng.uniform(0.3, 0.8)))
+    distance: float = strength(0.004, limit=0.04, signed=True)
+    lift: float = uniform(0.4, 1.2, default=0.8)
+    slide: float = uniform(0.3, 0.8, default=0.5)
 
     def shift(self, s: float, angle: Array) -> tuple[Array, Array]:
         return -abs(self.distance) * self.slide * np.abs(angle), self.distance * (1 + self.lift * angle)

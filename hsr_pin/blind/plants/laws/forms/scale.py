@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from hsr_pin.errors import EffectError
-
-from ..law import Joints
+from ..law import Joints, one_of
 
 #: Scalings of a size: constant, in proportion to the declared stiffness, or in proportion to the declared damping.
 SCALES = ("stays", "stiffness", "damping")
@@ -14,17 +12,11 @@ SCALES = ("stays", "stiffness", "damping")
 KEQ, DAMPING = 1.11, 0.05
 
 
-def check_scale(scale: str) -> None:
-    """Raise an error if a scale is none of `SCALES`."""
-    if scale not in SCALES:
-        raise EffectError("scale", expected=" or ".join(SCALES), received=scale)
+def scaling(*among: str, default: str) -> Any:
+    """Return the field of a law with one of `SCALES`, of which those of `among` (or all) may be drawn."""
+    return one_of(*SCALES, among=among, default=default)
 
 
 def moment_scale(scale: str, joints: Joints) -> float:
     """Return the stiffness by which a size relative to Keq is multiplied [Nm/rad]."""
     return KEQ * {"stays": 1.0, "stiffness": joints.keq / KEQ, "damping": joints.damping / DAMPING}[scale]
-
-
-def drawn_scale(rng: np.random.Generator, *scales: str) -> str:
-    """Return one of the given scales at random, or one of all."""
-    return str(rng.choice(scales or SCALES))
