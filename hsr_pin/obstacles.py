@@ -92,7 +92,7 @@ class Obstacle(ABC):
                 raise InputError(f"{name} of an obstacle", expected="zero or more", received=quoted(getattr(self, name)))
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.type.startswith("tuple"):  # type: ignore[union-attr]  # annotations are texts
+            if field.type.startswith("tuple"):
                 object.__setattr__(self, field.name, _vector(field.name, value))
         if hasattr(self, "length") and not self.length > 0:
             raise InputError("length of an obstacle", expected="a number above zero [m]", received=quoted(self.length))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.export.model import CorrectedModel
-from hsr_pin.obstacles import BOX, CYLINDER, FRICTION, HALF_SPACE, SPHERE
+from hsr_pin.obstacles import CYLINDER, FRICTION, HALF_SPACE, SPHERE
 from hsr_pin.trajectory import Array
 
 #: Cosine of the pitch below which only the sum or the difference of roll and yaw is known within rounding.
@@ -56,7 +56,7 @@ def solids_of(model: CorrectedModel) -> tuple[Solid, ...]:
     turn = np.eye(3) if model.batch.space else np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
     for number, row in enumerate(rows, 1):
         centre, axes = turn @ row[1:4], turn @ row[4:13].reshape(3, 3).T
-        kind, size = _SHAPES[int(row[0])](row[13:16], length)
+        kind, size = _solid(int(row[0]), row[13:16], length)
         if row[0] == HALF_SPACE:
             centre = centre - axes[:, 2] * size[2] / 2
         rpy = angles_of(axes)
@@ -75,9 +75,12 @@ def angles_of(turn: Array) -> tuple[float, float, float]:
     return math.atan2(y[2], z[2]), pitch, math.atan2(x[1], x[0])
 
 
-_SHAPES = {
-    HALF_SPACE: lambda size, length: ("box", (_WIDE * length, _WIDE * length, _THICK * length)),
-    SPHERE: lambda size, length: ("sphere", (float(size[0]),)),
-    CYLINDER: lambda size, length: ("cylinder", (float(size[0]), min(2 * float(size[1]), _LONG * length))),
-    BOX: lambda size, length: ("box", tuple(2 * float(edge) for edge in size)),
-}
+def _solid(kind: int, size: Array, length: float) -> tuple[str, tuple[float, ...]]:
+    """Return the word and the dimensions of a solid for an obstacle beside an arm of a length [m]."""
+    if kind == HALF_SPACE:
+        return "box", (_WIDE * length, _WIDE * length, _THICK * length)
+    if kind == SPHERE:
+        return "sphere", (float(size[0]),)
+    if kind == CYLINDER:
+        return "cylinder", (float(size[0]), min(2 * float(size[1]), _LONG * length))
+    return "box", tuple(2 * float(edge) for edge in size)

@@ -175,7 +175,7 @@ def _draw_obstacles(place: Visualizer, run: Drawn, clip: Clip, animation: ma.Ani
         node = place[f"force_{o + 1}"]
         node.set_object(mg.Cylinder(1.0, 1.0), mg.MeshBasicMaterial(color=FORCE))
         start, end = (_at_frames(clip.time, run.simulated.time, points[:, o]) for points in (starts, ends))
-        seen = np.isfinite(start).all(axis=1) & np.isfinite(end).all(axis=1)
+        seen = np.isfinite(np.concatenate([start, end], axis=1)).all(axis=1)
         rod = _rod(np.nan_to_num(start) + front, np.nan_to_num(end) + front, 0.05 * run.arm.diameter)
         _animate(animation, node.path, clip, visible=seen, **rod)
 
