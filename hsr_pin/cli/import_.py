@@ -99,7 +99,8 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
 
     Reads CSV files of Vicon Nexus, Vicon Tracker and OptiTrack Motive, TSV files of Qualisys, TRC and C3D files, ROS 1 and ROS 2
     bags, and any table (text, Excel, MATLAB) with a mapping. Lengths are converted to metres and positions to a frame with z up,
-    the origin at the base and the bending plane in x-z. The motion of an arm in space (--bending space) is not reduced to a plane.
+    the origin at the base and the bending plane in x-z. The motion of an arm in space (--bending space) is not reduced to a
+    plane.
 
     \b
     hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\

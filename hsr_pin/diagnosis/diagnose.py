@@ -21,7 +21,7 @@ from hsr_pin.diagnosis.where import Where, local_defect, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Experiment, moves, prepare
+from hsr_pin.identification.experiment import Experiment, informative, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import alternative_forms, best_form, form_of, with_form
@@ -346,10 +346,10 @@ def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
 
 def _insufficient(experiment: Experiment) -> str:
     """Return the reason why the recordings are insufficient and what to record; empty if they are sufficient."""
-    moving = [run for run in experiment.runs if moves(run, experiment.noise)]
-    if len(moving) < 2:
+    count = len(informative(experiment))
+    if count < 2:
         return (
-            f"In {len(moving)} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
+            f"In {count} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
             "on held-out data. Record steps to three or more torques, at two stiffness levels."
         )
     return ""

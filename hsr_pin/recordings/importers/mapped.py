@@ -25,6 +25,8 @@ from hsr_pin.trajectory import Array
 BELOW_NAMES = 10
 #: Largest share of rows with the time of the previous row, which are left out.
 STANDING = 0.1
+#: Step [s] and number of the equal samples with which a pose at rest is written.
+POSE_STEP, POSE_SAMPLES = 0.05, 20
 #: Characters that may precede the column names.
 COMMENT = ("#", "%")
 
@@ -41,8 +43,8 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
         RecordingError: the file is invalid; the error names file, line and column of the first fault.
         MissingDependencyError: the package that reads such a file is not installed.
     """
-    if mapping.time is None and mapping.rate is None:
-        expected = "[time] with a column of times or a rate [Hz]"
+    if mapping.time is None and mapping.rate is None and not mapping.rest:
+        expected = "[time] with a column of times or a rate [Hz], or rest = true"
         raise RecordingError("no time", expected=expected, received="none", file=mapping.path, line=1, column=1)
     table = _Table.opened(path, mapping)
     places = [None if column is None else table.quantity(column) for _, triple in mapping.points for column in triple]
@@ -58,6 +60,9 @@ def read_mapped(path: Path, mapping: TableMapping, unit: str | None = None) -> C
         stamps, values = stamps[kept], values[kept]
         if len(stamps) < len(rows):
             notes.append(f"{len(rows) - len(stamps)} rows with the time of the previous row were left out")
+    if mapping.rest:
+        values = np.repeat(values, POSE_SAMPLES, axis=0)
+        notes.append(f"each row is a pose at rest, written as {POSE_SAMPLES} equal samples; their noise is not known")
     time, note = _time(stamps, values[:, 0] if frame else None, len(values), mapping)
     found = iter(values[:, len(frame) :].T)
     nothing = np.zeros(len(values))
@@ -104,7 +109,9 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     given = np.isfinite(commands).all(axis=1)
     if not given.any():
         raise table.fault(rows[0], fields[0].first, "no command", expected="a number in at least one row", received="none")
-    if not own and wanted.time is None and len(rows) == len(recording.time):
+    if mapping.rest:
+        stamps = np.asarray(np.arange(len(rows)) * POSE_STEP * POSE_SAMPLES)
+    elif not own and wanted.time is None and len(rows) == len(recording.time):
         stamps = recording.time
     elif stamps is not None:
         stamps = stamps - (recording.start if not own or wanted.clock == "shared" else 0.0)
@@ -113,6 +120,11 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
         raise table.fault(max(table.header, 0), 0, "the commands have no times", expected="a column of times", hint=hint)
     given &= table.in_order(rows, stamps)
     return CommandRows(path, stamps[given], tuple(name for name, _ in wanted.columns), commands[given])
+
+
+def starts_of_poses(time: Array) -> tuple[float, ...]:
+    """Return the times [s] at which the poses after the first one begin, in a recording (T,) [s] of poses at rest."""
+    return tuple(float(begin) for begin in time[POSE_SAMPLES::POSE_SAMPLES])
 
 
 def _own_clock(clock: Clock | None, names: Sequence[str]) -> Clock | None:
@@ -308,5 +320,5 @@ def _joined(rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
 def _time(stamps: Array | None, frames: Array | None, rows: int, mapping: TableMapping) -> tuple[Array, str]:
     if stamps is None:
         frames = np.arange(rows, dtype=float) if frames is None else frames
-        return (frames - frames[0]) / (mapping.rate or 1.0), ""
+        return (frames - frames[0]) * (POSE_STEP if mapping.rest else 1 / (mapping.rate or 1.0)), ""
     return (stamps, "") if frames is None else frame_times(frames, mapping.rate, stamps)

@@ -76,6 +76,7 @@ class TableMapping:
         time: columns of times; None: none.
         frame: column of frame numbers, used with ``rate``.
         rate: frame rate [Hz].
+        rest: whether each row is a pose at rest, of which each becomes a trial.
         unit: unit of length.
         factor: metres per unit of length.
         up: axis that is up, if given.
@@ -95,6 +96,7 @@ class TableMapping:
     time: Clock | None = None
     frame: Column | None = None
     rate: float | None = None
+    rest: bool = False
     unit: str = "m"
     factor: float = 1.0
     up: str | None = None
@@ -142,11 +144,16 @@ def read_mapping(path: str | Path) -> TableMapping:
 
 
 def _time(section: Section) -> dict[str, Any]:
-    section.only("column", "unit", "format", "frame", "rate")
+    section.only("column", "unit", "format", "frame", "rate", "rest")
+    if "rest" in section.values:
+        if section.values != {"rest": True}:
+            expected = "rest = true alone: each row is a pose at rest, without a time"
+            raise section.fault("rest", "rest", expected=expected, received=", ".join(section.values))
+        return {"rest": True}
     frame = _column(section, "frame") if "frame" in section.values else None
     rate = section.number("rate", "Hz") if "rate" in section.values else None
     if "column" not in section.values and rate is None:
-        raise section.fault("no time", expected="a column of times, or a rate [Hz]")
+        raise section.fault("no time", expected="a column of times, or a rate [Hz], or rest = true")
     time = _clock(section, "column", "unit", "format") if "column" in section.values else None
     return {"time": time, "frame": frame, "rate": rate}
 

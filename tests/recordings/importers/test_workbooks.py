@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from hsr_pin.errors import MissingDependencyError, RecordingError
+from hsr_pin.errors import InputError, MissingDependencyError, RecordingError
 from hsr_pin.recordings.importers.assemble import import_recordings
 from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.detect import read_capture
 from hsr_pin.recordings.importers.guess import guessed_mapping
 from hsr_pin.recordings.importers.mapping import read_mapping
-from hsr_pin.recordings.importers.settings import ImportSettings
+from hsr_pin.recordings.importers.settings import ImportSettingsfrom hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.write import write_dataset
 
 COLUMNS = """\
 [time]
@@ -287,6 +288,38 @@ def test_columns_without_names_are_numbered_in_a_formula(tmp_path, laboratory):
     text = COLUMNS.replace('"Time"', "1").replace('"base x", "base y", "base z"', "2, 3, 4")
     text = text.replace('"tip x", "tip y", "tip z"', "5, 6, 7").replace("(right - left) * gain / 2", "($9 - $8) * $10 / 2")
     agrees(made(tmp_path / "run.csv", text + "[file]\nheader = 0\n"), lab)
+
+
+REST = COLUMNS.replace('column = "Time"', "rest = true")
+
+
+@pytest.fixture
+def poses(tmp_path, laboratory):
+    """A table of poses at rest in any order, without times, and the poses [m] and torques [N m]."""
+    lab = laboratory()
+    rows = np.random.default_rng(4).permutation(len(lab.time))[:40]
+    np.savetxt(tmp_path / "run.csv", numbers(lab)[rows, 1:], delimiter=",", comments="", header="a,b,c,d,e,f,left,right,gain")
+    text = REST.replace('"base x", "base y", "base z"', '"a", "b", "c"').replace('"tip x", "tip y", "tip z"', '"d", "e", "f"')
+    return tmp_path / "run.csv", text, lab.world[rows][:, [0, 2]], lab.torque[rows]
+
+
+def test_each_row_of_poses_at_rest_is_a_trial(poses):
+    path, text, places, torques = poses
+    write_dataset(made(path, text).dataset, path.parent / "arm")
+    trials = read_dataset(path.parent / "arm").trials
+    assert len(trials) == len(places)
+    for trial, place, torque in zip(trials, places, torques, strict=True):
+        assert np.abs(trial.trajectory.positions - place).max() < 2e-6
+        assert np.ptp(trial.trajectory.torque) == 0 and np.isclose(trial.trajectory.torque[0], torque)
+        assert trial.starts_at_rest
+
+
+def test_poses_at_rest_have_no_times(poses):
+    path, text, _, _ = poses
+    with pytest.raises(RecordingError, match=r"map\.toml:2:1: rest: expected rest = true alone"):
+        made(path, text.replace("rest = true", "rest = true\nrate = 10"))
+    with pytest.raises(InputError, match=r"poses at rest: expected no --cut"):
+        made(path, text, cut="auto")
 
 
 @pytest.mark.parametrize("name", ["run.xlsx", "run.mat"])
