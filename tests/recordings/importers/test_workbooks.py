@@ -13,7 +13,8 @@ from hsr_pin.recordings.importers.bodies import Body
 from hsr_pin.recordings.importers.detect import read_capture
 from hsr_pin.recordings.importers.guess import guessed_mapping
 from hsr_pin.recordings.importers.mapping import read_mapping
-from hsr_pin.recordings.importers.settings import ImportSettingsfrom hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.importers.settings import ImportSettings
+from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
 
 COLUMNS = """\
