@@ -105,10 +105,6 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     fields = [table.quantity(column) for _, column in wanted.columns]
     rows = table.body([*clock, *fields] if times is None or times.form is None else fields)
     stamps, values = table.values(rows, times, clock, fields)
-    commands = values * wanted.factor
-    given = np.isfinite(commands).all(axis=1)
-    if not given.any():
-        raise table.fault(rows[0], fields[0].first, "no command", expected="a number in at least one row", received="none")
     if mapping.rest:
         stamps = np.asarray(np.arange(len(rows)) * POSE_STEP * POSE_SAMPLES)
     elif not own and wanted.time is None and len(rows) == len(recording.time):
@@ -118,8 +114,11 @@ def read_mapped_commands(path: Path, mapping: TableMapping, wanted: InputMapping
     else:
         hint = f"give [input] time in {mapping.path.name}"
         raise table.fault(max(table.header, 0), 0, "the commands have no times", expected="a column of times", hint=hint)
-    given &= table.in_order(rows, stamps)
-    return CommandRows(path, stamps[given], tuple(name for name, _ in wanted.columns), commands[given])
+    given, names = table.in_order(rows, stamps), [name for name, _ in wanted.columns]
+    found = CommandRows.of(path, stamps[given], names, values[given] * wanted.factor)
+    if not len(found.time):
+        raise table.fault(rows[0], fields[0].first, "no command", expected="a number in at least one row", received="none")
+    return found
 
 
 def starts_of_poses(time: Array) -> tuple[float, ...]:

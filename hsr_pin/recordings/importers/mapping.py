@@ -10,7 +10,7 @@ from typing import Any
 from hsr_pin.recordings.document import Section, read_document
 from hsr_pin.recordings.importers.capture import UNITS
 from hsr_pin.recordings.importers.up import Up, axis_vector
-from hsr_pin.recordings.sections import torque_columns
+from hsr_pin.recordings.sections import COMMAND, torque_columns
 from hsr_pin.recordings.text import nearest
 
 #: A column by its name or by its number counted from 1, or a formula of several (:mod:`formula`).
@@ -54,7 +54,8 @@ class InputMapping:
     """Columns of commands, and how to read them.
 
     Attributes:
-        columns: names and columns of P1 and P2, of the torque or its components, or of channels; in a bag, ``topic:field``.
+        columns: names and columns of P1 and P2, of the torque or its components, or of channels, and of their commands
+            (``P1_command``) if they were measured; in a bag, ``topic:field``.
         factor: bar or N m per unit; 1 for channels.
         time: times of a separate file of commands; None: as in the recording.
         clock: "capture": 0 at the first frame of the recording; "shared": the clock of the recording.
@@ -256,8 +257,8 @@ def _file(section: Section) -> dict[str, Any]:
 
 def _input(section: Section) -> InputMapping:
     torques = [name for name in section.values if re.fullmatch(r"tau_[xy](_[1-9]\d*)?", name)]
-    section.only("P1", "P2", "tau", *torques, "unit", *CLOCK)
     names = [name for name in ("P1", "P2", "tau") if name in section.values]
+    section.only("P1", "P2", "tau", *torques, *(f"{name}{COMMAND}" for name in (*names, *torques)), "unit", *CLOCK)
     in_space = [names for names in (torque_columns(1), torque_columns(len(torques) // 2)) if set(names) == set(torques)]
     if not names and in_space:
         names = list(in_space[0])
@@ -265,9 +266,10 @@ def _input(section: Section) -> InputMapping:
         expected = "P1 and P2, or tau; in space tau_x and tau_y, or tau_x_1, tau_y_1, ... for sections"
         hint = "declare several chambers or tendons in tables [[input]] with columns"
         raise section.fault("input", expected=expected, received=" and ".join([*names, *torques]) or "none", hint=hint)
+    commands = [f"{name}{COMMAND}" for name in names if f"{name}{COMMAND}" in section.values]
     units, usual = (PRESSURE_UNITS, "bar") if names == ["P1", "P2"] else (TORQUE_UNITS, "Nm")
     return InputMapping(
-        columns=tuple((name, _column(section, name)) for name in names),
+        columns=tuple((name, _column(section, name)) for name in [*names, *commands]),
         factor=units[_one_of(section, "unit", units, usual)],
         **_command_clock(section),
     )
@@ -292,6 +294,16 @@ def _channels(tables: list[Section]) -> InputMapping:
             expected = f"{len(names)} columns of the file, each by its name, its number counted from 1, or a formula"
             raise table.fault("from", "from", expected=expected, received=repr(sources)[:60])
         columns += zip(names, sources, strict=True)
+        if "command" in table.values:
+            commands = table.values["command"]
+            if (
+                not isinstance(commands, list)
+                or len(commands) != len(names)
+                or not all(_is_column(column) for column in commands)
+            ):
+                expected = f"the columns of {len(names)} commands, each by its name, its number counted from 1, or a formula"
+                raise table.fault("command", "command", expected=expected, received=repr(commands)[:60])
+            columns += zip((f"{name}{COMMAND}" for name in names), commands, strict=True)
     clock_tables = [table for table in tables if set(CLOCK) & set(table.values)]
     if len(clock_tables) > 1:
         raise clock_tables[1].fault("time", expected="the clock of the commands in one table only", received="in two tables")

@@ -94,7 +94,7 @@ def read_bag_commands(path: Path, wanted: InputMapping, recording: Capture) -> C
     each = [ordered((np.array(stamps) - start) / 1e9, np.array(values)) for stamps, values in tracks.values()]
     time = np.unique(np.concatenate([stamps for stamps, _ in each]))
     held = np.concatenate([hold(stamps, values, time) for stamps, values in each], axis=1)
-    return CommandRows(path, time, tuple(tracks), held * wanted.factor)
+    return CommandRows.of(path, time, tuple(tracks), held * wanted.factor)
 
 
 def read_bag_numbers(path: Path, columns: Sequence[str]) -> list[tuple[Array, Array]]:

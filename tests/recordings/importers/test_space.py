@@ -531,3 +531,25 @@ def test_the_list_tells_which_points_have_a_pose(tmp_path, capsys):
     lab = SpaceLaboratory(up="+y")
     assert run(command, [str(motive_bodies(tmp_path / "take.csv", lab)), "--list"]) == 0
     assert capsys.readouterr().out.count("yes") == len(lab.names)
+
+
+def test_commands_of_measured_chambers_come_in_beside_them(tmp_path):
+    lab = SpaceLaboratory(gains=(0.3 * 14 / 24, 0.3 * 10 / 24), one=True)
+    asked = np.round(lab.pressures[:, :3], 1)
+    columns = [lab.time[:, None], lab.positions.reshape(len(lab.time), -1), lab.pressures[:, :3], asked]
+    places = [f"{name}.{axis}" for name in lab.names for axis in "XYZ"]
+    table(tmp_path / "take.csv", ["t", *places, "m1", "m2", "m3", "c1", "c2", "c3"], columns)
+    points = "".join(f'"{name}" = ["{name}.X", "{name}.Y", "{name}.Z"]\n' for name in lab.names)
+    inputs = '[[input]]\ncolumns = ["A", "B", "C"]\nfrom = ["m1", "m2", "m3"]\ncommand = ["c1", "c2", "c3"]\ngain = 0.3\n'
+    robot = '[robot]\nmass = 0.15\ndiameter = 0.04\nkeq = 1.11\nmount = "hanging"\nbending = "space"\n'
+    path = tmp_path / "map.toml"
+    path.write_text(f'{robot}[time]\ncolumn = "t"\n[space]\nup = "+z"\n[points]\n{points}{inputs}', encoding="utf-8")
+    settings = declared_settings(read_mapping(path), origin=lab.place)
+    write_dataset(import_recordings([tmp_path / "take.csv"], settings).dataset, tmp_path / "arm")
+    dataset = read_dataset(tmp_path / "arm")
+    assert [channel.name for channel in dataset.channels] == ["A", "B", "C"]
+    np.testing.assert_allclose(dataset.trials[0].trajectory.channels, lab.pressures[:, :3], atol=1e-12)
+    np.testing.assert_allclose(dataset.trials[0].trajectory.commanded, asked, atol=1e-12)
+    path.write_text(path.read_text(encoding="utf-8").replace(', "c3"', ""), encoding="utf-8")
+    with pytest.raises(RecordingError, match="command: expected the columns of 3 commands"):
+        read_mapping(path)

@@ -332,3 +332,36 @@ def test_without_a_mapping_they_are_told_of_it(tmp_path, name, laboratory):
     with pytest.raises(RecordingError, match="need a mapping") as caught:
         read_capture(tmp_path / name)
     assert "\\x" not in str(caught.value)
+
+
+BOTH = """
+P1 = "left"
+P1_command = "asked"
+P2 = "right"
+unit = "kPa"
+"""
+
+
+@pytest.mark.parametrize("separate", [False, True])
+def test_what_was_measured_and_what_was_commanded_come_in_together(tmp_path, laboratory, separate):
+    """The command stands in one row of ten only, as loggers write what has changed."""
+    lab = laboratory()
+    every = numbers(lab)
+    asked = np.where(np.arange(len(lab.time)) % 10 == 0, np.round(every[:, 8]), np.nan)
+    rows = np.column_stack([every, asked])
+    header = "Time,a,b,c,d,e,f,left,right,gain,asked"
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",", comments="", header=header)
+    text = COLUMNS.replace('"base x", "base y", "base z"', '"a", "b", "c"').replace('"tip x", "tip y", "tip z"', '"d", "e", "f"')
+    text = text[: text.index("tau =")] + BOTH
+    inputs = {"inputs": [tmp_path / "log.csv"]} if separate else {}
+    (tmp_path / "log.csv").write_bytes((tmp_path / "run.csv").read_bytes())
+    (trial,) = made(tmp_path / "run.csv", text, **inputs).dataset.trials
+    assert np.allclose(trial.trajectory.pressures, every[:, 7:9] / 100)
+    assert np.allclose(trial.trajectory.commanded[:, 0], np.repeat(asked[::10], 10)[: len(lab.time)] / 100)
+    assert np.isnan(trial.trajectory.commanded[:, 1]).all()
+    assert trial.interpolated
+
+
+def test_a_command_without_its_measured_value_is_an_unknown_key(tmp_path, laboratory):
+    with pytest.raises(RecordingError, match="unknown key 'P3_command'"):
+        made(tmp_path / "run.csv", COLUMNS + 'P3_command = "x"\n')
