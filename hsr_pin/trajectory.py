@@ -1,6 +1,7 @@
 """Frozen types for simulated and measured motion: trajectories, trials and datasets.
 
-All positions are in the world frame: z points up, the origin is at the base of the arm, a planar arm bends in the x-z plane.
+All positions are in the world frame: z points up, the origin is at the base of the arm, a planar arm bends in the x-z plane. If
+this plane is horizontal (mount "flat"), y is vertical.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from hsr_pin.parameters import finite
 
 Array = NDArray[np.float64]
 
-MOUNTS = ("hanging", "upright", "horizontal")
+MOUNTS = ("hanging", "upright", "horizontal", "flat")
 BENDS = ("plane", "space")
 #: Attributes of a trajectory that hold its input.
 INPUTS = ("torque", "pressures", "channels", "commanded")
@@ -232,7 +233,7 @@ class Dataset(Mapping[str, "Trial"]):
         length: arc length of the backbone [m].
         mass: mass of the arm [kg].
         diameter: diameter of the arm [m].
-        mount: "hanging", "upright" or "horizontal".
+        mount: "hanging", "upright", "horizontal", or "flat" for a planar arm that bends in a horizontal plane.
         trials: at least one trial.
         description: one line.
         path: the folder from which the dataset was read; None if it was created in memory.

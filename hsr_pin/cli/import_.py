@@ -41,7 +41,11 @@ if TYPE_CHECKING:
 @click.option("--base", metavar="POINT[+POINT...]", help="Point or points at the base.  [default: a point named base, if any]")
 @click.option("--origin", metavar="X,Y,Z", help="Position of the base in the laboratory [m].  [default: from the base points]")
 @click.option("--up", metavar="AXIS", help="Upward axis of the laboratory: +z, -y, ...  [default: of the tracking system]")
-@click.option("--mount", metavar="MOUNT", help="Mount: hanging, upright or horizontal.  [default: from the straight pose]")
+@click.option(
+    "--mount",
+    metavar="MOUNT",
+    help="Mount: hanging, upright, horizontal or flat (bending in a horizontal plane).  [default: from the straight pose]",
+)
 @click.option("--bending", metavar="WORD", help="Bending in a plane (plane) or about two axes (space).  [default: plane]")
 @click.option(
     "--x",

@@ -17,9 +17,11 @@ import numpy as np
 from hsr_pin.export.model import CorrectedModel
 from hsr_pin.robot.appearance import colour, shape
 from hsr_pin.robot.chain import GRAVITY, Arms, chain_of
+from hsr_pin.robot.links import planar_rpy
 from hsr_pin.robot.rotations import rotations, vectors
 from hsr_pin.robot.sections import inputs
 from hsr_pin.robot.space import base_rotations
+from hsr_pin.robot.specification import gravity_direction
 from hsr_pin.trajectory import Array
 
 #: Rotation axes of the hinges for bending towards x, bending towards y, and twist.
@@ -227,8 +229,10 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
             back = rotations(vectors(np.array([-turn.real, -turn.imag, 0.0]))) @ back
         return angles_of(axes @ back), axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
     turn = sum(turned, 0j).real
-    sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints rotate about -y of the world
-    return _rpy(arm.mount, arm.tilt - turn), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
+    sense = -1.0 if arm.mount == "hanging" else 1.0  # its joints rotate about -y of the world
+    c, s = math.cos(turn), sense * math.sin(turn)
+    turned_back = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+    return planar_rpy(arm.mount, arm.tilt - turn), GRAVITY * turned_back @ gravity_direction(arm.mount)
 
 
 def angles_of(turn: Array) -> tuple[float, float, float]:
@@ -239,12 +243,6 @@ def angles_of(turn: Array) -> tuple[float, float, float]:
     if level < LOCKED:
         return math.atan2(-z[1], y[1]), pitch, 0.0
     return math.atan2(y[2], z[2]), pitch, math.atan2(x[1], x[0])
-
-
-def _rpy(mount: str, tilt: float) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw [rad] of a base with the mount and a ``tilt`` [rad] towards positive bending."""
-    roll = math.pi if mount == "hanging" else 0.0
-    return roll, {"upright": tilt, "hanging": -tilt, "horizontal": math.pi / 2 + tilt}[mount], 0.0
 
 
 def _turned_frame(model: CorrectedModel) -> list[complex]:

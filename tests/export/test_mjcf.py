@@ -230,7 +230,7 @@ def test_other_models_are_left_alone_and_other_files_refused(tmp_path):
         assert (data.qfrc_passive < free.qfrc_passive - 0.1).all()
 
 
-@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal", "flat"])
 def test_the_key_rest_is_where_the_arm_rests(mount):
     exported = to_mjcf(model("torque_bias:bias=0.1", "dry_friction:level=0.02", mount=mount, tip_mass=0.02))
     arm = mujoco.MjModel.from_xml_string(exported.text)

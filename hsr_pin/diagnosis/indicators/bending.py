@@ -13,17 +13,17 @@ from hsr_pin.diagnosis.commands import Plateau
 from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.plane import farthest_seen
 from hsr_pin.identification.prepared import Run
+from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 
 #: Share of a plateau, at its end, in which the arm is assumed to have settled.
 _END = 0.2
 
-#: Mount -> direction of the straight arm, and direction in which positive bending moves the tip, in (x, z).
-_AXES = {
-    "hanging": ((0.0, -1.0), (1.0, 0.0)),
-    "upright": ((0.0, 1.0), (1.0, 0.0)),
-    "horizontal": ((1.0, 0.0), (0.0, -1.0)),
-}
+
+def _axes(mount: str) -> tuple[Array, Array]:
+    """Return the direction of the straight arm, and that in which positive bending moves the tip, in (x, z)."""
+    along, across = mount_frame(mount)
+    return along[[0, 2]], across[[0, 2]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Bending:
 
     def plane(self, place: Array) -> tuple[float, float]:
         """Return the coordinates of a point (3,) [m] across the straight arm (towards positive bending) and along it."""
-        along, across = (float(place[[0, 2]] @ np.array(axis)) for axis in _AXES[self.mount])
+        along, across = (float(place[[0, 2]] @ axis) for axis in _axes(self.mount))
         return across, along
 
     def between(self, first: float, last: float) -> tuple[Array, Array]:
@@ -82,11 +82,11 @@ def bending(run: Run, experiment: Experiment) -> Bending:
     """Return the bending angle from the outermost marker that was visible for a good part of a run."""
     marker = farthest_seen(run, experiment)
     shown = np.isfinite(run.measured[:, marker, 0])
-    along, across = (run.tracked[shown, marker] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
+    along, across = (run.tracked[shown, marker] @ axis for axis in _axes(experiment.dataset.mount))
     angle = 2 * np.arctan2(across, along)
     start = float(angle[0])
     if run.start_pose is not None and np.isfinite(run.start_pose[marker, 0]):
-        along_at, across_at = (run.start_pose[marker, [0, 2]] @ np.array(axis) for axis in _AXES[experiment.dataset.mount])
+        along_at, across_at = (run.start_pose[marker, [0, 2]] @ axis for axis in _axes(experiment.dataset.mount))
         start = float(2 * np.arctan2(across_at, along_at))
     distance = max(float(np.median(np.hypot(along, across))), 1e-9)
     return Bending(

@@ -18,6 +18,7 @@ from hsr_pin.identification.experiment import Experiment
 from hsr_pin.identification.jackknife import Estimate, coefficients_of
 from hsr_pin.identification.prepared import Run
 from hsr_pin.report.inline_svg import ROLES
+from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 
 if TYPE_CHECKING:
@@ -158,13 +159,7 @@ def _lengths(run: Run, experiment: Experiment) -> tuple[Array, Array]:
     motion = bending(run, experiment)
     order = np.argsort([marker.arc_length for marker in experiment.markers])
     order = order[: int(np.flatnonzero(order == motion.marker)[0]) + 1]
-    mount = experiment.dataset.mount
-    plane = run.tracked[:, order]
-    along, across = {
-        "hanging": (-plane[..., 1], plane[..., 0]),
-        "upright": (plane[..., 1], plane[..., 0]),
-        "horizontal": (plane[..., 0], -plane[..., 1]),
-    }[mount]
+    along, across = (run.tracked[:, order] @ axis[list(run.axes)] for axis in mount_frame(experiment.dataset.mount))
     steps_along, steps_across = (np.diff(part, axis=1, prepend=0.0) for part in (along, across))
     tangent = np.zeros(len(along))
     arc = np.zeros(len(along))

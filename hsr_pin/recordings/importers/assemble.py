@@ -228,8 +228,8 @@ def _frames(
 
 def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
     slope = float(arm.direction @ up)
-    fits = {"hanging": slope < -HALFWAY, "upright": slope > HALFWAY, "horizontal": abs(slope) < NEARLY_VERTICAL}[mount]
-    if not fits:
+    fits = {"hanging": slope < -HALFWAY, "upright": slope > HALFWAY}
+    if not fits.get(mount, abs(slope) < NEARLY_VERTICAL):
         raise InputError(
             "mount",
             expected=f"an arm that is {mount}",
