@@ -45,6 +45,8 @@ CASES = (
     "partial_bias:bias=0.1,start=0.5",
     "torque_map:quadratic=0.2",
     "torque_decay:decay=0.3",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.25",
     "gravity_tilt:angle=0.12",
     "tip_mass:mass=0.05",
     "added_mass:mass=0.08",

@@ -52,6 +52,8 @@ EXPRESSED = (
     "torque_bias:bias=0.1",
     "torque_map:quadratic=0.15",
     "torque_decay:decay=0.3",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.3,conduit=0.1",
     "gravity_tilt:angle=0.2",
     "gravity_tilt:angle=0.2,frame=base",
     "gravity_tilt:angle=0.2,frame=cameras",
@@ -90,6 +92,8 @@ BY_LAW = {
     "hysteresis:amplitude=0.2",
     "viscoelastic:ratio=0.5",
     "torque_map:quadratic=0.15",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.3,conduit=0.1",
 }
 
 
