@@ -59,9 +59,14 @@ CASES = (
 )
 
 
+#: Torques of the steps [N m] for an effect that the default steps, all to one side, do not show.
+BOTH_SIDES = {"one_sided_cable": ("-0.8", "0.5", "1.0")}
+
+
 def recorded(effect: str, folder: Path) -> Path:
     """Return the dataset that hsr-sim writes with an effect."""
     command = [Path(sys.executable).parent / "hsr-sim", "--effect", effect, "--csv", folder / "made"]
+    command += [word for torque in BOTH_SIDES.get(effect.partition(":")[0], ()) for word in ("--torque", torque)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return folder / "made"
 
