@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.signal import correlate, fftconvolve
 
 from hsr_pin.identification.holds import is_held, repeated
 from hsr_pin.inference.estimates import Estimate, number
@@ -253,12 +252,12 @@ def _deviations(fit: Any, takes: Sequence[_Take]) -> Array:
     scales = np.sqrt((fit.jac**2).sum(axis=0))
     slopes = fit.jac / np.where(scales > 0, scales, 1.0)
     missed, parts = np.split(fit.fun, ends[:-1]), np.split(slopes, ends[:-1])
-    along = np.zeros(max(map(len, missed)))
-    for each in missed:
-        along[: len(each)] += correlate(each, each, method="fft")[len(each) - 1 :]
-    along = along[: int(np.argmax(along <= 0)) or len(along)]
-    kernel = np.concatenate([along[:0:-1], along]) / max(along[0], np.finfo(float).tiny)
-    lasting = [each.T @ fftconvolve(each, kernel[:, None], axes=0)[len(along) - 1 :][: len(each)] for each in parts]
+    size = 2 * max(map(len, missed))
+    along = np.fft.irfft(sum(np.abs(np.fft.rfft(each, size)) ** 2 for each in missed), size)[: size // 2]
+    along[int(np.argmax(along <= 0)) or len(along) :] = 0.0
+    kernel = np.concatenate([along, [0.0], along[:0:-1]]) / max(along[0], np.finfo(float).tiny)
+    weights = np.fft.rfft(kernel)[:, None]
+    lasting = [each.T @ np.fft.irfft(weights * np.fft.rfft(each, size, axis=0), size, axis=0)[: len(each)] for each in parts]
     inverse = np.linalg.pinv(slopes.T @ slopes, rcond=1e-12)
     variance = float(fit.fun @ fit.fun) / max(1, len(fit.fun) - slopes.shape[1])
     squares = np.maximum(np.diag(inverse @ np.sum(lasting, axis=0) @ inverse), np.diag(inverse))
