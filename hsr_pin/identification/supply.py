@@ -28,6 +28,8 @@ _DELAYS, _CONSTANTS, _REFINED = 10, 8, 2
 _SEARCHED = 5000
 #: Longest delay and time constant that are considered, as shares of a recording, and shortest time constant, of a sample.
 _LONGEST, _SLOWEST, _FASTEST = 0.5, 10.0, 0.05
+#: Change of a command, relative to its largest value, that is due to rounding.
+_ROUNDED = 1e-9
 #: Share of the variance of a channel from which a fit is reported as incomplete.
 _INCOMPLETE = 0.02
 _NAMES = ("delay", "rise", "fall", "gain", "offset")
@@ -165,7 +167,8 @@ class _Take:
     @classmethod
     def of(cls, time: Array, command: Array, measured: Array, held: bool) -> _Take:
         kept = np.isfinite(measured) & ~(held & repeated(measured[:, None]))
-        changes = np.flatnonzero(np.concatenate([[True], np.diff(command) != 0]))
+        changed = np.abs(np.diff(command)) > _ROUNDED * np.abs(command).max()
+        changes = np.flatnonzero(np.concatenate([[True], changed]))
         return cls(time[kept], measured[kept], time[changes], command[changes])
 
     def response(self, delay: float, rise: float, fall: float, gain: float, offset: float, start: float) -> Array:

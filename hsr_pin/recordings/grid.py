@@ -114,15 +114,16 @@ def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, t
     source = np.where(np.abs(source - even) <= slack, even, source)
     first, last = (np.clip(np.searchsorted(source, at, side="right") - 1, 0, None) for at in (time + slack, time + step - slack))
     known = np.nan_to_num(values)  # a column of NaN does not change
-    changes = np.concatenate([[0], np.cumsum((known[1:] != known[:-1]).any(axis=1))])
+    changes = np.cumsum(np.concatenate([np.zeros_like(known[:1]), known[1:] != known[:-1]]), axis=0)
     mixed = changes[first] != changes[last]
     if not mixed.any():
         return values[first], ()
     passed = np.concatenate([[0.0 * values[0]], np.cumsum(values[:-1] * np.diff(source)[:, None], axis=0)])
     begin = passed[first] + values[first] * (time - source[first])[:, None]
     end = passed[last] + values[last] * (time + step - source[last])[:, None]
-    note = f"the command changes between samples in {int(mixed.sum())} steps; the sample before takes the mean over its step"
-    return np.where(mixed[:, None], (end - begin) / step, values[first]), (note,)
+    count = int(mixed.any(axis=1).sum())
+    note = f"the command changes between samples in {count} steps; the sample before takes the mean over its step"
+    return np.where(mixed, (end - begin) / step, values[first]), (note,)
 
 
 def even_grid(time: Array) -> Grid | None:

@@ -162,3 +162,9 @@ def test_the_channels_of_a_dataset_that_are_driven_are_identified(dataset):
     (found,) = supplies(dataset)
     assert (found.name, found.unit) == ("P1", "bar")
     assert numbers(found) == pytest.approx(TRUE, rel=0.03, abs=0.01)
+
+
+def test_a_command_that_is_constant_up_to_rounding_is_not_driven():
+    time, _, value = series(TRUE, np.random.default_rng(2))
+    constant = 1.5 + 1e-13 * np.random.default_rng(2).normal(size=len(time))
+    assert identify_supply([(time, constant, value)]) is None
