@@ -1,6 +1,7 @@
 """Frozen types for simulated and measured motion: trajectories, trials and datasets.
 
-All positions are in the world frame: z points up, the origin is at the base of the arm, a planar arm bends in the x-z plane.
+All positions are in the world frame: z points up, the origin is at the base of the arm, a planar arm bends in the x-z plane. If
+this plane is horizontal (mount "flat"), y is vertical.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from hsr_pin.parameters import finite
 
 Array = NDArray[np.float64]
 
-MOUNTS = ("hanging", "upright", "horizontal")
+MOUNTS = ("hanging", "upright", "horizontal", "flat")
 BENDS = ("plane", "space")
+#: Attributes of a trajectory that hold its input.
+INPUTS = ("torque", "pressures", "channels", "commanded")
 
 
 def read_only(values: ArrayLike | None) -> Array | None:
@@ -123,6 +126,8 @@ class Trajectory:
         joint_rates: joint velocities in the same shape as ``joint_angles`` [rad/s].
         notes: one sentence for each processing step that the data went through.
         channels: (T, C) values of the dataset's channels, from which the torque was computed; None without them.
+        commanded: (T, C) commands of the columns of ``inputs`` where these were measured; NaN for a column without a command;
+            None without commands beside measured inputs.
     """
 
     time: Array
@@ -134,9 +139,10 @@ class Trajectory:
     joint_rates: Array | None = None
     notes: tuple[str, ...] = ()
     channels: Array | None = None
+    commanded: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "positions", "torque", "pressures", "channels", "joint_angles", "joint_rates"):
+        for name in ("time", "positions", *INPUTS, "joint_angles", "joint_rates"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
         samples = self.time.shape[0]
         shapes = {
@@ -144,6 +150,7 @@ class Trajectory:
             "positions": (samples, len(self.markers), 3),
             "torque": (samples,) if self.torque is None or self.torque.ndim == 1 else (samples, self.torque.shape[1]),
             "pressures": (samples, 2),
+            "commanded": (samples, 0 if self.inputs is None else self.inputs.shape[1]),
         }
         for name, shape in shapes.items():
             value = getattr(self, name)
@@ -159,6 +166,12 @@ class Trajectory:
     def has_input(self) -> bool:
         """Whether a command was recorded; without one the motion is a release from an initial pose."""
         return self.torque is not None or self.pressures is not None
+
+    @property
+    def inputs(self) -> Array | None:
+        """Recorded input columns (T, C): pressures, channels or torques; None without an input."""
+        given = next((each for each in (self.pressures, self.channels, self.torque) if each is not None), None)
+        return None if given is None else given.reshape(len(self.time), -1)
 
     def marker(self, name: str) -> Array:
         """Return the positions of one marker, (T, 3) [m].
@@ -183,7 +196,8 @@ class Trial:
         damping: declared damping C of the whole arm [Nm s/rad]; None if it is not declared.
         tip_mass: declared payload at the tip [kg].
         t_start: time from which the recording is used [s]; None: from its first sample.
-        interpolated: whether the input is interpolated linearly between samples instead of held; None if it is not declared.
+        interpolated: whether the input is interpolated linearly between samples instead of held; None if it is not declared. An
+            input that was recorded beside its command is a measured one, which is interpolated unless declared otherwise.
     """
 
     name: str
@@ -193,6 +207,10 @@ class Trial:
     tip_mass: float = 0.0
     t_start: float | None = None
     interpolated: bool | None = None
+
+    def __post_init__(self) -> None:
+        if self.interpolated is None and self.trajectory.commanded is not None:
+            object.__setattr__(self, "interpolated", True)
 
     @property
     def starts_at_rest(self) -> bool:
@@ -216,7 +234,7 @@ class Dataset(Mapping[str, "Trial"]):
         length: arc length of the backbone [m].
         mass: mass of the arm [kg].
         diameter: diameter of the arm [m].
-        mount: "hanging", "upright" or "horizontal".
+        mount: "hanging", "upright", "horizontal", or "flat" for a planar arm that bends in a horizontal plane.
         trials: at least one trial.
         description: one line.
         path: the folder from which the dataset was read; None if it was created in memory.

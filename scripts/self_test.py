@@ -45,6 +45,8 @@ CASES = (
     "partial_bias:bias=0.1,start=0.5",
     "torque_map:quadratic=0.2",
     "torque_decay:decay=0.3",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.25",
     "gravity_tilt:angle=0.12",
     "tip_mass:mass=0.05",
     "added_mass:mass=0.08",
@@ -57,9 +59,14 @@ CASES = (
 )
 
 
+#: Torques of the steps [N m] for an effect that the default steps, all to one side, do not show.
+BOTH_SIDES = {"one_sided_cable": ("-0.8", "0.5", "1.0")}
+
+
 def recorded(effect: str, folder: Path) -> Path:
     """Return the dataset that hsr-sim writes with an effect."""
     command = [Path(sys.executable).parent / "hsr-sim", "--effect", effect, "--csv", folder / "made"]
+    command += [word for torque in BOTH_SIDES.get(effect.partition(":")[0], ()) for word in ("--torque", torque)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return folder / "made"
 

@@ -29,7 +29,7 @@ ARM_OPTIONS: dict[str, tuple[str, str, object]] = {
         "Joints at the base end (base) or in the middle (mid) of each element; shifted: mid, with a correction at both ends.",
         "base with 4 links, as in the paper; else mid",
     ),
-    "mount": ("WORD", "Direction of the straight arm: hanging, upright or horizontal.", "hanging"),
+    "mount": ("WORD", "Direction of the straight arm: hanging, upright, horizontal, or flat (horizontal plane).", "hanging"),
     "length": ("X", "Arc length of the backbone [m].", 0.24),
     "mass": ("X", "Mass of the arm [kg].", 0.15),
     "diameter": ("X", "Outer diameter [m].", 0.04),

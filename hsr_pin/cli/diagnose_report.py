@@ -9,7 +9,7 @@ from rich.text import Text
 
 from hsr_pin.cli.console import print_lines, written_line
 from hsr_pin.diagnosis.result import Diagnosis
-from hsr_pin.diagnosis.words import advice, where_sentence
+from hsr_pin.diagnosis.words import advice, supply_sentence, where_sentence
 from hsr_pin.inference.detection import detection_sentence
 from hsr_pin.inference.estimates import estimates, number, ranked
 from hsr_pin.inference.verdict import headline
@@ -43,6 +43,8 @@ def screen(diagnosis: Diagnosis, width: int = 80, written: Sequence[str] = ()) -
     rest = [] if diagnosis.where is None else _wrapped(f"where: {where_sentence(diagnosis.where)}", width)
     if diagnosis.indicators is not None and diagnosis.indicators.kinds:
         rest += _wrapped(f"data:  without a model the recordings point to {', '.join(diagnosis.indicators.kinds)}", width)
+    if supply := supply_sentence(diagnosis):
+        rest += _wrapped(f"supply: {supply}", width)
     if diagnosis.search is not None and (limits := detection_sentence(diagnosis.search.detection)):
         rest += _wrapped(f"limit: {limits}", width)
     rest += [line for sentence in advice(diagnosis) for line in _wrapped(f"next:  {sentence}", width)]
@@ -117,7 +119,7 @@ def _notes(diagnosis: Diagnosis, width: int) -> list[Text]:
 
 
 def _wrapped(text: str, width: int) -> list[Text]:
-    indent = " " * 7 if text.startswith(("where: ", "next:  ", "data:  ", "limit: ")) else ""
+    indent = " " * 7 if text.startswith(("where: ", "next:  ", "data:  ", "limit: ", "supply:")) else ""
     lines = textwrap.wrap(text, width, subsequent_indent=indent, max_lines=5, placeholder=" \u2026")
     return [Text(line) for line in lines]
 

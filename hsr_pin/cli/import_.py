@@ -41,7 +41,11 @@ if TYPE_CHECKING:
 @click.option("--base", metavar="POINT[+POINT...]", help="Point or points at the base.  [default: a point named base, if any]")
 @click.option("--origin", metavar="X,Y,Z", help="Position of the base in the laboratory [m].  [default: from the base points]")
 @click.option("--up", metavar="AXIS", help="Upward axis of the laboratory: +z, -y, ...  [default: of the tracking system]")
-@click.option("--mount", metavar="MOUNT", help="Mount: hanging, upright or horizontal.  [default: from the straight pose]")
+@click.option(
+    "--mount",
+    metavar="MOUNT",
+    help="Mount: hanging, upright, horizontal or flat (bending in a horizontal plane).  [default: from the straight pose]",
+)
 @click.option("--bending", metavar="WORD", help="Bending in a plane (plane) or about two axes (space).  [default: plane]")
 @click.option(
     "--x",
@@ -98,8 +102,9 @@ def command(files: tuple[str, ...], list_points: bool, output: str | None, **opt
     """Import motion capture as a dataset, one trial per FILE.
 
     Reads CSV files of Vicon Nexus, Vicon Tracker and OptiTrack Motive, TSV files of Qualisys, TRC and C3D files, ROS 1 and ROS 2
-    bags, and any table with a mapping. Lengths are converted to metres and positions to a frame with z up, the origin at the base
-    and the bending plane in x-z. The motion of an arm in space (--bending space) is not reduced to a plane.
+    bags, and any table (text, Excel, MATLAB) with a mapping. Lengths are converted to metres and positions to a frame with z up,
+    the origin at the base and the bending plane in x-z. The motion of an arm in space (--bending space) is not reduced to a
+    plane.
 
     \b
     hsr-import run1.csv run2.csv -o my-arm --mass 0.15 --diameter 0.04 --keq 1.11 \\

@@ -21,13 +21,14 @@ from hsr_pin.diagnosis.where import Where, local_defect, locate
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Experiment, moves, prepare
+from hsr_pin.identification.experiment import Experiment, informative, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.identify import simulated, split
 from hsr_pin.identification.input_form import alternative_forms, best_form, form_of, with_form
 from hsr_pin.identification.part import ACTING, PLAIN, SESSION, TRIALS, Part, part_variants
 from hsr_pin.identification.plane import Plane, with_plane_corrected
 from hsr_pin.identification.prepared import TRUEST
+from hsr_pin.identification.supply import supplies
 from hsr_pin.inference import Cause, Loss, Model
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.candidate import Candidate, candidate, data_of
@@ -152,7 +153,7 @@ class _Study:
 
     def of(self, experiment: Experiment) -> Diagnosis:
         """Return the diagnosis of recordings."""
-        shown, repeated = indicators(experiment), repeatability(experiment)
+        shown, repeated, supply = indicators(experiment), repeatability(experiment), supplies(experiment.dataset)
         shown = shown.with_indicator(OutOfPlane(self.plane)) if self.plane else shown
         experiment = replace(experiment, notes=(*experiment.notes, *shown.notes))
         length, scatter = experiment.dataset.length, repeated.floor if repeated else None
@@ -166,7 +167,7 @@ class _Study:
             nominal = tuple(_simulated(experiment, paper))
             verdict = Verdict("insufficient", (), (), lacking)
             return Diagnosis(
-                experiment, verdict, lower, None, limits, nominal, None, propose(experiment, rivals), shown, repeated
+                experiment, verdict, lower, None, limits, nominal, None, propose(experiment, rivals), shown, repeated, supply
             )
         self.tell("fitting stiffness and damping")
         experiment, base_fit = best_form(experiment, fit(experiment, self.hypothesis))
@@ -192,6 +193,7 @@ class _Study:
             propose(experiment, _fitted(found, verdict.alternatives)) if verdict.status == "ambiguous" else (),
             shown,
             repeated,
+            supply,
             self.loss,
         )
 
@@ -346,10 +348,10 @@ def _simulated(experiment: Experiment, hypothesis: Hypothesis) -> list[Array]:
 
 def _insufficient(experiment: Experiment) -> str:
     """Return the reason why the recordings are insufficient and what to record; empty if they are sufficient."""
-    moving = [run for run in experiment.runs if moves(run, experiment.noise)]
-    if len(moving) < 2:
+    count = len(informative(experiment))
+    if count < 2:
         return (
-            f"In {len(moving)} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
+            f"In {count} of {len(experiment.runs)} usable trials the arm moves; at least two are needed to check a model "
             "on held-out data. Record steps to three or more torques, at two stiffness levels."
         )
     return ""

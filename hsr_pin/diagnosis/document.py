@@ -50,6 +50,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "limits": {"closed_mm": millimetres_or_null(diagnosis.limits.closed), "share": number_or_null(diagnosis.limits.share)},
         "fingerprint": None if diagnosis.indicators is None else diagnosis.indicators.to_json(),
         "repeats": None if diagnosis.repeatability is None else diagnosis.repeatability.to_json(),
+        "supply": [each.to_json() for each in diagnosis.supply],
         "detection_limits": [] if diagnosis.search is None else detection_to_json(diagnosis.search),
         "notes": list(diagnosis.experiment.notes),
     }

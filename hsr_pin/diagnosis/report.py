@@ -13,7 +13,17 @@ from markupsafe import Markup
 
 from hsr_pin.diagnosis import figures
 from hsr_pin.diagnosis.indicators.indicator import counted
-from hsr_pin.diagnosis.words import EXPERIMENTS, advice, effect_options, model_name, readable, scales, sentence, where_sentence
+from hsr_pin.diagnosis.words import (
+    EXPERIMENTS,
+    advice,
+    effect_options,
+    model_name,
+    readable,
+    scales,
+    sentence,
+    supply_sentence,
+    where_sentence,
+)
 from hsr_pin.effects import EFFECTS, Effect
 from hsr_pin.effects.spatial import SPATIAL
 from hsr_pin.identification.arm_document import levels
@@ -57,6 +67,7 @@ def report(diagnosis: Diagnosis) -> str:
         counted=counted,
         headline=headline(diagnosis.verdict),
         advice=advice(diagnosis),
+        supply=sentence(supply_sentence(diagnosis)),
         rungs=_rungs(diagnosis),
         models=_models(diagnosis),
         effects=_named(diagnosis),

@@ -14,6 +14,7 @@ from hsr_pin.diagnosis.where import Where
 from hsr_pin.diagnosis.words import sentence
 from hsr_pin.errors import MissingDependencyError
 from hsr_pin.identification.experiment import Experiment
+from hsr_pin.identification.supply import Supply
 from hsr_pin.inference import Loss
 from hsr_pin.inference.estimates import number
 from hsr_pin.inference.ladder import Rung
@@ -40,6 +41,7 @@ class Diagnosis:
         next_experiment: proposed experiments, the most informative first; empty if none is needed.
         indicators: model-free indicators of the recordings.
         repeatability: trial-to-trial repeatability; None if no trials repeat one another.
+        supply: response of each measured input to its command, for channels that were recorded both as commanded and as measured.
         loss: gains and losses by which the report was chosen.
     """
 
@@ -53,6 +55,7 @@ class Diagnosis:
     next_experiment: tuple[Proposal, ...] = ()
     indicators: Indicators | None = None
     repeatability: Repeatability | None = None
+    supply: tuple[Supply, ...] = ()
     loss: Loss = field(default_factory=Loss)
 
     def __repr__(self) -> str:

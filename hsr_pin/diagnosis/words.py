@@ -79,6 +79,21 @@ def where_sentence(where: Where) -> str:
     return where.sentence if where.frequency is None else f"{where.sentence} Strongest frequency: {where.frequency:g} Hz."
 
 
+def supply_sentence(diagnosis: Diagnosis) -> str:
+    """Return how the measured inputs follow their commands, and whether supply or arm are late; empty without both series."""
+    found = diagnosis.supply
+    if not found:
+        return ""
+    each = "; ".join(f"{supply.name} {supply}" if len(found) > 1 else str(supply) for supply in found)
+    named = {*diagnosis.verdict.effects, *(name for names in diagnosis.verdict.alternatives for name in names)}
+    slow = [name for name, effect in (EFFECTS | SPATIAL).items() if name in named and effect.kind == "actuation_time"]
+    if any(supply.is_late for supply in found):
+        late = f"The supply is late, and so is the arm ({' or '.join(slow)})" if slow else "The supply is late"
+    else:
+        late = f"The arm is late ({' or '.join(slow)}), not the supply" if slow else "The supply is not late"
+    return f"{each}. {late}; the model of the arm is driven by what was measured."
+
+
 def scales(fit: Fit) -> str:
     """Return the fitted factors on declared parameters of the arm: ``Keq times 1.07, C times 1.1``."""
     counterparts = {"keq_scale": "Keq", "damping_scale": "C", "mass_scale": "the mass", "torque_gain": "the torque"}

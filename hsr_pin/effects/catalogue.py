@@ -10,6 +10,7 @@ from hsr_pin.effects.added_mass import AddedMass
 from hsr_pin.effects.backlash import Backlash
 from hsr_pin.effects.bending_stop import BendingStop
 from hsr_pin.effects.camera_scale import CameraScale
+from hsr_pin.effects.capstan_friction import CapstanFriction
 from hsr_pin.effects.damping_gradient import DampingGradient
 from hsr_pin.effects.dead_time import DeadTime
 from hsr_pin.effects.dry_friction import DryFriction
@@ -20,6 +21,7 @@ from hsr_pin.effects.hysteresis import Hysteresis
 from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.marker_slip import MarkerSlip
+from hsr_pin.effects.one_sided_cable import OneSidedCable
 from hsr_pin.effects.partial_bias import PartialBias
 from hsr_pin.effects.partial_lag import PartialLag
 from hsr_pin.effects.post import Post
@@ -65,6 +67,8 @@ EFFECTS: dict[str, type[Effect]] = {
         PartialBias,
         TorqueMap,
         TorqueDecay,
+        OneSidedCable,
+        CapstanFriction,
         GravityTilt,
         TipMass,
         AddedMass,

@@ -18,10 +18,11 @@ from hsr_pin.export.model import CorrectedModel
 from hsr_pin.export.solids import Solid, angles_of, quaternion, solids_of
 from hsr_pin.robot.appearance import colour, shape
 from hsr_pin.robot.chain import GRAVITY, Arms, chain_of
-from hsr_pin.robot.links import base_rpy
+from hsr_pin.robot.links import planar_rpy
 from hsr_pin.robot.rotations import rotations, vectors
 from hsr_pin.robot.sections import inputs
 from hsr_pin.robot.space import base_rotations
+from hsr_pin.robot.specification import gravity_direction
 from hsr_pin.trajectory import Array
 
 #: Rotation axes of the hinges for bending towards x, bending towards y, and twist.
@@ -229,8 +230,10 @@ def _frame(model: CorrectedModel) -> tuple[tuple[float, float, float], Array]:
             back = rotations(vectors(np.array([-turn.real, -turn.imag, 0.0]))) @ back
         return angles_of(axes @ back), axes @ back @ axes.T @ np.array([0.0, 0.0, -GRAVITY])
     turn = sum(turned, 0j).real
-    sideways = math.sin(turn) * (-1.0 if arm.mount == "hanging" else 1.0)  # its joints rotate about -y of the world
-    return base_rpy(replace(arm, tilt=arm.tilt - turn)), GRAVITY * np.array([sideways, 0.0, -math.cos(turn)])
+    sense = -1.0 if arm.mount == "hanging" else 1.0  # its joints rotate about -y of the world
+    c, s = math.cos(turn), sense * math.sin(turn)
+    turned_back = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
+    return planar_rpy(arm.mount, arm.tilt - turn), GRAVITY * turned_back @ gravity_direction(arm.mount)
 
 
 def _turned_frame(model: CorrectedModel) -> list[complex]:

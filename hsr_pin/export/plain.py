@@ -90,7 +90,8 @@ def missing(model: CorrectedModel, bodies: Bodies, *, springs: bool) -> tuple[st
     if not springs:
         lines += _springs(model, bodies)
     if bodies.gravity_is_turned:
-        lines.append(f"gravity_tilt: set the gravity of the world to ({_row(bodies.gravity)}) m/s^2")
+        why = "flat arm" if model.loaded_arm.mount == "flat" else "gravity_tilt"
+        lines.append(f"{why}: set the gravity of the world to ({_row(bodies.gravity)}) m/s^2")
     if model.torque_gain != 1.0:
         lines.append(f"torque_gain: multiply every command by {model.torque_gain:g}")
     share = _row([link.share.sum() for link in bodies.links])

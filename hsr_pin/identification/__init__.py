@@ -28,4 +28,5 @@
 - ``release``: the initial state of a motion that does not start at rest
 - ``smoothing``: the filter that was applied to the tracks
 - ``starts``: initial values of a search
+- ``supply``: delay and time constants between a command and what was measured
 """

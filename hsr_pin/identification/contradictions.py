@@ -22,7 +22,7 @@ CLEARLY, FOLLOWS = 0.25, 0.5
 ALIKE = 1.5
 _GRAVITY = 9.81
 #: Sign of the stiffness that gravity adds to a bent arm.
-_PULLS = {"hanging": 1, "upright": -1, "horizontal": 0}
+_PULLS = {"hanging": 1, "upright": -1, "horizontal": 0, "flat": 0}
 
 
 def contradictions(dataset: Dataset, runs: Sequence[Run], markers: Sequence[Marker]) -> tuple[str, ...]:

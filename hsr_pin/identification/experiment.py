@@ -17,7 +17,7 @@ from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.nuisance import rest_scatter
 from hsr_pin.identification.prepared import BASE, QUIETEST, REST, Prepared, Run
 from hsr_pin.identification.reach import farthest
-from hsr_pin.identification.release import start_of
+from hsr_pin.identification.release import median, start_of
 from hsr_pin.identification.smoothing import Filter, smoothing_of
 from hsr_pin.parameters import Parameter
 from hsr_pin.recordings.clean import clean
@@ -161,10 +161,18 @@ def _bending_markers(dataset: Dataset) -> list[int]:
     return moving
 
 
-def moves(run: Run, noise: Array) -> bool:
-    """Return whether any marker of a run moves by more than its noise."""
-    seen = np.all(np.isfinite(run.measured).any(axis=0), axis=1)
-    low, high = (np.nanpercentile(run.measured[:, seen], p, axis=0) for p in (2, 98))
+def informative(experiment: Experiment) -> list[Run]:
+    """Return the runs in which the arm moves, and those in which it rests if it rests in several places."""
+    moving = [run for run in experiment.runs if moves(run.measured, experiment.noise)]
+    still = [run for run in experiment.runs if run not in moving]
+    places = np.stack([median(run.measured) for run in still]) if still else np.empty((0, len(experiment.noise), 3))
+    return list(experiment.runs) if len(still) > 1 and moves(places, experiment.noise) else moving
+
+
+def moves(measured: Array, noise: Array) -> bool:
+    """Return whether any marker moves by more than its noise (M,) [m], for positions (T, M, 3) [m]."""
+    seen = np.all(np.isfinite(measured).any(axis=0), axis=1)
+    low, high = (np.nanpercentile(measured[:, seen], p, axis=0) for p in (2, 98))
     span = np.linalg.norm(high - low, axis=1)
     return bool(np.any(span > np.maximum(_STILL[0] * noise[seen], _STILL[1])))
 

@@ -134,6 +134,9 @@ def read_declaration(path: Path) -> Declaration:
             "bending", "bending", expected=" or ".join(BENDS), received=bending, hint=nearest(bending, BENDS, "words")
         )
     space = bending == "space"
+    if space and mount == "flat":
+        hint = 'an arm in space that lies has mount = "horizontal"'
+        raise robot.fault("mount", "mount", expected="not flat for an arm in space", received=mount, hint=hint)
     for table, key in ((robot, "torsion"), *((top, name) for name in _TABLES_IN_SPACE)):
         if key in table.values and not space:
             raise table.fault(key, key, expected='bending = "space" together with this key', received=bending)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hsr_pin.trajectory import Array, Trajectory, Trial
+from hsr_pin.trajectory import INPUTS, Array, Trajectory, Trial
 
 #: Largest relative difference between the steps of an even grid.
 EXACT = 1e-7
@@ -113,15 +113,17 @@ def mean_until_next(source: Array, values: Array, time: Array) -> tuple[Array, t
     even = np.round((source - time[0]) / step) * step + time[0]
     source = np.where(np.abs(source - even) <= slack, even, source)
     first, last = (np.clip(np.searchsorted(source, at, side="right") - 1, 0, None) for at in (time + slack, time + step - slack))
-    changes = np.concatenate([[0], np.cumsum((values[1:] != values[:-1]).any(axis=1))])
+    known = np.nan_to_num(values)  # a column of NaN does not change
+    changes = np.cumsum(np.concatenate([np.zeros_like(known[:1]), known[1:] != known[:-1]]), axis=0)
     mixed = changes[first] != changes[last]
     if not mixed.any():
         return values[first], ()
     passed = np.concatenate([[0.0 * values[0]], np.cumsum(values[:-1] * np.diff(source)[:, None], axis=0)])
     begin = passed[first] + values[first] * (time - source[first])[:, None]
     end = passed[last] + values[last] * (time + step - source[last])[:, None]
-    note = f"the command changes between samples in {int(mixed.sum())} steps; the sample before takes the mean over its step"
-    return np.where(mixed[:, None], (end - begin) / step, values[first]), (note,)
+    count = int(mixed.any(axis=1).sum())
+    note = f"the command changes between samples in {count} steps; the sample before takes the mean over its step"
+    return np.where(mixed, (end - begin) / step, values[first]), (note,)
 
 
 def even_grid(time: Array) -> Grid | None:
@@ -192,16 +194,15 @@ def on_even_grid(trajectory: Trajectory) -> tuple[Trajectory, float]:
     grid = even_grid(trajectory.time)
     if grid is None:
         return trajectory, 0.0
+    given: dict[str, Any] = {name: grid.held(values) for name in INPUTS if (values := getattr(trajectory, name)) is not None}
     even = replace(
         trajectory,
         time=grid.time,
         positions=grid.positions(trajectory.positions),
-        torque=None if trajectory.torque is None else grid.held(trajectory.torque),
-        pressures=None if trajectory.pressures is None else grid.held(trajectory.pressures),
-        channels=None if trajectory.channels is None else grid.held(trajectory.channels),
         joint_angles=None,
         joint_rates=None,
         notes=(*grid.notes, *trajectory.notes),
+        **given,
     )
     return even, grid.origin
 
@@ -219,7 +220,7 @@ def instants_between(trajectory: Trajectory) -> NDArray[np.bool_]:
 
 def with_commands_between(trajectory: Trajectory, instants: NDArray[np.bool_]) -> tuple[Trajectory, float]:
     """Return :func:`on_even_grid` of a trajectory without some rows, while keeping the command changes at their times."""
-    names = [name for name in ("torque", "pressures", "channels") if getattr(trajectory, name) is not None]
+    names = [name for name in INPUTS if getattr(trajectory, name) is not None]
     kept: dict[str, Any] = {name: getattr(trajectory, name)[~instants] for name in ("time", "positions", *names)}
     even, origin = on_even_grid(replace(trajectory, **kept))
     notes: tuple[str, ...] = ()

@@ -18,7 +18,8 @@ HEAVIEST = 30.0
 #: The mount is wrong if the outermost marker is this share of its arc length behind the base in every trial.
 BACK = 0.5
 _DIRECTIONS = {"hanging": (0.0, 0.0, -1.0), "upright": (0.0, 0.0, 1.0), "horizontal": (1.0, 0.0, 0.0)}
-_DIRECTION_NAMES = {"hanging": "down", "upright": "up", "horizontal": "along +x"}
+_DIRECTIONS["flat"] = _DIRECTIONS["horizontal"]
+_DIRECTION_NAMES = {"hanging": "down", "upright": "up", "horizontal": "along +x", "flat": "along +x"}
 #: Largest absolute value of an angle: one turn [rad].
 TURN = 2 * math.pi
 #: Ratio of neighbouring units of length and of mass.
@@ -73,7 +74,7 @@ def implausible_mount(mount: str, places: Sequence[tuple[float, float, float]], 
     """Return why the declared mount contradicts the marker positions; None if it does not.
 
     Args:
-        mount: "hanging", "upright" or "horizontal".
+        mount: mount of the arm.
         places: position [m] of the outermost marker relative to the base, the median over each trial.
         reach: arc length of that marker [m].
     """

@@ -16,6 +16,7 @@ from hsr_pin.recordings.plausible import exchanged, implausible_mount
 from hsr_pin.recordings.poses import points_of, seen_points
 from hsr_pin.recordings.samples import FIRST, SAMPLES, sample_folder
 from hsr_pin.recordings.sampling import implausible
+from hsr_pin.recordings.sections import COMMAND
 from hsr_pin.recordings.text import Table, nearest, read_table
 from hsr_pin.trajectory import Array, Dataset, Marker, Trajectory, Trial
 
@@ -138,7 +139,8 @@ def _check_columns(table: Table, declaration: Declaration) -> None:
         field, every_set = table.place[inputs[-1]], [" and ".join(names) for names in possible]
         expected = ", or ".join([*every_set, "no input columns"])
         raise table.fault("input columns", None, field, expected=expected, received=" and ".join(inputs))
-    known, there = {*wanted, *(inputs or every)}, table.place
+    commands = [f"{name}{COMMAND}" for name in inputs]
+    known, there = {*wanted, *(inputs or every), *commands}, table.place
     missing = [name for name in wanted if name not in there]
     for field, name in enumerate(table.header):
         if name not in known:
@@ -167,7 +169,8 @@ def _check_size(table: Table, declaration: Declaration) -> None:
             received=f"{values[row, field]:g}",
             hint="times are in seconds, positions in metres, torques in Nm, pressures in bar",
         )
-    for name in ("t", *(name for names in declaration.inputs for name in names)):
+    inputs = [name for names in declaration.inputs for name in names]
+    for name in ("t", *inputs, *(f"{name}{COMMAND}" for name in inputs)):
         if name in table.header and np.isnan(table.column(name)).any():
             row = int(np.argmax(np.isnan(table.column(name))))
             raise table.fault(f"column {name}", row, table.place[name], expected="a number", received="no value")
@@ -218,12 +221,17 @@ def _input(table: Table, declaration: Declaration) -> dict[str, Array]:
     if not names:
         return {}
     values = np.stack([table.column(name) for name in names], axis=1)
+    commands = {}
+    if any(f"{name}{COMMAND}" in table.header for name in names):
+        nothing = np.full(len(values), np.nan)
+        each = [table.column(f"{name}{COMMAND}") if f"{name}{COMMAND}" in table.header else nothing for name in names]
+        commands = {"commanded": np.stack(each, axis=1)}
     if declaration.bending == "plane":
-        return {"pressures": values} if len(names) == 2 else {"torque": values[:, 0]}
+        return {"pressures": values, **commands} if len(names) == 2 else {"torque": values[:, 0], **commands}
     if names != tuple(channel.name for channel in declaration.channels):
-        return {"torque": values}
+        return {"torque": values, **commands}
     gains = np.array([c.torque or (0.0,) * (2 * max(1, len(declaration.sections))) for c in declaration.channels])
-    return {"torque": values @ gains, "channels": values}
+    return {"torque": values @ gains, "channels": values, **commands}
 
 
 def _positions(table: Table, markers: tuple[Marker, ...]) -> Array:
@@ -283,18 +291,18 @@ def _without_data(tables: list[Table], name: str, field: int) -> RecordingError:
 
 
 def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: list[Table]) -> None:
-    moved = 0.0
+    still = True
     for index, marker in enumerate(declaration.markers):
         field = tables[0].place[f"{marker.name}_x"]
         if not any(_seen(trial.trajectory.positions[:, index]) for trial in trials):
             raise _without_data(tables, marker.name, field)
+        places = np.concatenate([trial.trajectory.positions[:, index] for trial in trials])
+        still &= marker.arc_length == 0 or float((np.nanmax(places, axis=0) - np.nanmin(places, axis=0)).max()) <= STILL
         for trial, table in zip(trials, tables, strict=True):
             seen = trial.trajectory.positions[:, index]
             seen = seen[np.isfinite(seen).all(axis=1)]
             if len(seen) == 0:
                 continue
-            if marker.arc_length > 0:
-                moved = max(moved, float(np.ptp(seen, axis=0).max()))
             distance = float(np.median(np.linalg.norm(seen, axis=1)))
             low = TOO_NEAR * marker.arc_length
             if not low <= distance <= TOO_FAR * declaration.length:
@@ -307,5 +315,5 @@ def _check_markers(declaration: Declaration, trials: tuple[Trial, ...], tables: 
                     received=f"{distance:.4g} (median)",
                     hint="divide millimetres by 1000; hsr-import converts units",
                 )
-    if moved <= STILL:
-        raise tables[0].fault("no moving marker", None, 0, expected="a marker with arc_length above 0 that moves in some trial")
+    if still:
+        raise tables[0].fault("no moving marker", None, 0, expected="a marker with arc_length above 0 that moves")

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from math import cos, inf, isclose, pi, sin
 from typing import Any
 
 from hsr_pin.recordings.document import Section as Table
-from hsr_pin.trajectory import Channel, Section
+from hsr_pin.trajectory import Channel, Section, Trajectory
 
 #: Largest numbers of sections of an arm and of channels of a recording.
 MOST_SECTIONS, MOST_CHANNELS = 50, 200
+#: End of the name of a column with the command of a measured input.
+COMMAND = "_command"
 #: Relative tolerance between the sum over the sections and the number declared for the whole arm.
 _ROUNDED = 1e-3
 
@@ -92,6 +94,18 @@ def torque_columns(sections: int) -> tuple[str, ...]:
     if sections < 2:
         return "tau_x", "tau_y"
     return tuple(f"tau_{axis}_{section + 1}" for section in range(sections) for axis in "xy")
+
+
+def input_columns(trajectory: Trajectory, channels: Sequence[Channel]) -> tuple[tuple[str, str], ...]:
+    """Return name and unit of each column of the inputs of a trajectory; empty without an input."""
+    if trajectory.pressures is not None:
+        return ("P1", "bar"), ("P2", "bar")
+    if trajectory.channels is not None:
+        return tuple((channel.name, channel.unit) for channel in channels)
+    if trajectory.torque is None:
+        return ()
+    names = ("tau",) if trajectory.torque.ndim == 1 else torque_columns(trajectory.torque.shape[1] // 2)
+    return tuple((name, "N m") for name in names)
 
 
 def channels_of(top: Table, sections: int, taken: Collection[str], besides: Collection[str] = ()) -> tuple[Channel, ...]:

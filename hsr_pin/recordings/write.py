@@ -15,7 +15,7 @@ from hsr_pin.output import DRAFT, draft_of, left_by_killed
 from hsr_pin.recordings.declaration import FILE_NAME, INPUTS, VERSIONS, read_declaration
 from hsr_pin.recordings.obstacles import obstacle_lines
 from hsr_pin.recordings.read import read_dataset
-from hsr_pin.recordings.sections import torque_columns
+from hsr_pin.recordings.sections import COMMAND, input_columns
 from hsr_pin.trajectory import Channel, Dataset, Section, Trajectory, Trial
 
 #: Suffix of the temporary name of an existing dataset while a newer one replaces it.
@@ -215,17 +215,14 @@ def _one_line(text: str) -> str:
 
 
 def _write_trial(trajectory: Trajectory, path: Path, channels: tuple[Channel, ...]) -> None:
-    columns = [trajectory.time[:, None]]
-    header = ["t"]
-    if trajectory.pressures is not None:
-        header += ["P1", "P2"]
-        columns.append(trajectory.pressures)
-    elif trajectory.channels is not None:
-        header += [channel.name for channel in channels]
-        columns.append(trajectory.channels)
-    elif trajectory.torque is not None:
-        header += ["tau"] if trajectory.torque.ndim == 1 else torque_columns(trajectory.torque.shape[1] // 2)
-        columns.append(trajectory.torque.reshape(len(trajectory.time), -1))
+    columns, names = [trajectory.time[:, None]], [name for name, _ in input_columns(trajectory, channels)]
+    header = ["t", *names]
+    if trajectory.inputs is not None:
+        columns.append(trajectory.inputs)
+    if trajectory.commanded is not None:
+        there = np.flatnonzero(np.isfinite(trajectory.commanded).any(axis=0))
+        header += [f"{names[index]}{COMMAND}" for index in there]
+        columns.append(trajectory.commanded[:, there])
     header += [f"{marker.name}_{axis}" for marker in trajectory.markers for axis in "xyz"]
     columns.append(trajectory.positions.reshape(len(trajectory.time), -1))
     with path.open("x", newline="", encoding="utf-8") as file:

@@ -22,6 +22,7 @@ from hsr_pin.replay.viewer import Path, Visualizer
 from hsr_pin.replay.viewer import animation as ma
 from hsr_pin.replay.viewer import geometry as mg
 from hsr_pin.replay.viewer import transformations as mt
+from hsr_pin.robot.specification import mount_frame
 from hsr_pin.trajectory import Array
 
 #: Frames per second, and largest number of frames; longer runs have fewer frames per second.
@@ -261,7 +262,7 @@ def _front(run: Drawn) -> Array:
 
 def _label_place(run: Drawn, low: Array, high: Array, height: float) -> Array:
     """Return a position for a label outside the motion of the arm: above it, or below an upright arm."""
-    along = 0.5 * run.arm.length if run.arm.mount == "horizontal" else 0.0
+    along = 0.5 * run.arm.length * mount_frame(run.arm.mount)[0][0]
     return np.array([along, 0.0, low[2] - 0.1 * height if run.arm.mount == "upright" else high[2] + 0.1 * height])
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from hsr_pin.obstacles import Obstacle
 from hsr_pin.robot.sections import bodies_of
-from hsr_pin.robot.specification import ArmSpecification, joint_arc_lengths, link_shares, mount_frame
+from hsr_pin.robot.specification import ArmSpecification, gravity_direction, joint_arc_lengths, link_shares, mount_frame
 from hsr_pin.trajectory import Array, Section
 
 #: Acceleration of gravity of Pinocchio [m/s^2].
@@ -132,7 +132,8 @@ def chain_of(arms: Arms) -> Chain:
     centre = (mass * lever + tip * reach) / together
     inertia = inertia + mass * (lever - centre) ** 2 + tip * (reach - centre) ** 2
     along, across = arms.frame()
-    return Chain(together, centre, inertia, reach, axial, -GRAVITY * np.column_stack([along[:, 2], across[:, 2]]))
+    down = GRAVITY * gravity_direction(arms.mount)
+    return Chain(together, centre, inertia, reach, axial, np.column_stack([along @ down, across @ down]))
 
 
 def mass_matrix(chain: Chain) -> Array:

@@ -87,6 +87,11 @@ def base_rpy(spec: ArmSpecification) -> tuple[float, float, float]:
 
         x, y, z = base_rotations(Arms.of([spec]))[0].T
         return math.atan2(y[2], z[2]), math.atan2(-x[2], math.hypot(x[0], x[1])), math.atan2(x[1], x[0])
-    roll = math.pi if spec.mount == "hanging" else 0.0
-    pitch = {"upright": spec.tilt, "hanging": -spec.tilt, "horizontal": math.pi / 2 + spec.tilt}[spec.mount]
-    return roll, pitch, 0.0
+    return planar_rpy(spec.mount, spec.tilt)
+
+
+def planar_rpy(mount: str, tilt: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw [rad] of a base with the mount and a ``tilt`` [rad] towards positive bending."""
+    lying = math.pi / 2 + tilt
+    pitch = {"upright": tilt, "hanging": -tilt, "horizontal": lying, "flat": lying}[mount]
+    return math.pi if mount == "hanging" else 0.0, pitch, 0.0

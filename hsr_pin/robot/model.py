@@ -8,7 +8,8 @@ from functools import lru_cache
 import numpy as np
 import pinocchio as pin
 
-from hsr_pin.robot.specification import ArmSpecification, in_plane
+from hsr_pin.robot.chain import GRAVITY
+from hsr_pin.robot.specification import ArmSpecification, gravity_direction, in_plane
 from hsr_pin.robot.urdf import arm_to_urdf
 from hsr_pin.trajectory import Array
 
@@ -55,7 +56,7 @@ def build_model(specification: ArmSpecification) -> ArmModel:
     """Build the Pinocchio model of an arm from its URDF.
 
     Returns:
-        A model with nq = nv = ``links`` revolute joints, gravity along -z, no armature.
+        A model with nq = nv = ``links`` revolute joints, gravity along -z (across the plane of a flat arm), no armature.
 
     Raises:
         SpecificationError: the arm bends in space; see :func:`hsr_pin.robot.space.space_model`.
@@ -66,4 +67,6 @@ def build_model(specification: ArmSpecification) -> ArmModel:
 
 @lru_cache(maxsize=256)
 def _pinocchio_model(specification: ArmSpecification) -> pin.Model:
-    return pin.buildModelFromXML(arm_to_urdf(specification))
+    model = pin.buildModelFromXML(arm_to_urdf(specification))
+    model.gravity.linear = GRAVITY * gravity_direction(specification.mount)
+    return model

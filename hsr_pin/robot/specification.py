@@ -15,7 +15,7 @@ from hsr_pin.robot.sections import whole
 from hsr_pin.trajectory import Array, Dataset, Section, Trial
 
 Placement = Literal["base", "mid", "shifted"]
-Mount = Literal["hanging", "upright", "horizontal"]
+Mount = Literal["hanging", "upright", "horizontal", "flat"]
 Bends = Literal["plane", "space"]
 
 #: Largest accepted number of links; more links do not improve the accuracy, and rounding errors become visible.
@@ -51,7 +51,8 @@ class ArmSpecification:
         placement: "base": a joint at the base end of each link (the paper's Fig. 2); "mid": a joint in the middle of each of the
             N elements, with half links at both ends; "shifted": as "mid", with the first and the last joint closer to the ends by
             :data:`SHIFT` of an element.
-        mount: direction of the straight arm: "hanging" (down), "upright" (up), "horizontal" (along +x).
+        mount: direction of the straight arm: "hanging" (down), "upright" (up), "horizontal" (along +x), "flat" (along +x, and the
+            plane of bending, x-z, is horizontal, so that gravity does not act in it).
         length: arc length L of the backbone [m].
         mass: mass m of the arm [kg], distributed uniformly.
         diameter: outer diameter [m].
@@ -100,6 +101,9 @@ class ArmSpecification:
                 raise SpecificationError(name, expected=" or ".join(choices), received=quoted(word))
         self._check_torsion()
         object.__setattr__(self, "obstacles", tuple(self.obstacles))
+        if self.mount == "flat" and self.bending == "space":
+            hint = 'an arm in space that lies has mount="horizontal"'
+            raise SpecificationError("mount", expected="not flat for an arm in space", received=self.mount, hint=hint)
         if self.sections and self.bending == "plane":
             hint = 'an arm in space has bending="space"'
             raise SpecificationError(
@@ -195,7 +199,13 @@ def link_shares(links: int, placement: str) -> Array:
 def mount_frame(mount: str) -> tuple[Array, Array]:
     """Return the directions (3,) of a straight arm on this mount and of positive bending, unit vectors in the world frame."""
     down, forward = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
-    return {"hanging": (down, forward), "upright": (-down, forward), "horizontal": (forward, down)}[mount]
+    lying = (forward, down)
+    return {"hanging": (down, forward), "upright": (-down, forward), "horizontal": lying, "flat": lying}[mount]
+
+
+def gravity_direction(mount: str) -> Array:
+    """Return the direction (3,) of gravity, a unit vector: along -z, or across the plane of bending of a flat arm."""
+    return np.array([0.0, -1.0, 0.0] if mount == "flat" else [0.0, 0.0, -1.0])
 
 
 def in_plane(arm: ArmSpecification, what: str) -> ArmSpecification:

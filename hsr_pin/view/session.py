@@ -20,7 +20,7 @@ from hsr_pin.robot.chain import Arms
 from hsr_pin.robot.kinematics import marker_map
 from hsr_pin.robot.space import base_rotations
 from hsr_pin.robot.space_kinematics import space_marker_map
-from hsr_pin.robot.specification import ArmSpecification, Placement
+from hsr_pin.robot.specification import ArmSpecification, Placement, mount_frame
 from hsr_pin.trajectory import Array, Dataset
 from hsr_pin.view.settings import Settings
 
@@ -91,7 +91,7 @@ class Session:
         """Directions (3,) perpendicular to the straight arm in which the tip is plotted over time, by title of the plot."""
         dataset, title = self.experiment.dataset, "Position of the outermost marker"
         if not self.space:
-            return {f"{title}, perpendicular to the straight arm": np.eye(3)[2 if dataset.mount == "horizontal" else 0]}
+            return {f"{title}, perpendicular to the straight arm": np.abs(mount_frame(dataset.mount)[1])}
         axes = base_rotations(Arms.of([ArmSpecification.from_trial(dataset, dataset.trials[0])]))[0]
         return {f"{title}, towards {axis} of the base": axes[:, k] for k, axis in enumerate("xy")}
 

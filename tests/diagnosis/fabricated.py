@@ -8,8 +8,10 @@ from hsr_pin.effects import effect_named
 from hsr_pin.effects.effect import neutral, with_values
 from hsr_pin.identification.hypothesis import Hypothesis
 from hsr_pin.identification.part import PLAIN, Part
+from hsr_pin.identification.supply import Supply
 from hsr_pin.inference import Cause, Data, Model
 from hsr_pin.inference.candidate import Candidate
+from hsr_pin.inference.estimates import Estimate
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.proposals import Proposal
 from hsr_pin.inference.residuals import lasting_square
@@ -114,3 +116,15 @@ def _called(part):
 
 def _by_names(table):
     return {frozenset(filter(None, key.split("+"))): gap for key, gap in table.items()}
+
+
+def supply(name, *times):
+    """Return a supply with a delay and two time constants [s], and a gain of one."""
+    facts = zip(("delay", "rise", "fall", "gain", "offset"), ("s", "s", "s", "1", "bar"), (*times, 1.0, 0.0), strict=True)
+    return Supply(
+        name, "bar", *(Estimate(*each, (each[-1] - 0.01, each[-1] + 0.01), "", False) for each in facts), 0.01, 0.001, 0.02
+    )
+
+
+#: A supply that is late, and one that is not.
+SLOW, PROMPT = supply("P1", 0.24, 0.57, 1.08), supply("P2", 0.0, 0.002, 0.002)

@@ -8,6 +8,8 @@ import pytest
 
 from hsr_pin.diagnosis.document import to_json
 
+from .fabricated import SLOW
+
 NUMBER = (int, float)
 MAYBE = (*NUMBER, type(None))
 MAP = {"quantity": str, "unit": str, "bins": [{"label": str, "value": NUMBER, "share": NUMBER, "noise": NUMBER}]}
@@ -31,6 +33,9 @@ POSTERIOR = {
     "data": {"noise": NUMBER, "count": int},
     "unfitted": [JUDGED],
 }
+ESTIMATE = {"value": NUMBER, "unit": str, "ci95": [NUMBER]}
+SUPPLY = {"channel": str, "unit": str, "late": bool, "rms": NUMBER, "unexplained": NUMBER, "delay": ESTIMATE, "rise": ESTIMATE}
+SUPPLY |= {"fall": ESTIMATE, "gain": ESTIMATE, "offset": ESTIMATE}
 SCHEMA = {
     "schema": int,
     "dataset": str,
@@ -76,6 +81,7 @@ SCHEMA = {
         "starts": [{"seconds": MAYBE, "told": (bool, type(None)), "word": str}],
     },
     "repeats": (dict, type(None)),
+    "supply": [SUPPLY],
     "detection_limits": [{"effect": str, "parameter": str, "size": MAYBE, "unit": str}],
     "notes": [str],
 }
@@ -97,7 +103,7 @@ def assert_shape(value, shape, at="document"):
 
 @pytest.fixture(params=["diagnosis", "ambiguous"])
 def document(request):
-    return to_json(request.getfixturevalue(request.param))
+    return to_json(replace(request.getfixturevalue(request.param), supply=(SLOW,)))
 
 
 def test_every_field_of_the_schema_is_there_with_its_type(document):

@@ -13,6 +13,8 @@ from hsr_pin.diagnosis.report import _model, _notes, report, shown_runs, write_r
 from hsr_pin.inference.ladder import Rung
 from hsr_pin.inference.verdict import HEADLINES, STATUSES
 
+from .fabricated import SLOW
+
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 
@@ -221,3 +223,10 @@ def test_options_of_hsr_sim_hold_the_fitted_stiffness_and_damping(diagnosis):
     assert float(words["--keq"]) == pytest.approx(1.11 * fit.named["keq_scale"], rel=1e-3)
     assert float(words["--damping"]) == pytest.approx(0.05 * fit.named["damping_scale"], rel=1e-3)
     assert fit.named["keq_scale"] > 1.1
+
+
+def test_a_supply_has_a_section_with_its_numbers(diagnosis):
+    text = Page(report(replace(diagnosis, supply=(SLOW,)))).text
+    assert "Supply: from the command to what was measured" in text and "The supply is late" in text
+    assert SLOW.fall.rounded[0] in text
+    assert "Supply: from" not in Page(report(diagnosis)).text

@@ -8,15 +8,15 @@ import pytest
 from hsr_pin.diagnosis.next_experiment import Proposal
 from hsr_pin.diagnosis.result import Diagnosis
 from hsr_pin.diagnosis.verdict import WORDS
-from hsr_pin.diagnosis.words import advice, effect_options, sentence
+from hsr_pin.diagnosis.words import advice, effect_options, sentence, supply_sentence
 from hsr_pin.effects import EFFECTS
 from hsr_pin.effects.effect import neutral
 from hsr_pin.identification.part import Part
 from hsr_pin.inference.search import judged
-from hsr_pin.inference.verdict import verdict_of
+from hsr_pin.inference.verdict import Verdict, verdict_of
 
 from ..inference.fabricated import CALIBRATION
-from .fabricated import DATA, LENGTH, LIMITS, candidate
+from .fabricated import DATA, LENGTH, LIMITS, PROMPT, SLOW, candidate
 
 GAP = 4e-3
 
@@ -84,3 +84,28 @@ def test_options_for_hsr_sim_are_those_of_each_level_where_a_size_goes_with_it()
 def test_a_sentence_for_people_has_no_names_of_code():
     told = "marker_profile with torque_bias: something of the kind actuation_map, or base_tilt."
     assert sentence(told) == "Marker profile with torque bias: something of the kind actuation map, or base tilt."
+
+
+@pytest.mark.parametrize(
+    ("effects", "supply", "said"),
+    [
+        (("dead_time",), (SLOW,), "The supply is late, and so is the arm (dead_time)"),
+        (("dead_time",), (PROMPT,), "The arm is late (dead_time), not the supply"),
+        (("tip_mass",), (SLOW,), "The supply is late; the model of the arm is driven by what was measured."),
+        (("tip_mass",), (PROMPT,), "The supply is not late"),
+    ],
+)
+def test_what_is_late_is_named(effects, supply, said):
+    verdict = Verdict("identified", effects, (), "")
+    words = supply_sentence(Diagnosis(None, verdict, (), None, LIMITS, (), supply=supply))
+    assert said in words and words.startswith(str(supply[0]))
+
+
+def test_several_channels_are_named():
+    verdict = Verdict("identified", (), (), "")
+    words = supply_sentence(Diagnosis(None, verdict, (), None, LIMITS, (), supply=(SLOW, PROMPT)))
+    assert words.startswith(f"P1 {SLOW}; P2 {PROMPT}. The supply is late;")
+
+
+def test_without_a_command_beside_what_was_measured_nothing_is_said_of_the_supply():
+    assert supply_sentence(Diagnosis(None, Verdict("identified", (), (), ""), (), None, LIMITS, ())) == ""

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import simpson, trapezoid
+from scipy.integrate import simpson, solve_ivp, trapezoid
 
 from hsr_pin.effects import EFFECTS, parse_effect
 from hsr_pin.effects.dry_friction import presliding
@@ -447,3 +447,41 @@ def test_of_a_partial_lag_a_share_comes_at_once():
     assert mean == pytest.approx(0.25, abs=1e-4)
     mean, _ = law.actuator_response(law.p, 1.0, (0.0,), 100.0, KEQ)
     assert mean == pytest.approx(1.0, abs=1e-3)
+
+
+def arrived(law, commands, keq=1.0):
+    """The torque that arrives for commands that are held one after another, from rest under the first one."""
+    memory, arrives = (commands[0],) * law.memories, []
+    for command in commands:
+        torque, memory = law.actuator_response(law.p, command, memory, 0.01, keq)
+        arrives.append(float(torque))
+    return np.array(arrives)
+
+
+def test_the_torque_of_a_cable_falls_while_it_is_pulled_and_stays_and_exceeds_while_it_is_released():
+    """Along an arm that is bent by u / Keq, from the differential equation of a belt, dT = -coefficient T dangle."""
+    coefficient, conduit = 0.4, 0.2
+    law = EFFECTS["capstan_friction"](friction=coefficient, conduit=conduit)
+    commands = np.concatenate([np.linspace(0, 1.2, 50), np.linspace(1.2, 0, 50), np.linspace(0, -0.8, 50)])
+    arrives = arrived(law, commands)
+    for sign, moment in ((-1, 30), (1, 95), (-1, 140)):
+        bend = abs(commands[moment])
+        belt = solve_ivp(
+            lambda s, t, a=bend, w=sign: w * coefficient * a * t, (0, 1), [np.exp(sign * conduit)], rtol=1e-10, t_eval=S[:, 0]
+        )
+        assert arrives[moment] == pytest.approx(commands[moment] * trapezoid(belt.y[0], S[:, 0]), rel=1e-6)
+    assert np.ptp(arrives[50:60]) == 0  # neither pulled nor released
+    assert np.array_equal(arrived(law, -commands), -arrives)
+
+
+def test_a_cable_at_rest_is_as_pulled_from_the_straight_arm():
+    law = EFFECTS["capstan_friction"](friction=0.4, conduit=0.2)
+    slowly = arrived(law, np.linspace(0, 0.9, 200))
+    assert arrived(law, np.full(3, 0.9)) == pytest.approx(slowly[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("pulls, side", [("positive", 1), ("negative", -1)])
+def test_a_cable_that_only_pulls_loses_what_would_push(pulls, side):
+    law = EFFECTS["one_sided_cable"](lost=0.75, pulls=pulls)
+    commands = side * np.array([-0.8, 0.0, 0.4, 1.0])
+    assert np.allclose(arrived(law, commands), side * np.array([-0.2, 0.0, 0.4, 1.0]))

@@ -52,6 +52,8 @@ EXPRESSED = (
     "torque_bias:bias=0.1",
     "torque_map:quadratic=0.15",
     "torque_decay:decay=0.3",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.3,conduit=0.1",
     "gravity_tilt:angle=0.2",
     "gravity_tilt:angle=0.2,frame=base",
     "gravity_tilt:angle=0.2,frame=cameras",
@@ -92,6 +94,8 @@ BY_LAW = {
     "hysteresis:amplitude=0.2",
     "viscoelastic:ratio=0.5",
     "torque_map:quadratic=0.15",
+    "one_sided_cable:lost=0.6",
+    "capstan_friction:friction=0.3,conduit=0.1",
 }
 
 
@@ -232,7 +236,7 @@ def test_other_models_are_left_alone_and_other_files_refused(tmp_path):
         assert (data.qfrc_passive < free.qfrc_passive - 0.1).all()
 
 
-@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal", "flat"])
 def test_the_key_rest_is_where_the_arm_rests(mount):
     exported = to_mjcf(model("torque_bias:bias=0.1", "dry_friction:level=0.02", mount=mount, tip_mass=0.02))
     arm = mujoco.MjModel.from_xml_string(exported.text)

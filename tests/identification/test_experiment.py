@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import moves, prepare, restricted
+from hsr_pin.identification.experiment import informative, moves, prepare, restricted
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.scenario import step_scenario
 from hsr_pin.simulation.simulate import simulate
@@ -99,7 +99,7 @@ def test_a_marker_that_was_never_seen_in_a_trial_does_not_hide_what_the_others_d
 
     experiment = prepare(changed(heavy_tip, 1, hidden))
     assert len(experiment.runs) == 4
-    assert moves(experiment.runs[1], experiment.noise)
+    assert moves(experiment.runs[1].measured, experiment.noise)
 
 
 def test_a_marker_of_which_one_coordinate_was_never_seen_does_not_hide_what_the_others_did(heavy_tip):
@@ -108,7 +108,7 @@ def test_a_marker_of_which_one_coordinate_was_never_seen_does_not_hide_what_the_
         return positions
 
     experiment = prepare(changed(heavy_tip, 1, flat))
-    assert moves(experiment.runs[1], experiment.noise)
+    assert moves(experiment.runs[1].measured, experiment.noise)
 
 
 def test_a_trial_in_which_nothing_was_seen_is_left_out(heavy_tip):
@@ -128,3 +128,13 @@ def test_a_marker_that_cannot_be_on_the_arm_is_refused_by_name(heavy_tip, arc_le
 def test_a_dataset_without_trials_is_refused(heavy_tip):
     with pytest.raises(IdentificationError, match="at least one"):
         prepare(replace(heavy_tip, trials=()))
+
+
+def test_arms_that_rest_in_several_places_are_informative_and_in_one_are_not(heavy_tip):
+    experiment = prepare(heavy_tip)
+    first = experiment.runs[0]
+    low, high = (int(reach(first.measured[:, -1, 0])) for reach in (np.argmin, np.argmax))
+    still = [replace(first, measured=np.repeat(first.measured[at : at + 1], len(first.time), axis=0)) for at in (low, high, high)]
+    assert informative(experiment.of_runs(still)) == still
+    assert informative(experiment.of_runs(still[1:])) == []
+    assert informative(experiment.of_runs([first, *still[1:]])) == [first]

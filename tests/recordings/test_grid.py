@@ -176,3 +176,11 @@ def test_a_row_without_markers_between_even_samples_is_an_instant_of_the_command
     gaps = np.delete(time, 5)
     lost = Trajectory(gaps, raw.markers, np.where(gaps[:, None, None] == 1.0, np.nan, 1.0) * np.ones((9, 1, 3)), torque=0 * gaps)
     assert not instants_between(lost).any()  # a gap in even sampling is a gap
+
+
+def test_a_command_that_stays_is_exact_where_another_changes_between_samples():
+    source = np.array([0.0, 0.103, 0.247, 0.5])
+    commands = np.array([[0.1, 1.1], [0.1, 0.3], [0.1, 2.7], [0.1, 2.7]])
+    values, notes = mean_until_next(source, commands, np.arange(11) * 0.05)
+    assert np.array_equal(values[:, 0], np.full(11, 0.1)) and notes
+    assert values[2, 1] == pytest.approx((1.1 * 0.003 + 0.3 * 0.047) / 0.05)

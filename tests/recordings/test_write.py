@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from hsr_pin.errors import OutputError
+from hsr_pin.errors import OutputError, RecordingError
 from hsr_pin.recordings import write
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import check_target, write_dataset
@@ -154,3 +154,27 @@ def test_a_trial_whose_name_leads_elsewhere_is_refused(dataset, tmp_path, name):
     with pytest.raises(OutputError):
         write_dataset(dataclasses.replace(dataset, trials=trials), tmp_path / "d")
     assert os.listdir(tmp_path) == []
+
+
+def test_commands_beside_measured_inputs_read_back_and_leave_the_measured_ones_interpolated(dataset, tmp_path):
+    trials = []
+    for trial in (trial for trial in dataset.trials if trial.trajectory.has_input):
+        commanded = np.round(trial.trajectory.inputs + np.sin(trial.trajectory.time)[:, None], 1)
+        trajectory = dataclasses.replace(trial.trajectory, commanded=commanded)
+        trials.append(dataclasses.replace(trial, trajectory=trajectory))
+    both = dataclasses.replace(dataset, trials=tuple(trials))
+    write_dataset(both, tmp_path / "both")
+    again = read_dataset(tmp_path / "both")
+    same(again, both)
+    for one, other in zip(again.trials, both.trials, strict=True):
+        assert np.array_equal(one.trajectory.commanded, other.trajectory.commanded)
+        assert one.interpolated
+
+
+def test_a_command_of_an_input_that_is_not_there_is_an_unknown_column(dataset, tmp_path):
+    write_dataset(dataset, tmp_path / "one")
+    path = tmp_path / "one" / f"{dataset.trials[0].name}.csv"
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join([f"{header},P1_command", *(f"{row},1.0" for row in rows)]), encoding="utf-8")
+    with pytest.raises(RecordingError, match="unknown column 'P1_command'"):
+        read_dataset(tmp_path / "one")

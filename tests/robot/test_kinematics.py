@@ -15,7 +15,7 @@ ARMS = [
     ArmSpecification(links=links, placement=placement, mount=mount, tilt=tilt)
     for links, tilt in ((1, 0.0), (2, -0.4), (5, 0.2), (16, 3.0))
     for placement in ("base", "mid")
-    for mount in ("hanging", "upright", "horizontal")
+    for mount in ("hanging", "upright", "horizontal", "flat")
 ]
 arms = pytest.mark.parametrize("arm", ARMS, ids=lambda a: f"{a.links}-{a.placement}-{a.mount}")
 

@@ -6,12 +6,15 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from hsr_pin.errors import SpecificationError
 from hsr_pin.robot.model import build_model
 from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.scenario import Scenario, Settled
+from hsr_pin.simulation.simulate import simulate
 
-PLACEMENTS, MOUNTS = ("base", "mid"), ("hanging", "upright", "horizontal")
-STRAIGHT = {"hanging": (0, 0, -1), "upright": (0, 0, 1), "horizontal": (1, 0, 0)}
-BENDS_TOWARDS = {"hanging": (1, 0, 0), "upright": (1, 0, 0), "horizontal": (0, 0, -1)}
+PLACEMENTS, MOUNTS = ("base", "mid"), ("hanging", "upright", "horizontal", "flat")
+STRAIGHT = {"hanging": (0, 0, -1), "upright": (0, 0, 1), "horizontal": (1, 0, 0), "flat": (1, 0, 0)}
+BENDS_TOWARDS = {"hanging": (1, 0, 0), "upright": (1, 0, 0), "horizontal": (0, 0, -1), "flat": (0, 0, -1)}
 
 
 @pytest.mark.parametrize("placement", PLACEMENTS)
@@ -59,3 +62,16 @@ def test_arms_that_differ_in_springs_and_dampers_share_one_model():
 def test_arms_of_different_mass_have_different_models():
     arm = ArmSpecification(links=3)
     assert build_model(arm).model is not build_model(replace(arm, mass=0.2)).model
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_gravity_does_not_act_in_the_plane_of_a_flat_arm(placement):
+    """Without gravity in the plane, every joint of an arm of equal springs takes the same share of the torque."""
+    arm = ArmSpecification(links=7, mount="flat", placement=placement, tip_mass=0.05, tilt=0.4)
+    start = simulate(Scenario(arm, np.array([0.0, 0.1]), np.full(2, 0.7), Settled(0.7))).trajectory.joint_angles[0]
+    np.testing.assert_allclose(start, 0.7 / arm.keq / 7, rtol=1e-9)
+
+
+def test_a_flat_arm_in_space_is_refused():
+    with pytest.raises(SpecificationError, match='an arm in space that lies has mount="horizontal"'):
+        ArmSpecification(mount="flat", bending="space")

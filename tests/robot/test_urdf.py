@@ -22,7 +22,7 @@ from hsr_pin.robot.urdf import arm_to_urdf, load_urdf, save_urdf, urdf_to_arm
 ARMS = [
     ArmSpecification(links=links, placement=placement, mount=mount, tilt=tilt, tip_mass=tip_mass)
     for links, placement, mount, (tilt, tip_mass) in itertools.product(
-        (1, 4, 5), ("base", "mid"), ("hanging", "upright", "horizontal"), ((0.0, 0.0), (-0.4, 0.03))
+        (1, 4, 5), ("base", "mid"), ("hanging", "upright", "horizontal", "flat"), ((0.0, 0.0), (-0.4, 0.03))
     )
 ]
 
@@ -41,7 +41,7 @@ SPECIFICATIONS = st.builds(
     keq=positive(100.0),
     damping=st.floats(0.0, 10.0),
     placement=st.sampled_from(["base", "mid"]),
-    mount=st.sampled_from(["hanging", "upright", "horizontal"]),
+    mount=st.sampled_from(["hanging", "upright", "horizontal", "flat"]),
     length=positive(3.0),
     mass=positive(10.0),
     diameter=positive(0.5),
@@ -66,6 +66,7 @@ def rotation(arm):
         "upright": np.eye(3),
         "hanging": np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]]),
         "horizontal": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
+        "flat": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
     }[arm.mount]
     c, s = math.cos(arm.tilt), math.sin(arm.tilt)
     return mount @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
@@ -139,7 +140,12 @@ def test_the_straight_arm_is_one_uniform_cylinder_and_its_payload(arm):
 
 @pytest.mark.parametrize(
     ("mount", "direction", "towards"),
-    [("hanging", [0, 0, -1], [1, 0, 0]), ("upright", [0, 0, 1], [1, 0, 0]), ("horizontal", [1, 0, 0], [0, 0, -1])],
+    [
+        ("hanging", [0, 0, -1], [1, 0, 0]),
+        ("upright", [0, 0, 1], [1, 0, 0]),
+        ("horizontal", [1, 0, 0], [0, 0, -1]),
+        ("flat", [1, 0, 0], [0, 0, -1]),
+    ],
 )
 @pytest.mark.parametrize("placement", ["base", "mid"])
 def test_the_arm_points_where_its_mount_says_and_bends_and_tilts_to_the_positive_side(mount, direction, towards, placement):

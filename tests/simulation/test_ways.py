@@ -49,7 +49,7 @@ def scenarios(draw, laws, links=LINKS):
     arm = ArmSpecification(
         links=draw(links),
         placement=draw(st.sampled_from(["base", "mid"])),
-        mount=draw(st.sampled_from(["hanging", "upright", "horizontal"])),
+        mount=draw(st.sampled_from(["hanging", "upright", "horizontal", "flat"])),
         keq=draw(st.floats(0.3, 5)),
         damping=draw(st.floats(0.01, 0.5)),
         length=draw(st.floats(0.1, 0.6)),
@@ -91,7 +91,7 @@ def test_every_effect_moves_an_arm_alike_on_both_ways(reading):
 
 
 @every_reading
-@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal", "flat"])
 @pytest.mark.parametrize("placement", ["base", "mid"])
 def test_with_steps_of_its_own_every_effect_moves_an_arm_alike(reading, placement, mount):
     kind, variant = reading
@@ -117,7 +117,7 @@ def test_recursive_newton_euler_moves_it_alike_too(scenario):
 
 @pytest.mark.parametrize("links", [1, 2, 3, 4, 7, 16, 33, 64])
 @pytest.mark.parametrize("placement", ["base", "mid"])
-@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal"])
+@pytest.mark.parametrize("mount", ["hanging", "upright", "horizontal", "flat"])
 def test_a_plain_arm_of_any_number_of_links_moves_alike(links, placement, mount):
     time = np.arange(31) * 0.01
     scenario = Scenario(ArmSpecification(links=links, placement=placement, mount=mount), time, np.full(31, 0.8))

@@ -20,7 +20,7 @@ from hsr_pin.diagnosis.next_experiment import Proposal, propose
 from hsr_pin.effects import Effect, effect_named
 from hsr_pin.effects.catalogue import laws
 from hsr_pin.errors import IdentificationError
-from hsr_pin.identification.experiment import Experiment, moves, prepare
+from hsr_pin.identification.experiment import Experiment, informative, prepare
 from hsr_pin.identification.hypothesis import Hypothesis, chain_of
 from hsr_pin.identification.part import Part
 from hsr_pin.inference import Data, Loss
@@ -177,7 +177,7 @@ def diagnose_change(
 def _insufficient(both: Pair) -> str:
     """Return the reason why the recordings are insufficient; empty if they are sufficient."""
     for name, each, least in (("first", both.old, 2), ("second", both.new, 1)):
-        moving = sum(moves(run, each.noise) for run in each.runs)
+        moving = len(informative(each))
         if moving < least:
             return (
                 f"In {moving} of {len(each.runs)} usable trials of the {name} recording ({each.dataset.name}) the arm moves; at "

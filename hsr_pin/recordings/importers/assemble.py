@@ -17,6 +17,7 @@ from hsr_pin.recordings.importers.command_rows import CommandRows
 from hsr_pin.recordings.importers.cut import cut
 from hsr_pin.recordings.importers.detect import read_capture, read_commands_of
 from hsr_pin.recordings.importers.input_clock import on_clock_of
+from hsr_pin.recordings.importers.mapped import starts_of_poses
 from hsr_pin.recordings.importers.plane import Motion, fit_plane, spread
 from hsr_pin.recordings.importers.settings import ImportSettings, per_trial
 from hsr_pin.recordings.importers.space import (
@@ -96,6 +97,9 @@ def import_recordings(files: Sequence[str | Path], settings: ImportSettings) -> 
         raise InputError("files", expected="at least one file to import", received="none")
     if settings.cut and settings.t_start:
         raise InputError("t_start", expected="no start time with --cut, which says where trials begin", received="both")
+    if settings.mapping is not None and settings.mapping.rest and (settings.cut or settings.t_start or settings.input_offset):
+        expected = "no --cut, --t-start or --input-offset with [time] rest = true"
+        raise InputError("poses at rest", expected=expected, received="one of them", file=settings.mapping.path)
     inputs = per_trial(settings.inputs, len(files), "inputs")
     offsets = per_trial(settings.input_offset, len(files), "input_offset")
     captures = [read_capture(path, settings.unit, settings.mapping) for path in files]
@@ -175,8 +179,9 @@ def _assemble(tracked: Sequence[_Tracked], bodies: Sequence[Body], settings: Imp
         plane = "the plane of its largest motion" if settings.in_space else "the bending plane"
         notes = [*one.notes, note, f"RMS motion {1e3 * within:.3g} mm in {plane}, {1e3 * out:.3g} mm out of it"]
         trajectory = trajectory_of(one.capture, world, markers, driven(one.command, channels, settings), notes)
-        path = one.capture.path
-        for part in cut(trajectory, settings.cut, path) if settings.cut else [trajectory]:
+        path, poses = one.capture.path, settings.mapping is not None and settings.mapping.rest
+        begins = starts_of_poses(one.capture.time) if poses else settings.cut
+        for part in cut(trajectory, begins, path) if begins else [trajectory]:
             trials.append(trial_of(f"trial_{len(trials) + 1:02d}", part, own, path, settings.interpolated))
             spreads.append((within, out))
             sources.append(path)
@@ -223,8 +228,8 @@ def _frames(
 
 def _check_mount(mount: str, arm: StraightArm, up: Array, chosen: Up) -> None:
     slope = float(arm.direction @ up)
-    fits = {"hanging": slope < -HALFWAY, "upright": slope > HALFWAY, "horizontal": abs(slope) < NEARLY_VERTICAL}[mount]
-    if not fits:
+    fits = {"hanging": slope < -HALFWAY, "upright": slope > HALFWAY}
+    if not fits.get(mount, abs(slope) < NEARLY_VERTICAL):
         raise InputError(
             "mount",
             expected=f"an arm that is {mount}",

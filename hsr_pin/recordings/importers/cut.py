@@ -18,7 +18,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from hsr_pin.errors import InputError
 from hsr_pin.recordings.importers.settings import AUTO
 from hsr_pin.recordings.noise import white_noise
-from hsr_pin.trajectory import Array, Trajectory
+from hsr_pin.trajectory import INPUTS, Array, Trajectory
 
 #: Shortest rest between two trials, and the part of it with which the next trial begins [s].
 _REST, _BEFORE = 0.5, 0.25
@@ -67,17 +67,12 @@ def _part(trajectory: Trajectory, first: int, last: int) -> Trajectory:
     """Return the samples ``first`` to ``last`` (exclusive) of a recording."""
     rows, begin, end = slice(first, last), trajectory.time[first], trajectory.time[last - 1]
 
-    def part(values: Array | None) -> Array | None:
-        return None if values is None else values[rows]
-
     return replace(
         trajectory,
         time=trajectory.time[rows] - begin,
         positions=trajectory.positions[rows],
-        torque=part(trajectory.torque),
-        pressures=part(trajectory.pressures),
-        channels=part(trajectory.channels),
         notes=(*trajectory.notes, f"cut from {begin:g} to {end:g} s of the recording"),
+        **{name: values[rows] for name in INPUTS if (values := getattr(trajectory, name)) is not None},
     )
 
 
@@ -96,9 +91,9 @@ def _still(trajectory: Trajectory) -> NDArray[np.bool_]:
     tracks = trajectory.positions.reshape(samples, -1)
     allowed = np.maximum(_NOISE * np.nan_to_num(white_noise(tracks)), _SHARE * _largest_range(trajectory.positions))
     signals = [(tracks, allowed)]
-    for values in (trajectory.torque, trajectory.pressures, trajectory.channels):
-        if values is not None:
-            columns = values.reshape(samples, -1)
+    for name in INPUTS:
+        if (values := getattr(trajectory, name)) is not None:
+            columns = np.stack([_filled(column) for column in values.reshape(samples, -1).T], axis=1)
             signals.append((columns, _SHARE * np.ptp(columns, axis=0)))
     quiet = np.ones(samples, dtype=bool)
     for columns, limit in signals:

@@ -65,7 +65,7 @@ def _declared(mapping: TableMapping, top: Section, said: dict[str, Any]) -> dict
         facts |= _sections(top, robot, facts, said)
     if mapping.input is not None and isinstance(top.values["input"], list):
         count = max(1, len(facts.get("sections", ())))
-        facts["channels"] = channels_of(top, count, {"t", *torque_columns(count)}, ("from", *CLOCK))
+        facts["channels"] = channels_of(top, count, {"t", *torque_columns(count)}, ("from", "command", *CLOCK))
     elif "measured" in top.values:
         raise top.fault(
             "measured", "measured", expected="also tables [[input]] that declare what drives the arm", received="none"

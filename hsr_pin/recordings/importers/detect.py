@@ -66,7 +66,7 @@ def read_capture(path: str | Path, unit: str | None = None, mapping: TableMappin
     raise RecordingError(
         "format not recognised",
         expected="CSV of Vicon or OptiTrack, TSV of Qualisys, TRC, C3D, or a ROS bag",
-        received="an empty file" if not head.strip() else repr(text[:40]),
+        received="an empty file" if not head.strip() else repr(text[:40]) if text[:40].isascii() else "another file",
         hint="other tables need a mapping (--map); hsr-import --guess FILE writes a draft",
         file=path,
         line=1,

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hsr_pin.errors import RecordingError
-from hsr_pin.recordings.importers.mapped import COMMENT
+from hsr_pin.recordings.importers.mapped import names_in
 from hsr_pin.recordings.importers.mapping import PRESSURE_UNITS, TIME_UNITS, TORQUE_UNITS
 from hsr_pin.recordings.importers.sheet import Sheet, read_sheet
 from hsr_pin.recordings.sampling import LONGEST
@@ -20,10 +20,12 @@ from hsr_pin.trajectory import Array
 ROWS, ABOVE = 500, 50
 _UNIT = r"[ _]*[\[(]?\b(?P<unit>m|cm|mm|in|s|ms|us|ns|bar|mbar|Pa|kPa|MPa|psi|Nmm?)?[\])]?$"
 _TIME = re.compile(r"(?:t|time|times|timestamp|stamp|clock|secs?|seconds)" + _UNIT, re.IGNORECASE)
-_PRESSURE = re.compile(r"(?:p|pressure|press|muscle)[ _]*(?P<number>[12])" + _UNIT, re.IGNORECASE)
+_PRESSURE = re.compile(r"(?:p|pressure|press|muscle)[ _]*(?:\(:,)?(?P<number>[12])\)?" + _UNIT, re.IGNORECASE)
 _TORQUE = re.compile(r"(?:tau|torque|moment)(?:[ _]*(?P<axis>[xy]))?" + _UNIT, re.IGNORECASE)
 _AXIS_LAST = re.compile(r"(?P<stem>.*?)[ _.:\-]*(?P<axis>[xyz])" + _UNIT, re.IGNORECASE)
+_COLUMN = re.compile(r"(?P<stem>.*)\((?::,)?(?P<axis>[123])(?:,:)?\)")
 _AXIS_FIRST = re.compile(r"(?P<axis>[xyz])[ _.:\-]+(?P<stem>.+?)" + _UNIT, re.IGNORECASE)
+_AXES = {"1": "x", "2": "y", "3": "z"}  # columns of a matrix in MATLAB
 #: Largest plausible number in the first unit, and the unit assumed for larger numbers (5 m, 20 bar, 50 N m).
 _LENGTHS = ((5.0, "mm"), (0.0, "m"))
 _PRESSURES = ((20_000.0, "Pa"), (2_000.0, "mbar"), (20.0, "kPa"), (0.0, "bar"))
@@ -87,8 +89,7 @@ def _header(sheet: Sheet) -> tuple[int, list[str]]:
             hint = "write the mapping by hand, with [file] header = 0 and column numbers"
             raise sheet.fault(0, 0, "no column names", expected="a line of names above the numbers", hint=hint)
         named = max(range(row), key=lambda above: (sum(map(bool, sheet.row(above))), -above))
-        names = sheet.row(named)[1:] if sheet.field(named, 0) in COMMENT else sheet.row(named)
-        return named, [name.lstrip("".join(COMMENT)).strip() for name in names]
+        return named, names_in(sheet, named)
     raise sheet.fault(0, 0, "no rows of numbers", expected="numbers under a line of column names")
 
 
@@ -109,11 +110,12 @@ def _input_key(name: str) -> str | None:
 
 def _points(names: Sequence[str]) -> dict[str, list[str]]:
     """Return the x, y and z columns of each point, whose names differ in the axis only; "" for a missing third column."""
-    for form in (_AXIS_LAST, _AXIS_FIRST):
+    for form in (_AXIS_LAST, _AXIS_FIRST, _COLUMN):
         found: dict[str, dict[str, str]] = {}
         for name in names:
             if match := form.fullmatch(name):
-                found.setdefault(match["stem"].strip(" _.:-") or "tip", {})[match["axis"].lower()] = name
+                axis = match["axis"].lower()
+                found.setdefault(match["stem"].strip(" _.:-") or "tip", {})[_AXES.get(axis, axis)] = name
         points = {stem: [axes.get(axis, "") for axis in "xyz"] for stem, axes in found.items() if len(axes) > 1}
         if points:
             return {stem: [x, "", y] if not z else [x, y, z] for stem, (x, y, z) in points.items()}

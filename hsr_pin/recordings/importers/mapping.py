@@ -10,11 +10,13 @@ from typing import Any
 from hsr_pin.recordings.document import Section, read_document
 from hsr_pin.recordings.importers.capture import UNITS
 from hsr_pin.recordings.importers.up import Up, axis_vector
-from hsr_pin.recordings.sections import torque_columns
+from hsr_pin.recordings.sections import COMMAND, torque_columns
 from hsr_pin.recordings.text import nearest
 
-#: A column, by its name or by its number counted from 1.
+#: A column by its name or by its number counted from 1, or a formula of several (:mod:`formula`).
 Column = str | int
+#: Columns of the three coordinates of a point; None is zero everywhere (for a camera that sees a plane).
+Coordinates = tuple[Column | None, Column | None, Column | None]
 
 #: Seconds in one of each unit of time.
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -30,14 +32,6 @@ ARM = ("robot", "section", "measured", "marker")
 CLOCK = ("time", "time_unit", "time_format", "clock")
 #: Accepted relations between the clock of the commands and that of the recording.
 CLOCKS = ("capture", "shared")
-
-
-@dataclass(frozen=True)
-class Place:
-    """Column of a coordinate and its sign; a column of None is zero everywhere (for a camera that sees a plane)."""
-
-    column: Column | None
-    sign: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +54,8 @@ class InputMapping:
     """Columns of commands, and how to read them.
 
     Attributes:
-        columns: names and columns of P1 and P2, of the torque or its components, or of channels; in a bag, ``topic:field``.
+        columns: names and columns of P1 and P2, of the torque or its components, or of channels, and of their commands
+            (``P1_command``) if they were measured; in a bag, ``topic:field``.
         factor: bar or N m per unit; 1 for channels.
         time: times of a separate file of commands; None: as in the recording.
         clock: "capture": 0 at the first frame of the recording; "shared": the clock of the recording.
@@ -82,10 +77,12 @@ class TableMapping:
         time: columns of times; None: none.
         frame: column of frame numbers, used with ``rate``.
         rate: frame rate [Hz].
+        rest: whether each row is a pose at rest, of which each becomes a trial.
         unit: unit of length.
         factor: metres per unit of length.
         up: axis that is up, if given.
-        header: line of the column names, counted from 1; 0: none; None: the first line.
+        header: lines of the column names, counted from 1; empty: none; None: the first line.
+        sheet: name of the worksheet of a workbook; None: the first one.
         separator: character between fields; None: determined from the file.
         decimal: decimal mark; None: determined from the file.
         input: columns of commands, if any.
@@ -96,14 +93,16 @@ class TableMapping:
     """
 
     path: Path
-    points: tuple[tuple[str, tuple[Place, Place, Place]], ...] = ()
+    points: tuple[tuple[str, Coordinates], ...] = ()
     time: Clock | None = None
     frame: Column | None = None
     rate: float | None = None
+    rest: bool = False
     unit: str = "m"
     factor: float = 1.0
     up: str | None = None
-    header: int | None = None
+    header: tuple[int, ...] | None = None
+    sheet: str | None = None
     separator: str | None = None
     decimal: str | None = None
     input: InputMapping | None = None
@@ -146,11 +145,16 @@ def read_mapping(path: str | Path) -> TableMapping:
 
 
 def _time(section: Section) -> dict[str, Any]:
-    section.only("column", "unit", "format", "frame", "rate")
+    section.only("column", "unit", "format", "frame", "rate", "rest")
+    if "rest" in section.values:
+        if section.values != {"rest": True}:
+            expected = "rest = true alone: each row is a pose at rest, without a time"
+            raise section.fault("rest", "rest", expected=expected, received=", ".join(section.values))
+        return {"rest": True}
     frame = _column(section, "frame") if "frame" in section.values else None
     rate = section.number("rate", "Hz") if "rate" in section.values else None
     if "column" not in section.values and rate is None:
-        raise section.fault("no time", expected="a column of times, or a rate [Hz]")
+        raise section.fault("no time", expected="a column of times, or a rate [Hz], or rest = true")
     time = _clock(section, "column", "unit", "format") if "column" in section.values else None
     return {"time": time, "frame": frame, "rate": rate}
 
@@ -172,14 +176,14 @@ def _clock(section: Section, column: str, unit: str, form: str) -> Clock:
     return Clock(tuple(_column(one, column) for one in each), factors)
 
 
-def _points(section: Section) -> tuple[tuple[str, tuple[Place, Place, Place]], ...]:
+def _points(section: Section) -> tuple[tuple[str, Coordinates], ...]:
     found = []
     for name, columns in section.values.items():
         good = isinstance(columns, list) and len(columns) == 3 and all(_is_column(column) or column == "" for column in columns)
         if not good or all(column == "" for column in columns):
             expected = 'three columns for x, y and z: ["x", "y", "z"], [2, 3, 4], or ["x", "", "-y"] in a plane'
             raise section.fault(f"point {name!r}", name, expected=expected, received=repr(columns)[:60])
-        x, y, z = (Place(None if column == "" else column) for column in columns)
+        x, y, z = (None if column == "" else column for column in columns)
         found.append((name, (x, y, z)))
     if not found:
         raise section.fault("no point", expected='a line for each point, such as tip = ["x", "y", "z"]')
@@ -230,15 +234,18 @@ def _is_near(value: object) -> bool:
 
 
 def _file(section: Section) -> dict[str, Any]:
-    section.only("header", "separator", "decimal")
+    section.only("header", "sheet", "separator", "decimal")
     facts: dict[str, Any] = {}
     if "header" in section.values:
         header = section.values["header"]
-        if not isinstance(header, int) or isinstance(header, bool) or header < 0:
-            raise section.fault(
-                "header", "header", expected="the line of the column names, or 0 for none", received=repr(header)[:60]
-            )
-        facts["header"] = header
+        lines = header if isinstance(header, list) else [] if header == 0 and header is not False else [header]
+        good = all(type(line) is int and line > 0 for line in lines) and lines == sorted(set(lines)) and header != []
+        if not good:
+            expected = "the line of the column names, an increasing list of such lines, or 0 for none"
+            raise section.fault("header", "header", expected=expected, received=repr(header)[:60])
+        facts["header"] = tuple(lines)
+    if "sheet" in section.values:
+        facts["sheet"] = section.text("sheet")
     for key, known in (("separator", (",", ";", "|", "\t", " ")), ("decimal", (".", ","))):
         if key in section.values:
             value = section.values[key]
@@ -250,8 +257,8 @@ def _file(section: Section) -> dict[str, Any]:
 
 def _input(section: Section) -> InputMapping:
     torques = [name for name in section.values if re.fullmatch(r"tau_[xy](_[1-9]\d*)?", name)]
-    section.only("P1", "P2", "tau", *torques, "unit", *CLOCK)
     names = [name for name in ("P1", "P2", "tau") if name in section.values]
+    section.only("P1", "P2", "tau", *torques, *(f"{name}{COMMAND}" for name in (*names, *torques)), "unit", *CLOCK)
     in_space = [names for names in (torque_columns(1), torque_columns(len(torques) // 2)) if set(names) == set(torques)]
     if not names and in_space:
         names = list(in_space[0])
@@ -259,9 +266,10 @@ def _input(section: Section) -> InputMapping:
         expected = "P1 and P2, or tau; in space tau_x and tau_y, or tau_x_1, tau_y_1, ... for sections"
         hint = "declare several chambers or tendons in tables [[input]] with columns"
         raise section.fault("input", expected=expected, received=" and ".join([*names, *torques]) or "none", hint=hint)
+    commands = [f"{name}{COMMAND}" for name in names if f"{name}{COMMAND}" in section.values]
     units, usual = (PRESSURE_UNITS, "bar") if names == ["P1", "P2"] else (TORQUE_UNITS, "Nm")
     return InputMapping(
-        columns=tuple((name, _column(section, name)) for name in names),
+        columns=tuple((name, _column(section, name)) for name in [*names, *commands]),
         factor=units[_one_of(section, "unit", units, usual)],
         **_command_clock(section),
     )
@@ -283,9 +291,19 @@ def _channels(tables: list[Section]) -> InputMapping:
             expected = 'column names, such as ["P1", "P2", "P3"]'
             raise table.fault("columns", "columns", expected=expected, received=repr(names)[:60])
         if not isinstance(sources, list) or len(sources) != len(names) or not all(_is_column(column) for column in sources):
-            expected = f"{len(names)} columns of the file, each by its name or its number counted from 1"
+            expected = f"{len(names)} columns of the file, each by its name, its number counted from 1, or a formula"
             raise table.fault("from", "from", expected=expected, received=repr(sources)[:60])
         columns += zip(names, sources, strict=True)
+        if "command" in table.values:
+            commands = table.values["command"]
+            if (
+                not isinstance(commands, list)
+                or len(commands) != len(names)
+                or not all(_is_column(column) for column in commands)
+            ):
+                expected = f"the columns of {len(names)} commands, each by its name, its number counted from 1, or a formula"
+                raise table.fault("command", "command", expected=expected, received=repr(commands)[:60])
+            columns += zip((f"{name}{COMMAND}" for name in names), commands, strict=True)
     clock_tables = [table for table in tables if set(CLOCK) & set(table.values)]
     if len(clock_tables) > 1:
         raise clock_tables[1].fault("time", expected="the clock of the commands in one table only", received="in two tables")
@@ -299,7 +317,7 @@ def _is_column(value: object) -> bool:
 def _column(section: Section, key: str) -> Column:
     value = section.values[key]
     if not _is_column(value) or (isinstance(value, int) and value < 0):
-        expected = "a column: its name, or its number counted from 1"
+        expected = "a column: its name, its number counted from 1, or a formula"
         raise section.fault(key, key, expected=expected, received=repr(value)[:60])
     return value  # type: ignore[no-any-return]
 

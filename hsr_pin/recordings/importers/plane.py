@@ -38,7 +38,7 @@ def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array
     """Return the arm's frame and a sentence on the direction of its x axis.
 
     A horizontal arm points along +x and bends up and down. A vertical arm bends towards x, the direction perpendicular to ``up``
-    in which its markers move most.
+    in which its markers move most. A flat arm points along +x, and y is vertical.
 
     Raises:
         RecordingError: a vertical arm does not move, and ``x`` is not given.
@@ -46,6 +46,11 @@ def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array
     """
     if mount == "horizontal":
         return frame(arm.origin, arm.direction, up), _horizontal_note(motions, arm, up)
+    if mount == "flat":
+        sideways = np.cross(up, arm.direction) / np.linalg.norm(np.cross(up, arm.direction))
+        sign, note = _positive_side(motions, arm, sideways, None if x is None else axis_vector(x, "x"))
+        along = np.cross(sideways, up)
+        return Alignment(arm.origin, np.stack([along, sign * up, -sign * sideways])), f"positive bending is {note}"
     fitted = bending_direction([motion.positions[:, arm.moving] for motion in motions], up)
     if x is not None:
         wanted = axis_vector(x, "x")
@@ -59,14 +64,25 @@ def fit_plane(motions: Sequence[Motion], arm: StraightArm, mount: str, up: Array
         return frame(arm.origin, np.sign(agreement) * fitted, up), f"x points towards {x} of the laboratory, in the bending plane"
     if fitted is None:
         raise RecordingError("no moving marker", expected="motion that shows the bending plane", hint="give the plane with --x")
-    excursions = [(motion.positions[:, -1] - arm.pose[-1]) @ fitted for motion in motions]
+    sign, note = _positive_side(motions, arm, fitted, None)
+    return frame(arm.origin, sign * fitted, up), f"x is {note}"
+
+
+def _positive_side(motions: Sequence[Motion], arm: StraightArm, direction: Array, x: Array | None) -> tuple[float, str]:
+    """Return the sign of a direction (3,) that is the positive side of bending, and its description.
+
+    It is the side of an axis ``x`` if there is one, or else that of the input, or of the largest excursion.
+    """
+    if x is not None:
+        return float(np.sign(x @ direction)) or 1.0, "towards the given axis"
+    excursions = [(motion.positions[:, -1] - arm.pose[-1]) @ direction for motion in motions]
     correlation = _correlation(motions, excursions)
     if abs(correlation) >= SIGNIFICANT_CORRELATION:
-        return frame(arm.origin, np.sign(correlation) * fitted, up), "x is the direction of bending as the input rises"
+        return float(np.sign(correlation)), "the direction of bending as the input rises"
     every = np.concatenate(excursions)
     every = every[np.isfinite(every)]
-    side = np.sign(every[np.argmax(np.abs(every))]) if len(every) else 1.0
-    return frame(arm.origin, (side or 1.0) * fitted, up), "x is the side of the largest excursion, as no input determines it"
+    side = float(np.sign(every[np.argmax(np.abs(every))])) if len(every) else 1.0
+    return side or 1.0, "the side of the largest excursion, as no input determines it"
 
 
 def _correlation(motions: Sequence[Motion], excursions: Sequence[Array]) -> float:

@@ -18,6 +18,7 @@ from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.grid import hold
 from hsr_pin.recordings.importers.capture import Capture, metres
 from hsr_pin.recordings.importers.command_rows import CommandRows
+from hsr_pin.recordings.importers.formula import Formula, FormulaError
 from hsr_pin.recordings.importers.mapping import Column, InputMapping, TableMapping
 from hsr_pin.recordings.importers.rosbag import on_common_clock, opened_bag, ordered, stamped_at
 from hsr_pin.recordings.text import nearest
@@ -26,13 +27,26 @@ from hsr_pin.trajectory import Array
 _STEP = re.compile(r"(?P<name>[A-Za-z_]\w*)|\[(?P<index>\d+)\]|\[(?P<key>\w+)=(?P<value>[^\]]*)\]|\.")
 
 
+#: A field in a formula: a topic, a colon, and a path.
+_FIELD = re.compile(r"[~/]?[A-Za-z_]\w*(?:/\w+)*:(?:\w+|\[[^\]]*\]|\.)+")
+
+
 @dataclass(frozen=True)
 class _FieldPath:
-    """Path to a number in the messages of a topic."""
+    """Number in the messages of a topic.
+
+    Attributes:
+        topic: the topic.
+        fields: paths to the numbers from which it is computed, usually one.
+        formula: formula of their values; None: the value of the one field.
+    """
 
     topic: str
-    field: str
-    sign: float = 1.0
+    fields: tuple[str, ...]
+    formula: Formula | None = None
+
+    def __str__(self) -> str:
+        return ", ".join(self.fields)
 
 
 #: Time stamps [ns] and numbers of each point or command.
@@ -54,7 +68,7 @@ def read_mapped_bag(path: Path, mapping: TableMapping, unit: str | None = None) 
     wanted: dict[str, list[_FieldPath | None]] = {}
     turned = dict(mapping.poses)
     for name, triple in mapping.points:
-        wanted[name] = [None if place.column is None else _field_path(place.column, path) for place in triple]
+        wanted[name] = [None if column is None else _field_path(column, path) for column in triple]
         wanted[name] += [_field_path(column, path) for column in turned.get(name, ())]
         topics = {item.topic for item in wanted[name] if item is not None}
         if len(topics) > 1:
@@ -80,7 +94,7 @@ def read_bag_commands(path: Path, wanted: InputMapping, recording: Capture) -> C
     each = [ordered((np.array(stamps) - start) / 1e9, np.array(values)) for stamps, values in tracks.values()]
     time = np.unique(np.concatenate([stamps for stamps, _ in each]))
     held = np.concatenate([hold(stamps, values, time) for stamps, values in each], axis=1)
-    return CommandRows(path, time, tuple(tracks), held * wanted.factor)
+    return CommandRows.of(path, time, tuple(tracks), held * wanted.factor)
 
 
 def read_bag_numbers(path: Path, columns: Sequence[str]) -> list[tuple[Array, Array]]:
@@ -98,11 +112,17 @@ def read_bag_numbers(path: Path, columns: Sequence[str]) -> list[tuple[Array, Ar
 
 def _field_path(column: Column, path: Path) -> _FieldPath:
     text = str(column).strip()
-    topic, _, field = text.removeprefix("-").partition(":")
-    if _STEP.sub("", field):
-        expected = "topic:field, such as /pressures:data[0] or markers:[ID=1].x"
+    bare = text.removeprefix("-").strip()
+    names = [bare] if not _STEP.sub("", bare.partition(":")[2]) else list(dict.fromkeys(_FIELD.findall(text)))
+    topics, fields = [name.partition(":")[0] for name in names], tuple(name.partition(":")[2] or "data" for name in names)
+    expected = "topic:field, such as /pressures:data[0] or markers:[ID=1].x, or a formula of fields of one topic"
+    try:
+        formula = None if text in names else Formula.parse(text, names)
+    except FormulaError:
+        topics = []
+    if len(set(topics)) != 1 or any(_STEP.sub("", field) for field in fields):
         raise RecordingError("field of a bag", expected=expected, received=repr(text[:60]), file=path)
-    return _FieldPath(topic, field or "data", -1.0 if text.startswith("-") else 1.0)
+    return _FieldPath(topics[0], fields, formula)
 
 
 def _tracks(path: Path, wanted: Mapping[str, Sequence[_FieldPath | None]]) -> _Tracks:
@@ -132,19 +152,32 @@ def _tracks(path: Path, wanted: Mapping[str, Sequence[_FieldPath | None]]) -> _T
                     tracks[name][1].append(tuple(number for number, _ in whole))
     for name, (stamps, _) in tracks.items():
         if not stamps:
-            fields = ", ".join(item.field for item in wanted[name] if item is not None)
+            fields = ", ".join(str(item) for item in wanted[name] if item is not None)
             raise RecordingError(f"{name!r} in {topics[name]}", expected=f"messages with {fields}", received="none", file=path)
     return tracks
 
 
 def _number(message: Any, item: _FieldPath, path: Path) -> tuple[float, Any] | None:
-    """Return the number at the end of a path and the innermost part of the message with a time stamp; None if not found.
+    """Return the value of an item and the innermost part of the message with a time stamp; None if a field is not found.
 
     Raises:
-        RecordingError: the messages of this topic do not have this field.
+        RecordingError: the messages of this topic do not have a field, or the value is not finite.
     """
+    found = [_field(message, item.topic, field, path) for field in item.fields]
+    whole = [one for one in found if one is not None]
+    if len(whole) < len(found):
+        return None
+    value = whole[0][0] if item.formula is None else float(item.formula.of(np.array([[number for number, _ in whole]]))[0])
+    if item.formula is not None and not np.isfinite(value):
+        received = f"{value} from {', '.join(f'{number:g}' for number, _ in whole)}"
+        raise RecordingError(f"formula {item.formula.text!r}", expected="a finite value", received=received, file=path)
+    return value, whole[0][1]
+
+
+def _field(message: Any, topic: str, field: str, path: Path) -> tuple[float, Any] | None:
+    """Return the number at the end of a path and the innermost part of the message with a time stamp; None if not found."""
     value, stamped = message, message
-    for step in _STEP.finditer(item.field):
+    for step in _STEP.finditer(field):
         try:
             if step["key"]:
                 chosen = [one for one in _elements(value) if str(getattr(one, step["key"])) == step["value"]]
@@ -159,13 +192,13 @@ def _number(message: Any, item: _FieldPath, path: Path) -> tuple[float, Any] | N
             there = [key for key in getattr(value, "__dataclass_fields__", {}) if not key.startswith("_")]
             elements = "indices count from 0 and must lie within the list"
             hint = nearest(step["name"] or step["key"], there, "fields") if there else elements
-            raise RecordingError(f"{item.topic} has no field {item.field!r}", hint=hint, file=path) from None
+            raise RecordingError(f"{topic} has no field {field!r}", hint=hint, file=path) from None
         stamped = value if hasattr(value, "header") else stamped
     try:
-        return item.sign * float(value), stamped
+        return float(value), stamped
     except (TypeError, ValueError):
         received = type(value).__name__
-        raise RecordingError(f"field {item.field!r} of {item.topic}", expected="a number", received=received, file=path) from None
+        raise RecordingError(f"field {field!r} of {topic}", expected="a number", received=received, file=path) from None
 
 
 def _elements(value: Any) -> list[Any]:

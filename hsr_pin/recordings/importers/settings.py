@@ -37,7 +37,7 @@ class ImportSettings:
         length: arc length of the arm [m]; None: the arc length of the outermost marker.
         name: name of the dataset.
         description: one line of text.
-        mount: "hanging", "upright", "horizontal"; None: determined from the straight pose.
+        mount: "hanging", "upright", "horizontal", "flat"; None: determined from the straight pose, which is not flat.
         markers: markers and the points that define them; empty: every named point is a marker.
         origin: (3,) position of the base [m] in the laboratory's frame; None: a marker with arc length 0, or estimated.
         up: axis of the laboratory that points up (``"+z"``); None: by the convention of the tracking system.

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from hsr_pin.errors import RecordingError
 from hsr_pin.recordings.delimited import number, numbers
+from hsr_pin.recordings.importers.matlab import is_matlab, read_matlab
 from hsr_pin.recordings.importers.plain import read_plain
+from hsr_pin.recordings.importers.workbook import is_workbook, read_workbook
 from hsr_pin.recordings.text import field_column, split_fields
 from hsr_pin.trajectory import Array
 
@@ -39,6 +41,7 @@ class Sheet:
         separator: character between fields.
         decimal: decimal mark.
         encoding: encoding of the file if not UTF-8.
+        cells: whether the rows are cells of a workbook or arrays, so that a field is a column of its own.
     """
 
     path: Path
@@ -48,6 +51,7 @@ class Sheet:
     separator: str
     decimal: str
     encoding: str
+    cells: bool = False
     _known: dict[int, list[str]] = slot(default_factory=dict)
 
     def __len__(self) -> int:
@@ -82,7 +86,7 @@ class Sheet:
     def fault(self, row: int, index: int, subject: str, **facts: Any) -> RecordingError:
         """Return an error at a field (of the last row if the row does not exist)."""
         row = min(row, len(self) - 1)
-        column = field_column(self.source(row), index, self.separator)
+        column = index + 1 if self.cells else field_column(self.source(row), index, self.separator)
         return RecordingError(subject, file=self.path, line=int(self.lines[row]), column=column, **facts)
 
     def value(self, row: int, index: int) -> float:
@@ -204,12 +208,23 @@ def _decimals(text: str) -> int:
     return len(text) - 1 - max(text.find("."), text.find(","), -1) if "." in text or "," in text else 0
 
 
-def read_sheet(path: Path) -> Sheet:
-    """Read a text file with commas, semicolons, tabs, bars or spaces between fields, and decimal points or commas.
+def read_sheet(path: Path, worksheet: str | None = None) -> Sheet:
+    """Read a text file with commas, semicolons, tabs, bars or spaces between fields, an Excel workbook, or a MATLAB file.
+
+    Args:
+        path: the file.
+        worksheet: name of the worksheet of a workbook; None: the first one.
 
     Raises:
-        RecordingError: the file cannot be read, or is not text.
+        RecordingError: the file cannot be read, or is not text, or has no such worksheet.
+        MissingDependencyError: the package that reads such a file is not installed.
     """
+    if is_workbook(path):
+        return _sheet_of_cells(path, read_workbook(path, worksheet))
+    if worksheet is not None:
+        raise RecordingError("[file] sheet", expected="an Excel workbook (.xlsx)", received="another file", file=path)
+    if is_matlab(path):
+        return _sheet_of_cells(path, read_matlab(path))
     text, encoding = read_plain(path)
     starts, lines = _rows(text)
     sample = _sample(text, starts)
@@ -220,6 +235,16 @@ def read_sheet(path: Path) -> Sheet:
         starts, lines = _rows(text)
     decimal = "," if separator != "," and re.search(rb"\d,\d", sample) else "."
     return Sheet(path, text, starts, lines, separator, decimal, encoding)
+
+
+def _sheet_of_cells(path: Path, rows: Iterable[Sequence[str]]) -> Sheet:
+    """Return the sheet of rows of cells."""
+    clean = str.maketrans('\t\r\n"', "   '")
+    text = "".join("\t".join(cell.translate(clean) for cell in row) + "\n" for row in rows).encode()
+    if not text.strip():
+        raise RecordingError("the file is empty", file=path, line=1, column=1)
+    starts, lines = _rows(text)
+    return Sheet(path, text, starts, lines, "\t", ".", "", cells=True)
 
 
 def _sample(text: bytes, starts: NDArray[np.int64]) -> bytes:

@@ -27,6 +27,7 @@ LINKS = {
     "upright": np.eye(3),
     "horizontal": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
 }
+LINKS["flat"] = LINKS["horizontal"]
 #: Largest cosine of the angle between the vertical and an axis that counts as perpendicular to the arm.
 ALONG = 0.9
 #: Smallest cosine of the angle between a horizontal arm and its x axis.

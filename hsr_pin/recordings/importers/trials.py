@@ -62,16 +62,20 @@ def driven(command: CommandRows | None, channels: tuple[Channel, ...], settings:
     def at(time: Array) -> tuple[dict[str, Any], list[str]]:
         if command is None:
             return {}, []
-        straight = settings.interpolated
+        straight = command.commanded is not None if settings.interpolated is None else settings.interpolated
         values, between = (command.interpolated_at(time), ()) if straight else mean_until_next(command.time, command.values, time)
         late = command.time[0] > time[0] + 1e-9
+        given = {}
+        if command.commanded is not None:
+            commanded, changed = mean_until_next(command.time, command.commanded, time)
+            given, between = {"commanded": commanded}, (*between, *changed)
         notes = [*between, *([f"the input begins at {command.time[0]:g} s; its first row was used before"] if late else [])]
         if channels:
             each = replace(command, time=time, values=values)
-            return {"channels": values, "torque": torque_rows(each, channels, settings.inputs_of_arm)}, notes
+            return given | {"channels": values, "torque": torque_rows(each, channels, settings.inputs_of_arm)}, notes
         if command.names == ("P1", "P2"):
-            return {"pressures": values}, notes
-        return {"torque": values[:, 0] if command.names == ("tau",) else values}, notes
+            return given | {"pressures": values}, notes
+        return given | {"torque": values[:, 0] if command.names == ("tau",) else values}, notes
 
     return at
 

@@ -29,7 +29,7 @@ def warnings(dataset: Dataset, spreads: Sequence[tuple[float, float]], up_is_giv
         up_is_given: whether the user gave the axis that is up.
     """
     found = []
-    if dataset.bending == "space" and all(out < SPATIAL * within for within, out in spreads):
+    if dataset.bending == "space" and not dataset.sections and all(out < SPATIAL * within for within, out in spreads):
         found.append("every trial stays in one plane; if the arm moves in one plane only, leave out --bending space")
     for trial, (within, out) in zip(dataset.trials, spreads, strict=True):
         if dataset.bending == "plane" and out > max(OUT_OF_PLANE * within, VISIBLE):

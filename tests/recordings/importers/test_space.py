@@ -4,6 +4,7 @@ import cmath
 import importlib.util
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,10 @@ from hsr_pin.recordings.importers.declared import declared_settings
 from hsr_pin.recordings.importers.detect import read_capture
 from hsr_pin.recordings.importers.mapping import read_mapping
 from hsr_pin.recordings.importers.settings import ImportSettings
+from hsr_pin.recordings.importers.warnings import warnings
 from hsr_pin.recordings.read import read_dataset
 from hsr_pin.recordings.write import write_dataset
+from hsr_pin.trajectory import Dataset, Marker, Section, Trajectory, Trial
 
 HERE = Path(__file__).resolve().parent
 spec = importlib.util.spec_from_file_location("in_space", HERE / "in_space.py")
@@ -531,3 +534,37 @@ def test_the_list_tells_which_points_have_a_pose(tmp_path, capsys):
     lab = SpaceLaboratory(up="+y")
     assert run(command, [str(motive_bodies(tmp_path / "take.csv", lab)), "--list"]) == 0
     assert capsys.readouterr().out.count("yes") == len(lab.names)
+
+
+def test_commands_of_measured_chambers_come_in_beside_them(tmp_path):
+    lab = SpaceLaboratory(gains=(0.3 * 14 / 24, 0.3 * 10 / 24), one=True)
+    asked = np.round(lab.pressures[:, :3], 1)
+    columns = [lab.time[:, None], lab.positions.reshape(len(lab.time), -1), lab.pressures[:, :3], asked]
+    places = [f"{name}.{axis}" for name in lab.names for axis in "XYZ"]
+    table(tmp_path / "take.csv", ["t", *places, "m1", "m2", "m3", "c1", "c2", "c3"], columns)
+    points = "".join(f'"{name}" = ["{name}.X", "{name}.Y", "{name}.Z"]\n' for name in lab.names)
+    inputs = '[[input]]\ncolumns = ["A", "B", "C"]\nfrom = ["m1", "m2", "m3"]\ncommand = ["c1", "c2", "c3"]\ngain = 0.3\n'
+    robot = '[robot]\nmass = 0.15\ndiameter = 0.04\nkeq = 1.11\nmount = "hanging"\nbending = "space"\n'
+    path = tmp_path / "map.toml"
+    path.write_text(f'{robot}[time]\ncolumn = "t"\n[space]\nup = "+z"\n[points]\n{points}{inputs}', encoding="utf-8")
+    settings = declared_settings(read_mapping(path), origin=lab.place)
+    write_dataset(import_recordings([tmp_path / "take.csv"], settings).dataset, tmp_path / "arm")
+    dataset = read_dataset(tmp_path / "arm")
+    assert [channel.name for channel in dataset.channels] == ["A", "B", "C"]
+    np.testing.assert_allclose(dataset.trials[0].trajectory.channels, lab.pressures[:, :3], atol=1e-12)
+    np.testing.assert_allclose(dataset.trials[0].trajectory.commanded, asked, atol=1e-12)
+    path.write_text(path.read_text(encoding="utf-8").replace(', "c3"', ""), encoding="utf-8")
+    with pytest.raises(RecordingError, match="command: expected the columns of 3 commands"):
+        read_mapping(path)
+
+
+def test_an_arm_in_space_that_stays_in_one_plane_is_doubted_unless_it_has_sections():
+    """Sections are declared in space only, so that an arm of sections in a plane is one in space."""
+    time = np.arange(50) / 50
+    positions = np.stack([0.05 * np.sin(9 * time), 0 * time, -0.24 + 0 * time], axis=1)[:, None]
+    trial = Trial("one", Trajectory(time, (Marker("tip", 0.24),), positions), 1.11)
+    even = Dataset("arm", 0.24, 0.15, 0.04, "hanging", (trial,), bending="space")
+    halves = replace(even, sections=(Section(0.12, 0.075, 2.22, 0.1),) * 2)
+    (warning,) = warnings(even, [(0.03, 0.0)], True)
+    assert "stays in one plane" in warning
+    assert warnings(halves, [(0.03, 0.0)], True) == ()

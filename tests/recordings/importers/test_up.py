@@ -6,7 +6,10 @@ import pytest
 from hsr_pin.errors import InputError, RecordingError
 from hsr_pin.recordings.importers.assemble import import_recordings
 from hsr_pin.recordings.importers.bodies import Body
+from hsr_pin.recordings.importers.mapping import read_mapping
 from hsr_pin.recordings.importers.settings import ImportSettings
+from hsr_pin.recordings.read import read_dataset
+from hsr_pin.recordings.write import write_dataset
 
 BODIES = (Body("base", ("Arm:base",), 0.0), Body("mid", ("Arm:mid",), 0.12), Body("tip", ("Arm:tip",), 0.24))
 
@@ -108,3 +111,28 @@ def test_files_that_have_different_axes_up_are_not_mixed(laboratory, tmp_path, w
     with pytest.raises(InputError, match=r"up: expected files of one laboratory, got \+y, \+z; give the axis"):
         import_recordings(paths, ImportSettings(**given))
     assert error_of(import_recordings(paths, ImportSettings(**given, up="+z")), lab) < 2e-6
+
+
+@pytest.mark.parametrize("side, x", [(1.0, None), (-1.0, None), (1.0, "-y")])
+def test_an_arm_that_moves_in_a_horizontal_plane_comes_in_without_gravity_in_it(laboratory, tmp_path, side, x):
+    """The arm bends to the left or to the right, seen from above; positive is where the input bends it, or what --x says."""
+    lab = laboratory("horizontal")
+    along, down = lab.world[..., 0], -lab.world[..., 2]
+    yaw = 0.3
+    level = np.stack([along, side * down, 0 * along], axis=-1)
+    turned = level @ np.array([[np.cos(yaw), np.sin(yaw), 0], [-np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]]) + [1.0, 2.0, 0.5]
+    columns = np.column_stack([lab.time, turned.reshape(len(turned), -1), lab.torque])
+    names = ["t", *(f"{name}{axis}" for name in "bmt" for axis in "xyz"), "tau"]
+    np.savetxt(tmp_path / "run.csv", columns, delimiter=",", comments="", header=",".join(names))
+    points = "".join(f'{name} = ["{key}x", "{key}y", "{key}z"]\n' for name, key in (("base", "b"), ("mid", "m"), ("tip", "t")))
+    text = f'[time]\ncolumn = "t"\n[space]\nup = "+z"\n[points]\n{points}[input]\ntau = "tau"\n'
+    (tmp_path / "map.toml").write_text(text, encoding="utf-8")
+    bodies = [Body(name, (name,), arc) for name, arc in zip(("base", "mid", "tip"), lab.arcs, strict=True)]
+    settings = ImportSettings(0.15, 0.04, [1.11], markers=bodies, mapping=read_mapping(tmp_path / "map.toml"), mount="flat", x=x)
+    imported = import_recordings([tmp_path / "run.csv"], settings)
+    assert imported.warnings == ()
+    write_dataset(imported.dataset, tmp_path / "arm")
+    dataset = read_dataset(tmp_path / "arm")
+    assert (dataset.mount, dataset.bending) == ("flat", "plane")
+    positive = lab.world * [1, 1, -1 if x else 1]
+    assert np.abs(dataset.trials[0].trajectory.positions - positive).max() < 2e-6
