@@ -34,6 +34,7 @@ class Grouped(click.Command):
         "Arm": (
             "keq", "damping", "mount", "length", "mass", "diameter", "tip_mass", "tilt", "bending", "torsion", "cross_tilt"
         ),
+        "Surroundings": ("ground", "wall", "post", "material"),
         "Output": (
             "json_file", "as_json", "html_file", "html", "plot_file", "plot", "urdf_file", "csv_folder", "replay", "live", "force"
         ),
