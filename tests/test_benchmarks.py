@@ -14,7 +14,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "benchmarks"
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space", "contact")
 ROW = re.compile(r"\| (?P<task>.+) \| (?P<ours>.+) \| (?P<peer>.+): (?P<theirs>.+) \| (?P<ratio>.+) \| .*\|")
 
 

@@ -134,7 +134,7 @@ class ArmBatch:
     def states(self) -> int:
         """Number of internal states of the laws and of friction with obstacles, per joint."""
         rubbing = self.touch[2] >= 0
-        return self._law_states + (self.world.shape[1] * int(self.touch[3]) * COMPONENTS if rubbing else 0)
+        return self._law_states + (int(self.touch[3]) * COMPONENTS if rubbing else 0)
 
     @property
     def _law_states(self) -> int:

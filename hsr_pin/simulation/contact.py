@@ -37,7 +37,7 @@ POSES = 12
 ENTRIES, RADIUS, END, START = SHAPE + 3, SHAPE, SHAPE + 1, SHAPE + 2
 #: Distance between two points of contact, relative to the arm's diameter. On a thin post, the surface deviates by 0.06 % of it.
 SPACING = 0.05
-#: States of friction per point and obstacle: the components of a vector, in space as complex numbers without imaginary parts.
+#: States of friction per point: the components of a vector, in space as complex numbers without imaginary parts.
 COMPONENTS = 3
 
 
@@ -81,12 +81,22 @@ def distance(w: Array, x: float, y: float, z: float) -> tuple[float, float, floa
     return gap, nx, ny, nz
 
 
+def held(x: float, y: float, z: float, nx: float, ny: float, nz: float, limit: float) -> tuple[float, float, float]:
+    """Return the part of a displacement along a surface with a normal, up to a limit [m]."""
+    away = x * nx + y * ny + z * nz
+    x, y, z = x - away * nx, y - away * ny, z - away * nz
+    size = sqrt(x * x + y * y + z * z)
+    if size > limit:
+        x, y, z = x * limit / size, y * limit / size, z * limit / size
+    return x, y, z
+
+
 def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float, out: Array) -> None:
     """Compute what contacts add to the inertias and forces of the links in a linearly implicit step.
 
     Args:
         g: (POSES, N) poses and velocities of the links.
-        b: (O points, 3, N) tangential displacements of the surfaces [m]; (0, 3, N) without friction.
+        b: (points, 3, N) tangential displacements of the surfaces [m]; not read without friction.
         reach: (N,) lengths of the links [m].
         world: (O, ENTRIES) obstacles.
         points: number of points of contact of a link.
@@ -124,10 +134,8 @@ def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float,
                 push = stiff * (depth + d * closing)
                 fx, fy, fz = push * nx, push * ny, push * nz
                 if w[FRICTION] > 0.0:
-                    k = o * points + m
-                    bx, by, bz = b[k, 0, i], b[k, 1, i], b[k, 2, i]
-                    limit = w[FRICTION] * depth
-                    if bx * bx + by * by + bz * bz < limit * limit * (1.0 - 1e-9):  # the surfaces stick
+                    bx, by, bz = held(b[m, 0, i], b[m, 1, i], b[m, 2, i], nx, ny, nz, w[FRICTION] * depth)
+                    if bx * bx + by * by + bz * bz < (w[FRICTION] * depth) ** 2 * (1.0 - 1e-9):  # the surfaces stick
                         tangential = d * d * stiff
                         bx, by, bz = bx + d * (ux + closing * nx), by + d * (uy + closing * ny), bz + d * (uz + closing * nz)
                     fx, fy, fz = fx - stiff * bx, fy - stiff * by, fz - stiff * bz
@@ -196,11 +204,11 @@ def slide(start: Array, end: Array, b: Array, reach: Array, world: Array, points
     Args:
         start: (POSES, N) poses of the links before the motion.
         end: (POSES, N) poses of the links after the motion.
-        b: (O points, 3, N) displacements before the motion [m].
+        b: (points, 3, N) displacements before the motion [m].
         reach: as for :func:`press`.
         world: as for :func:`press`.
         points: as for :func:`press`.
-        out: (O points, 3, N) overwritten with the displacements after the motion [m].
+        out: (points, 3, N) overwritten with the displacements after the motion [m]; one for all obstacles that a point touches.
     """
     out[:] = 0.0
     for o in range(world.shape[0]):
@@ -214,7 +222,7 @@ def slide(start: Array, end: Array, b: Array, reach: Array, world: Array, points
             if gap >= half + radius:
                 continue
             for m in range(points):
-                s, k = reach[i] * (m + 1) / points, o * points + m
+                s = reach[i] * (m + 1) / points
                 x, y, z = end[0, i] + s * end[3, i], end[1, i] + s * end[4, i], end[2, i] + s * end[5, i]
                 gap, nx, ny, nz = distance(w, x, y, z)
                 depth = radius - gap
@@ -223,13 +231,10 @@ def slide(start: Array, end: Array, b: Array, reach: Array, world: Array, points
                 ax, ay, az = start[0, i] + s * start[3, i], start[1, i] + s * start[4, i], start[2, i] + s * start[5, i]
                 before = radius - distance(w, ax, ay, az)[0]
                 part = depth / (depth - before) if before < 0.0 else 1.0  # of the motion, after the surfaces touched
-                bx, by, bz = b[k, 0, i] + part * (x - ax), b[k, 1, i] + part * (y - ay), b[k, 2, i] + part * (z - az)
-                along = bx * nx + by * ny + bz * nz
-                bx, by, bz = bx - along * nx, by - along * ny, bz - along * nz
-                size, limit = sqrt(bx * bx + by * by + bz * bz), w[FRICTION] * depth
-                if size > limit:
-                    bx, by, bz = bx * limit / size, by * limit / size, bz * limit / size
-                out[k, 0, i], out[k, 1, i], out[k, 2, i] = bx, by, bz
+                bx, by, bz = out[m, 0, i], out[m, 1, i], out[m, 2, i]
+                if bx == 0.0 and by == 0.0 and bz == 0.0:  # it touches no other obstacle
+                    bx, by, bz = b[m, 0, i] + part * (x - ax), b[m, 1, i] + part * (y - ay), b[m, 2, i] + part * (z - az)
+                out[m, 0, i], out[m, 1, i], out[m, 2, i] = held(bx, by, bz, nx, ny, nz, w[FRICTION] * depth)
 
 
 def poses_in_plane(q: Array, v: Array, start: float, reach: Array, g: Array) -> None:
@@ -269,7 +274,7 @@ def press_{name}(q, v, z, reach, world, out, B, b, N, O, points, d):
     g = np.empty((POSES, N))
     lengths, bodies = carray(reach, (N,)), carray(world, (O, ENTRIES))
     poses(carray(q, ({per} * N,)), carray(v, ({per} * N,)), bodies[0, START], lengths, g)
-    states = carray(z, (O * points, COMPONENTS, B, N, {parts}))
+    states = carray(z, (points, COMPONENTS, B, N, {parts}))
     press(g, states[:, :, b, :, 0], lengths, bodies, points, d, carray(out, (ADDED, N)))
 
 def slide_{name}(z, start, end, reach, world, out, B, b, N, O, points):
@@ -277,7 +282,7 @@ def slide_{name}(z, start, end, reach, world, out, B, b, N, O, points):
     lengths, bodies = carray(reach, (N,)), carray(world, (O, ENTRIES))
     poses(carray(start, ({per} * N,)), still, bodies[0, START], lengths, before)
     poses(carray(end, ({per} * N,)), still, bodies[0, START], lengths, after)
-    shape = (O * points, COMPONENTS, B, N, {parts})
+    shape = (points, COMPONENTS, B, N, {parts})
     slide(before, after, carray(z, shape)[:, :, b, :, 0], lengths, bodies, points, carray(out, shape)[:, :, b, :, 0])
 """
 

@@ -55,7 +55,7 @@ def contact_forces(scenario: Scenario, motion: Trajectory) -> ContactForces:
     if motion.joint_angles is None or motion.joint_rates is None:
         raise InputError("contact forces", expected="a simulated motion", received="a motion without joint angles")
     batch = ArmBatch.of([scenario])
-    world, points, links = batch.world[0], int(batch.touch[3]), batch.links
+    world, points, links = np.ascontiguousarray(batch.world[0]), int(batch.touch[3]), batch.links
     press, slide = (
         CFUNCTYPE(None, *[c_void_p] * 6, *[c_int64] * 5, *more)(function.address)
         for function, more in zip(compiled(batch.space), ([c_double], []), strict=True)
@@ -63,14 +63,14 @@ def contact_forces(scenario: Scenario, motion: Trajectory) -> ContactForces:
     q = np.ascontiguousarray(motion.joint_angles.reshape(len(motion.joint_angles), -1))
     v = np.ascontiguousarray(motion.joint_rates.reshape(q.shape))
     reach = np.ascontiguousarray(batch.arrays.reach[0])
-    states = np.zeros((2, len(world), points * COMPONENTS, links), dtype=complex if batch.space else float)
+    old, new = np.zeros((2, points * COMPONENTS, links), dtype=complex if batch.space else float)
     found = np.zeros((len(q), len(world), ADDED, links))
     for t in range(len(q)):
+        if t and len(world):
+            slide(*(part.ctypes.data for part in (old, q[t - 1], q[t], reach, world, new)), 1, 0, links, len(world), points)
+            old[:] = new
         for o in range(len(world)):
-            body, old, new = (np.ascontiguousarray(part) for part in (world[o], states[0, o], states[1, o]))
-            if t:
-                slide(*(part.ctypes.data for part in (old, q[t - 1], q[t], reach, body, new)), 1, 0, links, 1, points)
-            states[0, o] = new
+            body = np.ascontiguousarray(world[o])
             press(*(part.ctypes.data for part in (q[t], v[t], new, reach, body, found[t, o])), 1, 0, links, 1, points, 0.0)
     g, poses = np.empty((POSES, links)), poses_in_space if batch.space else poses_in_plane
     joint = np.empty((len(q), 1, links, 3))

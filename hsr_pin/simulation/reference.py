@@ -125,9 +125,9 @@ def contacts(system: PinocchioSystem, b: int, g: Array, moves: Array, drift: Arr
 
 
 def _bristles(system: PinocchioSystem, z: Array) -> Array:
-    """Return the tangential displacements (O points, 3, B, N) [m] in the states, as a view; zeros without friction."""
-    first, (count, obstacles) = system.arrays.touch[2], system.arrays.world.shape[:2]
-    shape = (obstacles * system.points, contact.COMPONENTS, count, system.arrays.reach.shape[1])
+    """Return the tangential displacements (points, 3, B, N) [m] in the states, as a view; zeros without friction."""
+    first = system.arrays.touch[2]
+    shape = (system.points, contact.COMPONENTS, *system.arrays.reach.shape)
     return z.real[first:].reshape(shape) if first >= 0 else np.zeros(shape)
 
 
