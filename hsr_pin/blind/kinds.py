@@ -48,6 +48,7 @@ _KINDS_OF: dict[str, tuple[str, ...]] = {
     "preset_bend": ("actuation_map", "elastic"),  # a permanent moment, or a shape
     "pulsing_stiffness": ("elastic",),
     "quadratic_damping": ("damping",),
+    "obstacle": ("contact",),
     "restraint": ("contact",),
     "ringing_drive": ("actuation_time",),
     "side_force": ("contact",),
@@ -105,7 +106,10 @@ _EQUIVALENT: dict[str, tuple[str, ...]] = {
     "bend_at_rest": ("torque_offset",),  # equivalent at a single stiffness
     "torque_offset": ("bend_at_rest",),
     "tether": ("restraint",),
-    "wall": ("restraint",),
+    "wall": ("restraint", "obstacle"),
+    "restraint": ("obstacle",),  # the plants by others call a wall, a post, a band and a hose so
+    "post_midway": ("obstacle",),
+    "floor_under_tip": ("obstacle",),
     "warming_arm": ("keq_drift",),  # a stiffness that changes over the session
 }
 

@@ -21,10 +21,10 @@ from hsr_pin.effects.hysteresis import Hysteresis
 from hsr_pin.effects.length_change import LengthChange
 from hsr_pin.effects.marker_offset import MarkerOffset
 from hsr_pin.effects.marker_slip import MarkerSlip
+from hsr_pin.effects.obstacle import Obstacle
 from hsr_pin.effects.one_sided_cable import OneSidedCable
 from hsr_pin.effects.partial_bias import PartialBias
 from hsr_pin.effects.partial_lag import PartialLag
-from hsr_pin.effects.post import Post
 from hsr_pin.effects.preset_bend import PresetBend
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.restraint import Restraint
@@ -40,7 +40,6 @@ from hsr_pin.effects.torque_decay import TorqueDecay
 from hsr_pin.effects.torque_map import TorqueMap
 from hsr_pin.effects.unequal_lag import UnequalLag
 from hsr_pin.effects.viscoelastic import Viscoelastic
-from hsr_pin.effects.wall import Wall
 from hsr_pin.errors import EffectError
 
 #: In the order of reports: properties along the arm, with bending, with time, of the drive, of the surroundings.
@@ -73,8 +72,7 @@ EFFECTS: dict[str, type[Effect]] = {
         TipMass,
         AddedMass,
         Restraint,
-        Wall,
-        Post,
+        Obstacle,
         SideForce,
         MarkerOffset,
         MarkerSlip,

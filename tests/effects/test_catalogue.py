@@ -19,8 +19,8 @@ from hsr_pin.simulation.simulate import simulate
 every_kind = pytest.mark.parametrize("kind", EFFECTS.values(), ids=EFFECTS)
 
 
-def test_there_are_thirty_three_effects_and_ten_flexible_laws():
-    assert (len(EFFECTS), len(FLEXIBLE)) == (33, 10)
+def test_there_are_thirty_two_effects_and_ten_flexible_laws():
+    assert (len(EFFECTS), len(FLEXIBLE)) == (32, 10)
     assert not {*EFFECTS} & {*FLEXIBLE}
 
 

@@ -77,7 +77,7 @@ TOGETHER = ("torque_map:quadratic=0.15", "actuator_lag:time_constant=0.06", "dea
 #: What the cameras make of an arm, and what stands beside it: the export says that it is lost.
 LOST = {"length_change", "marker_slip", "camera_scale", "restraint", "side_force"}
 #: Obstacles are solids of the file, with MuJoCo's own contact law (``test_solids``).
-SOLIDS = {"wall", "post"}
+SOLIDS = {"obstacle"}
 #: Those that no element of MuJoCo stands for.
 BY_LAW = {
     "partial_lag:time_constant=0.06",
