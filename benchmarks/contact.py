@@ -1,5 +1,7 @@
 """Time to simulate 1 s of arms that swing against obstacles, to a given error of the tip.
 
+    python benchmarks/contact.py     print the table (about one minute)
+
 Both simulate the same bodies, capsules and obstacles: the model of MuJoCo is the exported one. The contact laws differ, so that
 each is compared with its own converged motion. MuJoCo gets the best of all its integrators.
 """
@@ -131,3 +133,9 @@ def _exported(arm: ArmSpecification) -> str:
     from hsr_pin.export.model import CorrectedModel
 
     return to_mjcf(CorrectedModel(arm), major=int(mujoco.__version__.split(".")[0])).text
+
+
+if __name__ == "__main__":
+    from run import document
+
+    print(document(list(measure(quick=False))), end="")

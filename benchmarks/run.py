@@ -23,7 +23,7 @@ from time import perf_counter
 
 from rows import HEADER, Row
 
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space", "contact")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space")
 RESULTS = Path(__file__).with_name("results.md")
 _LIBRARIES = ("pin", "numpy", "numba", "scipy", "mujoco", "pybullet")
 

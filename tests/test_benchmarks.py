@@ -14,7 +14,7 @@ from hsr_pin.robot.specification import ArmSpecification
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "benchmarks"
-MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space", "contact")
+MEASUREMENTS = ("work_precision", "growth", "throughput", "latency", "startup", "diagnosis", "space")
 ROW = re.compile(r"\| (?P<task>.+) \| (?P<ours>.+) \| (?P<peer>.+): (?P<theirs>.+) \| (?P<ratio>.+) \| .*\|")
 
 
@@ -149,3 +149,9 @@ def test_the_table_is_shown_without_loading_anything_heavy():
     code = "import run, sys; run.main(); print(*sys.modules)"
     shown = subprocess.run([sys.executable, "-c", code, "--show"], cwd=FOLDER, capture_output=True, text=True, check=True).stdout
     assert not {"mujoco", "pybullet", "numpy", "numba"} & {*shown.splitlines()[-1].split()}
+
+
+def test_arms_against_a_post_are_timed_beside_mujoco(bench):
+    pytest.importorskip("mujoco", reason="compares with MuJoCo: python3 scripts/install.py bench")
+    (row,) = bench("contact").measure(quick=True)
+    assert ROW.fullmatch(str(row).strip()) and row.ratio > 0

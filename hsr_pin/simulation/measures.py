@@ -9,6 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hsr_pin.robot.kinematics import marker_map
+from hsr_pin.robot.space_kinematics import space_marker_map
+from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Trajectory
 
 #: The tip has settled when it stays within this share of its total displacement.
@@ -190,3 +193,18 @@ def _crossing(elapsed: Array, distance: Array, last: int, band: float) -> float:
     before, after = distance[last : last + 2]
     share = (before - band) / (before - after)
     return float(elapsed[last] + share * (elapsed[last + 1] - elapsed[last]))
+
+
+def first_self_contact(arm: ArmSpecification, motion: Trajectory) -> float | None:
+    """Return the time [s] at which an arm of its diameter first touches itself in a simulated motion; None if it never does.
+
+    Points of the backbone that are closer along the arm than two diameters are not compared.
+    """
+    assert motion.joint_angles is not None
+    places = np.linspace(0, arm.length, max(2, round(4 * arm.length / arm.diameter)) + 1)
+    points = (space_marker_map if arm.bending == "space" else marker_map)(arm, places)
+    angles = motion.joint_angles[:, None] if arm.bending == "space" else motion.joint_angles
+    positions = np.asarray(points.positions(angles)).reshape(len(motion.time), len(places), 3)
+    first, second = np.nonzero(np.subtract.outer(places, places) > 2 * arm.diameter)
+    near = np.linalg.norm(positions[:, first] - positions[:, second], axis=2).min(axis=1, initial=np.inf) < arm.diameter
+    return float(motion.time[np.argmax(near)]) if near.any() else None

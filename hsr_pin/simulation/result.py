@@ -10,6 +10,7 @@ import numpy as np
 from hsr_pin.errors import SimulationFailure
 from hsr_pin.simulation.contact_forces import ContactForces, contact_forces
 from hsr_pin.simulation.energy import SUSPICIOUS, Energy, energy, energy_obstacle
+from hsr_pin.simulation.measures import first_self_contact
 from hsr_pin.simulation.scenario import Scenario
 from hsr_pin.trajectory import Array, Trajectory
 
@@ -67,7 +68,10 @@ class SimulationResult:
 
     @property
     def warning(self) -> str:
-        """A sentence that warns of an increase of energy; empty if there is none, or if the energy balance is not available."""
+        """A sentence that warns of an arm that touches itself, or of an increase of energy; empty if there is no reason to."""
+        touch = first_self_contact(self.scenario.arm, self.trajectory)
+        if touch is not None:
+            return f"the arm passes through itself from {touch:.3g} s on: contact of an arm with itself is not simulated"
         active = any(effect.acts_through("moment") and not effect.passive for effect in self.scenario.effects)
         rise = 0.0 if active or energy_obstacle(self.scenario) else self.energy().rise
         if rise <= SUSPICIOUS:

@@ -334,3 +334,26 @@ def test_help_loads_nothing_heavy():
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
     assert "--keq" in result.stdout
     assert result.stderr == "[]\n"
+
+
+def test_obstacles_are_simulated_told_and_kept_with_the_recording(sim, tmp_path):
+    folder = tmp_path / "made"
+    code, out, err = sim("--torque", 1.5, "--post", 0.06, -0.14, 0.01, "--ground", -0.3, "--wall", -0.2, "--csv", folder)
+    assert (code, err) == (0, "")
+    words = " ".join(out.split())
+    assert "obstacle 3 (cylinder): contact from" in words
+    assert "obstacle 1 (half space): no contact" in words
+    dataset = read_dataset(folder)
+    assert [obstacle.shape for obstacle in dataset.obstacles] == ["half_space", "half_space", "cylinder"]
+    assert max(error.rms for error in compare(dataset).errors) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(("--post", 0.06, -0.14, 0), "radius of an obstacle"), (("--ground", "nan"), "point"), (("--material", "wool"), "silicone")],
+)
+def test_a_wrong_obstacle_is_one_line(sim, arguments, words):
+    code, out, err = sim("--torque", 1, *arguments)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert words in err

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, least_squares
 
-from hsr_pin.simulation.measures import measure_tip, nearest_circle
+from hsr_pin.robot.specification import ArmSpecification
+from hsr_pin.simulation.measures import first_self_contact, measure_tip, nearest_circle
+from hsr_pin.simulation.scenario import step_scenario
+from hsr_pin.simulation.simulate import simulate
 from hsr_pin.trajectory import Marker, Trajectory
 
 TIME = np.linspace(0.0, 3.0, 301)
@@ -142,3 +145,14 @@ def test_the_nearest_circle_is_the_one_that_least_squares_finds(seed):
     ]
     best = min(ends, key=lambda end: end.cost)
     assert nearest_circle(path).distance <= (1 + 1e-3) * np.sqrt(2 * best.cost)
+
+
+@pytest.mark.parametrize("bending", ["plane", "space"])
+def test_an_arm_that_passes_through_itself_is_told(bending):
+    arm = ArmSpecification(links=16, placement="mid", bending=bending, bending_limit=20.0, keq=0.3, mass=0.01)
+    curled = simulate(step_scenario(arm, 2.2, duration=1.0))  # more than a whole turn
+    bent = simulate(step_scenario(arm, 0.5, duration=1.0))
+    assert first_self_contact(arm, bent.trajectory) is None
+    time = first_self_contact(arm, curled.trajectory)
+    assert time is not None and 0.1 < time < 1.0
+    assert "passes through itself" in curled.warning and bent.warning == ""
