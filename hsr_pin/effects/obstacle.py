@@ -33,7 +33,7 @@ class Obstacle(Effect):
     in_space = False
     passive = True
 
-    hardness: float = amplitude(1e5, "N/m^2", lower=0.0, upper=3e6, description="force per depth and length in contact")
+    hardness: float = amplitude(1e4, "N/m^2", lower=0.0, upper=3e6, description="force per depth and length in contact")
     gap: float = shape(
         0.02, 0.02, "m", lower=0.001, upper=0.3, start_count=4, description="gap between the straight arm and the obstacle"
     )

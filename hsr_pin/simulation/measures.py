@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr_pin.robot.kinematics import marker_map
-from hsr_pin.robot.space_kinematics import space_marker_map
+from hsr_pin.robot.kinematics import MarkerMap, marker_map
+from hsr_pin.robot.space_kinematics import SpaceMarkerMap, space_marker_map
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.trajectory import Array, Trajectory
 
@@ -202,9 +202,8 @@ def first_self_contact(arm: ArmSpecification, motion: Trajectory) -> float | Non
     """
     assert motion.joint_angles is not None
     places = np.linspace(0, arm.length, max(2, round(4 * arm.length / arm.diameter)) + 1)
-    points = (space_marker_map if arm.bending == "space" else marker_map)(arm, places)
-    angles = motion.joint_angles[:, None] if arm.bending == "space" else motion.joint_angles
-    positions = np.asarray(points.positions(angles)).reshape(len(motion.time), len(places), 3)
+    points: MarkerMap | SpaceMarkerMap = (space_marker_map if arm.bending == "space" else marker_map)(arm, places)
+    positions = points.positions(motion.joint_angles.reshape(len(motion.time), -1))
     first, second = np.nonzero(np.subtract.outer(places, places) > 2 * arm.diameter)
     near = np.linalg.norm(positions[:, first] - positions[:, second], axis=2).min(axis=1, initial=np.inf) < arm.diameter
     return float(motion.time[np.argmax(near)]) if near.any() else None

@@ -136,9 +136,10 @@ def test_friction_holds_an_arm_round_a_post_up_to_the_exponential_of_the_angle()
 def test_a_long_step_is_one_of_newtons_and_returns_to_rest(space):
     """The implicit part of a contact is its exact stiffness: the error after a step is of second order."""
     ground = replace(GROUND, friction=0.0)
+    bending = "space" if space else "plane"
     arm = ArmSpecification(
-        links=6, placement="shifted", mount="horizontal", keq=1.0, tip_mass=0.3, obstacles=(ground,), bending=("plane", "space")[space]
-    )  # fmt: skip
+        links=6, placement="shifted", mount="horizontal", keq=1.0, tip_mass=0.3, bending=bending, obstacles=(ground,)
+    )
     torque = np.zeros((2, 2)) if space else np.zeros(2)
     scenario = Scenario(arm, np.array([0.0, 0.01]), torque)
     rest = simulate(scenario, dynamics="compiled").trajectory.joint_angles[0].reshape(1, -1)
