@@ -58,7 +58,7 @@ def test_differences_of_evidence_do_not_depend_on_the_unit_of_length():
     def difference(unit):
         data = replace(DATA, noise=DATA.noise * unit**2)
         one, other = (
-            replace(each, misfit=each.misfit * unit**2, information=each.information * unit**2)
+            replace(each, misfits=each.misfits * unit**2, information=each.information * unit**2)
             for each in (model([FRICTION], 0.2), model([], 0.9))
         )
         return log_evidence(one, data, CALIBRATION) - log_evidence(other, data, CALIBRATION)

@@ -217,6 +217,7 @@ SIZES = {
     "drive_lag.time_constant": 0.05,
     "encoder_offset.elbow": 0.05,
     "encoder_gain.shoulder": 0.05,
+    "encoder_eccentricity.cosine:shoulder": 0.05,
 }
 
 

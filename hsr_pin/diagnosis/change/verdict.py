@@ -117,7 +117,7 @@ class ChangeEvidence:
     @cached_property
     def data(self) -> Data:
         """Unit noise variance and number of whitened residuals."""
-        return Data(1.0, int(self.new.sum()))
+        return Data.of_one_group(1.0, int(self.new.sum()))
 
     @cached_property
     def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
@@ -189,7 +189,8 @@ def needed(data: Data, scatter: float = 0.0) -> float:
         scatter: mean square that no change is required to explain.
     """
     numbers = calibrated()
-    return data.count * variance(scatter, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
+    left = float((data.count * variance(np.array([scatter]), data, numbers)).sum())
+    return left * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
 
 
 def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
@@ -201,7 +202,7 @@ def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
         for fact, after, before, width, sized in zip(facts, fitted.after, change.start, widths, change.sizes, strict=True)
     ]
     causes = tuple(Cause(name, kind) for name, kind in change.kinds.items() if name in names)
-    return Model(causes, misfit, information([fitted.slopes], widths), np.array(steps))
+    return Model(causes, np.array([misfit]), information([fitted.slopes], widths)[None], np.array(steps))
 
 
 def _special_case(one: ChangeHypothesis | None, other: ChangeHypothesis | None) -> bool:
