@@ -89,6 +89,10 @@ class Values:
         """Return the values of a parameter that all joints share, (B, 1)."""
         return self._array(name, [name])
 
+    def of_other_cause(self, cause: str) -> Array:
+        """Return the parameters of another cause with one for each joint, (B, n); 0 if the model does not have this cause."""
+        return np.array([[each.get(f"{cause}.{joint}", 0.0) for joint in self._joints] for each in self._values])
+
     def _array(self, cache_key: str, names: Sequence[str]) -> Array:
         """Return the values of K parameters, (B, K); the array is cached."""
         if cache_key not in self._cache:
