@@ -156,8 +156,8 @@ class Model:
         truest: relative accuracy of the best possible model, as a share of the standard deviation of a channel; a smaller noise
             is not weighted more.
         least: absolute accuracy of the best possible model for single channels, in their units.
-        tolerances: names of declared numbers whose errors are known with a standard deviation only; the function receives the error
-            of each in standard deviations as ``values[name]``, and 0 if it is missing.
+        tolerances: names of errors of declared numbers that are known with a standard deviation only; the function receives each
+            error, in standard deviations, as ``values[name]``; a missing error is 0.
         predict_many: function for many predictions at once, if that is faster: from a list of pairs (values, trial) to a list of
             predictions.
         slopes: known derivatives: ``slopes(values, trial)`` returns for each channel and parameter name an array (N,); missing

@@ -1,9 +1,9 @@
 """Detection limits: the size from which on a cause that was not named would have become part of the verdict.
 
 The change of the recordings that a cause of size a would make, beyond what the free parameters of the best model can hide, adds
-a^2 g to the mean square that a model without the cause leaves in a group of channels. The cause is found if this raises the log evidence by more than
-the cause costs (:mod:`hsr_pin.inference.evidence`) and by the logarithm of the odds, if it is more than the share of the gap for
-which the posterior keeps a simpler model, and if the gap is reported at all.
+a^2 g to the mean square that a model without the cause leaves in a group of channels. The cause is found if this raises the log
+evidence by more than the cause costs (:mod:`hsr_pin.inference.evidence`) and by the logarithm of the odds, if it is more than the
+share of the gap for which the posterior keeps a simpler model, and if the gap is reported at all.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 No model of a robot is exact, and its error repeats in every trial, so that ten thousand samples carry the information of about
 ten independent ones. The likelihood is therefore raised to the power nu / N (J. W. Miller, D. B. Dunson, Robust Bayesian
 inference via coarsening, JASA 114, 2019), and the variance of the model discrepancy is profiled for each model (M. C. Kennedy, A.
-O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001). Channels whose discrepancies are different in size,
-such as the joints of a robot, form groups g with a variance of their own::
+O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001). Channels whose discrepancies differ in size, such
+as the joints of a robot, form groups g with a variance of their own::
 
     v_g    = S_g + (floor sigma_g)^2 + d_g
     log p  = -nu/2 sum_g ln v_g - 1/2 ln det(I + sum_g nu/N_g E_g / v_g) - sum_j ln(1 + z_j^2) - kappa |h|

@@ -14,7 +14,6 @@ from hsr_pin.inference.tolerances import Tolerances
 from hsr_pin.inference.trial_parameters import Eliminated, noise_inflation, supported, trial_inflation, without_trial_parameters
 from hsr_pin.trajectory import Array
 
-
 #: Number of times that errors of initial states and of declared numbers are estimated in turn.
 _TURNS = 3
 
@@ -93,13 +92,14 @@ class Misfit:
 
     def _tolerated(self, rows: Array) -> Tolerances | None:
         """Return the elimination of errors of declared numbers at whitened residuals (n,); None if there are none."""
-        known = [self.problem.tolerances(run) for run in self.problem.runs]
-        if not known[0].shape[-1]:
+        changes = [self.problem.tolerances(run) for run in self.problem.runs]
+        if not changes[0].shape[-1]:
             return None
-        parts = zip(known, self.weights, self._eliminated, self._seen, strict=True)
-        basis = np.concatenate([without((each * w[..., None])[seen]) for each, w, without, seen in parts])
-        channels = np.concatenate([np.nonzero(seen)[1] for seen in self._seen])
-        return Tolerances.of(rows, basis, [np.isin(channels, own) for own in self.problem.groups], calibrated().samples)
+        columns = zip(changes, self.weights, self._eliminated, self._seen, strict=True)
+        basis = np.concatenate([without((each * w[..., None])[known]) for each, w, without, known in columns])
+        channels = np.concatenate([np.nonzero(known)[1] for known in self._seen])
+        groups = [np.isin(channels, own) for own in self.problem.groups]
+        return Tolerances.of(rows, basis, groups, calibrated().samples)
 
     def hold(self, x: Array) -> bool:
         """Freeze the elimination of trial parameters at ``x``, and return whether there are any.

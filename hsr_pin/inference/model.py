@@ -58,8 +58,8 @@ class Model:
     Attributes:
         causes: causes that the model adds to the nominal model; empty for the nominal model with its own parameters fitted.
         misfits: (G,) mean square residual of one coordinate beyond noise, for each group of channels.
-        information: (G, P + K, P + K) matrices L^-1/2 (J'J) L^-1/2, where J are the derivatives of the residuals of a group and L is the
-            diagonal precision of the prior.
+        information: (G, P + K, P + K) matrices L^-1/2 (J'J) L^-1/2, where J are the derivatives of the residuals of a group and L
+            is the diagonal precision of the prior.
         departures: (P,) distance of each parameter from the centre of its prior, in standard deviations.
         errors: (K,) errors of declared numbers within their tolerances, in standard deviations; their information follows that of
             the P parameters.

@@ -253,6 +253,7 @@ def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool
 
 def _promising(quick: Sequence[Fit], state: _State, least: int, most: int) -> list[Fit]:
     """Return the quick fits that may become credible, and in any case the first few."""
+
     def fits(each: Fit) -> float:
         misfits = lasting_squares(each.residuals, state.data.groups)
         return likelihood(misfits, state.data, state.calibration) - state.calibration.cause * len(each.hypothesis.parts)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hsr_pin.trajectory import Array
 
@@ -36,7 +37,7 @@ class Tolerances:
     held: float
 
     @classmethod
-    def of(cls, rows: Array, basis: Array, groups: Sequence[Array], samples: float) -> Tolerances:
+    def of(cls, rows: Array, basis: Array, groups: Sequence[NDArray[np.bool_]], samples: float) -> Tolerances:
         """Return the elimination, with the variance that the residuals have in each group of channels.
 
         Args:
@@ -45,20 +46,25 @@ class Tolerances:
             groups: for each group of channels which residuals belong to it, (n,).
             samples: effective number of independent samples of a group.
         """
-        left = rows
+        parts = [(rows[own], basis[own]) for own in groups if own.any()]
+        sums = [(len(r), float(r @ r), b.T @ r, b.T @ b) for r, b in parts]
+        errors = np.zeros(basis.shape[1])
         for _ in range(_TURNS):
-            weights = np.zeros(len(rows))
-            for own in groups:
-                weights[own] = samples / own.sum() / max(float(np.mean(left[own] ** 2)), _LEAST) if own.any() else 0.0
-            inverse = np.linalg.solve(basis.T @ (basis * weights[:, None]) + np.eye(basis.shape[1]), (basis * weights[:, None]).T)
-            left = rows - basis @ (inverse @ rows)
-        return cls(basis, inverse, float(np.mean(1 / weights[weights > 0])) ** 0.5)
+            left = [max((rr + 2 * errors @ br + errors @ bb @ errors) / n, _LEAST) for n, rr, br, bb in sums]
+            weights = [samples / n / square for (n, *_), square in zip(sums, left, strict=True)]
+            normal = np.eye(len(errors)) + sum(w * bb for w, (*_, bb) in zip(weights, sums, strict=True))
+            errors = -np.linalg.solve(normal, sum(w * br for w, (_, _, br, _) in zip(weights, sums, strict=True)))
+        each = np.zeros(len(rows))
+        for own, weight in zip((own for own in groups if own.any()), weights, strict=True):
+            each[own] = weight
+        inverse = np.linalg.solve(normal, (basis * each[:, None]).T)
+        return cls(basis, inverse, float(np.mean(1 / each[each > 0])) ** 0.5)
 
     def errors(self, rows: Array) -> Array:
         """Return the most probable errors (K,), in standard deviations, for residuals (n,)."""
         return np.asarray(-self.inverse @ rows)
 
     def __call__(self, rows: Array) -> Array:
-        """Return residuals or derivatives (n, ...) without the errors, followed by the K errors with the weight of their prior."""
+        """Return residuals or derivatives (n, ...) without the errors, followed by the K errors weighted by their prior."""
         errors = self.errors(rows)
         return np.concatenate([rows + np.tensordot(self.basis, errors, 1), self.held * errors])

@@ -7,8 +7,8 @@ explain is not counted as a gap that the laws have to explain.
 
 The prior of a trial parameter has to be compared with the effective noise of the residuals. A model discrepancy is correlated in
 time, so that its many samples carry little information (:func:`noise_inflation`). If they were taken as white noise, trial
-parameters far outside their prior would be accepted. Errors of initial states are determined by the first samples, before a discrepancy has
-grown; they are used as far as their mean square over all trials agrees with their prior (:func:`plausible_inflation`).
+parameters far outside their prior would be accepted. Errors of initial states are used as far as their squares, over all trials,
+agree with their prior (:func:`plausible_inflation`).
 """
 
 from __future__ import annotations
@@ -96,10 +96,10 @@ def _of_initial_state(problem: Problem) -> NDArray[np.bool_]:
 def plausible_inflation(residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], problem: Problem) -> Array:
     """Return the factors (K,) by which the effective noise exceeds white noise, as seen by errors of initial states.
 
-    It is the smallest common factor with which the sum of squares of the estimated errors of all trials, in units of their priors,
-    is no larger than chance allows (discrepancy principle: V. A. Morozov, Methods for Solving Incorrectly Posed Problems, 1984).
-    Errors of initial states are the confounded parameters that all trials have and that are not systematic; the factor of all
-    others is one.
+    It is the smallest common factor with which the sum of squares of the estimated errors of all trials, in units of their
+    priors, is no larger than chance allows (discrepancy principle: V. A. Morozov, Methods for Solving Incorrectly Posed Problems,
+    1984). Errors of initial states are the confounded parameters that all trials have and that are not systematic; the factor of
+    all others is one.
 
     Args:
         residuals: for each trial (T, M, A); NaN in gaps.

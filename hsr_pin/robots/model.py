@@ -1,8 +1,8 @@
 """Model of a robot whose missing causes can be explained; each trial is cut into stretches with their own initial states.
 
 A long simulation of a robot drifts away from the recording if friction is low or badly known. Therefore each trial is cut into
-stretches. Each stretch starts at an estimated angle and speed, whose errors are fitted within their priors (multiple shooting: H. G. Bock, K. J. Plitt, A
-multiple shooting algorithm for direct solution of optimal control problems, IFAC 1984).
+stretches. Each stretch starts at an estimated angle and speed, whose errors are fitted within their priors (multiple shooting: H.
+G. Bock, K. J. Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC 1984).
 """
 
 from __future__ import annotations
@@ -161,14 +161,14 @@ class RobotModel:
     def noise(self) -> Array:
         """Standard deviation of the noise of each encoder, (n,) [rad]."""
         white = np.nanmedian([white_noise(trial.position) for trial in self.recordings.trials], axis=0)
-        return np.hypot(np.nan_to_num(white), self.resolution)
+        return np.asarray(np.hypot(np.nan_to_num(white), self.resolution))
 
     @cached_property
     def resolution(self) -> Array:
         """Standard deviation of the rounding of each encoder, (n,) [rad]: of its smallest step."""
         steps = np.abs(np.concatenate([np.diff(trial.position, axis=0) for trial in self.recordings.trials]))
         smallest = np.min(np.where(steps > 0, steps, np.inf), axis=0)
-        return np.where(np.isfinite(smallest), smallest, 0.0) / np.sqrt(12)
+        return np.asarray(np.where(np.isfinite(smallest), smallest, 0.0) / np.sqrt(12))
 
 
 def _start_speed(joint: str) -> str:

@@ -63,9 +63,10 @@ def starts(time: Array, position: Array, begins: Sequence[int], noise: Array, re
     best = np.argmin([each.speed_error for each in tried], axis=0)
     joint = np.arange(position.shape[1])
     parts = (np.array([getattr(each, name) for each in tried]) for name in ("angle", "speed", "acceleration"))
+    angle, speed, acceleration = (part[best, :, joint].T for part in parts)
     errors = (np.array([getattr(each, name) for each in tried])[best, joint] for name in ("angle_error", "speed_error"))
     angle_error, speed_error = errors
-    return Starts(*(part[best, :, joint].T for part in parts), np.hypot(angle_error, resolution), speed_error)
+    return Starts(angle, speed, acceleration, np.hypot(angle_error, resolution), speed_error)
 
 
 def _fits(time: Array, position: Array, begins: Sequence[int], noise: Array, width: int) -> Starts:

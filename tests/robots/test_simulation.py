@@ -128,7 +128,11 @@ def test_rotor_inertia_belongs_to_the_motor_of_an_elastic_joint(robot, model):
     stiffness, rotor = 20.0, 0.03
     damping, first = 2 * 0.1 * np.sqrt(stiffness * rotor), stretch().command[0, 0] / stiffness
     truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded, rotor=rotor)
-    causes = {"joint_elasticity__elbow": 1 / stiffness, "joint_elasticity__damping_ratio": 0.1, "rotor_inertia__elbow": rotor - 0.01}
+    causes = {
+        "joint_elasticity__elbow": 1 / stiffness,
+        "joint_elasticity__damping_ratio": 0.1,
+        "rotor_inertia__elbow": rotor - 0.01,
+    }
     found, rigid = run(model, joint_elasticity__encoder_side=0, **causes), run(model, rotor_inertia__elbow=rotor - 0.01)
     assert np.abs(truth - rigid).max() > 0.02
     assert found == pytest.approx(truth, abs=3e-3)
