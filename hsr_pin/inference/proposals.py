@@ -30,6 +30,8 @@ _WORSE = 2.0
 _FARTHEST = 6.0
 #: Directions whose influence on the residuals is below this share of the strongest one are treated as undetermined.
 _BLIND = 1e-6
+#: Smallest squared residual, for recordings that a model predicts exactly.
+_NOTHING = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +251,7 @@ def _linear_propose(base: Fit, hypothesis: Hypothesis, start: Array, known: _Kno
     values[:old] += [fact.scale for fact in facts[:old]] * np.clip(known.step(rest), -3.0, 3.0)
     left = known.without(rest)
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
-    gain = 1 - float(left @ left) / float(known.residual @ known.residual)
+    gain = 1 - float(left @ left) / max(float(known.residual @ known.residual), _NOTHING)
     return max(0.0, gain), np.asarray(np.clip(values, lower, upper))
 
 
