@@ -42,7 +42,7 @@ def test_an_unchanged_robot_is_reported_as_unchanged(recordings):
 
 
 def test_a_base_that_is_turned_cannot_be_told_from_an_encoder_that_is_turned(recordings):
-    found = changed(recordings, position=lambda trial: trial.position + [np.radians(3.0), 0.0])
+    found = changed(recordings, position=lambda trial: trial.position + np.array([np.radians(3.0), 0.0]))
     assert names(found) == {"encoder_offset", "tilted_base"}
 
 
