@@ -48,16 +48,17 @@ class Tolerances:
         """
         parts = [(rows[own], basis[own]) for own in groups if own.any()]
         sums = [(len(r), float(r @ r), b.T @ r, b.T @ b) for r, b in parts]
-        errors = np.zeros(basis.shape[1])
+        errors: Array = np.zeros(basis.shape[1])
         for _ in range(_TURNS):
-            left = [max((rr + 2 * errors @ br + errors @ bb @ errors) / n, _LEAST) for n, rr, br, bb in sums]
+            left = [max(float(rr + 2 * errors @ br + errors @ bb @ errors) / n, _LEAST) for n, rr, br, bb in sums]
             weights = [samples / n / square for (n, *_), square in zip(sums, left, strict=True)]
             normal = np.eye(len(errors)) + sum(w * bb for w, (*_, bb) in zip(weights, sums, strict=True))
-            errors = -np.linalg.solve(normal, sum(w * br for w, (_, _, br, _) in zip(weights, sums, strict=True)))
+            right = sum(w * br for w, (_, _, br, _) in zip(weights, sums, strict=True))
+            errors = np.asarray(-np.linalg.solve(normal, right))
         each = np.zeros(len(rows))
         for own, weight in zip((own for own in groups if own.any()), weights, strict=True):
             each[own] = weight
-        inverse = np.linalg.solve(normal, (basis * each[:, None]).T)
+        inverse = np.asarray(np.linalg.solve(normal, (basis * each[:, None]).T))
         return cls(basis, inverse, float(np.mean(1 / each[each > 0])) ** 0.5)
 
     def errors(self, rows: Array) -> Array:
