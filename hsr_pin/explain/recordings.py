@@ -6,7 +6,6 @@ Channels of different units thus have equal weights, and a distance of 1 is one 
 
 from __future__ import annotations
 
-import math
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -237,11 +236,11 @@ class Recordings:
             if tuple(trial.measured) != self.channels:
                 expected, received = ", ".join(self.channels), ", ".join(trial.measured)
                 raise InputError(f"channels of {trial.name}", expected=f"{expected}, as in {names[0]}", received=received)
-        self.units = np.array([self._floor(channel, trials) for channel in self.channels])
-        rms = np.array([self._noise(channel, trials) for channel in self.channels])
+        rms, least = (np.array([of(channel, trials) for channel in self.channels]) for of in (self._noise, self._inaccuracy))
+        self.units = np.where((both := np.hypot(rms, least)) > 0, both, 1.0)
         self.noise, self.floor = rms / self.units, np.ones(len(self.units))
         self.groups = tuple((k,) for k in range(len(self.units)))
-        self.discrepancy = np.array([self._inaccuracy(channel, trials) for channel in self.channels]) / self.units
+        self.discrepancy = least / self.units
         self.runs = tuple(Recording(trial, _stacked(trial.measured, self.channels) / self.units[:, None]) for trial in trials)
         self.worst = _FAILED * max(1 / self.model.truest, *(run.moved for run in self.runs))
         self._known, self._tolerances = _Known(), dict[str, Array]()
@@ -267,10 +266,6 @@ class Recordings:
             return self.model.noise[channel]
         found = [white_noise(np.asarray(trial.measured[channel])) for trial in trials]
         return float(np.nanmedian(found)) if np.isfinite(found).any() else 0.0
-
-    def _floor(self, channel: str, trials: Sequence[Trial]) -> float:
-        """Return the floor of a channel in its unit: its noise combined with the accuracy of the best possible model."""
-        return math.hypot(self._noise(channel, trials), self._inaccuracy(channel, trials)) or 1.0
 
     def _inaccuracy(self, channel: str, trials: Sequence[Trial]) -> float:
         """Return the accuracy of the best possible model for a channel, in its unit."""
