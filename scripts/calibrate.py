@@ -99,6 +99,7 @@ def case_of(document: dict[str, Any], answer: Answer) -> Case:
             np.array(each.get("misfits", [each["misfit"]]), dtype=float),
             _information(each),
             np.array(each.get("departures", []), dtype=float),
+            np.array(each.get("errors", []), dtype=float),
         )
         for each in (*fitted, *rest)
     )

@@ -81,6 +81,7 @@ def judged_to_json(model: Model) -> dict[str, Any]:
         "misfits": [number_or_null(value) for value in model.misfits],
         "information": model.information.tolist(),
         "departures": [number_or_null(value) for value in model.departures],
+        "errors": [number_or_null(value) for value in model.errors],
     }
 
 
