@@ -58,9 +58,10 @@ def background(answer: dict[str, Any]) -> set[str]:
 
 
 def grade(answer: dict[str, Any], verdict: dict[str, Any]) -> str:
-    """Return the grade of a verdict."""
+    """Return the grade of a verdict; what entered the catalogue after the diagnosis counts as outside of it."""
     causes = {SAME.get(name, name) for name in answer["causes"]}
-    true = causes if answer["kind"] in ("single", "pair") or causes <= set(KINDS) else set()
+    known = set(KINDS) - set(verdict.get("unknown", ()))
+    true = causes if answer["kind"] in ("single", "pair") or causes <= known else set()
     there, kinds = true | background(answer), {KINDS[name] for name in true if name in KINDS}
     sets = [set(names) for names in verdict["alternatives"]] or [set(verdict["effects"])]
     if verdict["status"] in ("no_gap", "parameters", "unexplained", "insufficient") or not any(sets):

@@ -96,14 +96,29 @@ def case_of(document: dict[str, Any], answer: Answer) -> Case:
     models = tuple(
         Model(
             tuple(Cause(**cause) for cause in each["causes"]),
-            each["misfit"],
-            np.array(each.get("information", []), dtype=float),
+            np.array(each.get("misfits", [each["misfit"]]), dtype=float),
+            _information(each),
             np.array(each.get("departures", []), dtype=float),
+            np.array(each.get("errors", []), dtype=float),
         )
         for each in (*fitted, *rest)
     )
     special = frozenset((k, n) for n, each in enumerate(fitted) for k in each["special_cases"])
-    return Case(models, special, Data(**document["posterior"]["data"]), answer, document["verdict"]["status"])
+    return Case(models, special, _data(document["posterior"]["data"]), answer, document["verdict"]["status"])
+
+
+def _information(model: dict[str, Any]) -> Array:
+    """Return the information (G, P, P) of a model; older documents have only the eigenvalues of a single group."""
+    found = np.array(model.get("information", []), dtype=float)
+    return found if found.ndim == 3 else np.diag(found)[None]
+
+
+def _data(document: dict[str, Any]) -> Data:
+    """Return the summary of the recordings; in older documents all channels are one group."""
+    if "groups" not in document:
+        return Data.of_one_group(**document)
+    groups = tuple(tuple(own) for own in document["groups"])
+    return Data(groups, *(np.array(document[name]) for name in ("noise", "count", "discrepancy")))
 
 
 def scores(found: Sequence[Case], numbers: Calibration) -> Array:

@@ -279,7 +279,7 @@ def unfitted(base: Candidate, where: Where) -> list[Model]:
         shares["pulsating_torque", "actuation_map"] = where.pulsation.added
         shares["pulsating_stiffness", "elastic"] = where.pulsation.elastic
     return [
-        replace(base.model, causes=(Cause(name, kind, flexible=True),), misfit=(1 - max(share, 0.0)) * base.model.misfit)
+        replace(base.model, causes=(Cause(name, kind, flexible=True),), misfits=(1 - max(share, 0.0)) * base.model.misfits)
         for (name, kind), share in shares.items()
     ]
 

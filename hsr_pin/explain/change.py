@@ -38,6 +38,7 @@ class Change:
             predict=self.predict,
             predict_many=self.predict_many,
             slopes=None,
+            tolerances=(),
             parameters=(),
             causes=(*map(self._of_number, self.model.parameters), *self.model.causes),
             noise=self._of_two(self.early.noise),

@@ -156,6 +156,8 @@ class Model:
         truest: relative accuracy of the best possible model, as a share of the standard deviation of a channel; a smaller noise
             is not weighted more.
         least: absolute accuracy of the best possible model for single channels, in their units.
+        tolerances: names of errors of declared numbers that are known with a standard deviation only; the function receives each
+            error, in standard deviations, as ``values[name]``; a missing error is 0.
         predict_many: function for many predictions at once, if that is faster: from a list of pairs (values, trial) to a list of
             predictions.
         slopes: known derivatives: ``slopes(values, trial)`` returns for each channel and parameter name an array (N,); missing
@@ -170,6 +172,7 @@ class Model:
     noise: Mapping[str, float] = field(default_factory=dict)
     truest: float = 1e-3
     least: Mapping[str, float] = field(default_factory=dict)
+    tolerances: tuple[str, ...] = ()
     predict_many: Callable[[Sequence[tuple[Mapping[str, float], Trial]]], Sequence[Outputs]] | None = None
     slopes: Callable[[Mapping[str, float], Trial], Mapping[str, Mapping[str, ArrayLike]]] | None = None
 

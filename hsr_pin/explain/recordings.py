@@ -6,7 +6,6 @@ Channels of different units thus have equal weights, and a distance of 1 is one 
 
 from __future__ import annotations
 
-import math
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -237,12 +236,29 @@ class Recordings:
             if tuple(trial.measured) != self.channels:
                 expected, received = ", ".join(self.channels), ", ".join(trial.measured)
                 raise InputError(f"channels of {trial.name}", expected=f"{expected}, as in {names[0]}", received=received)
-        self.units = np.array([self._floor(channel, trials) for channel in self.channels])
-        rms = np.array([self._noise(channel, trials) for channel in self.channels])
+        rms, least = (np.array([of(channel, trials) for channel in self.channels]) for of in (self._noise, self._inaccuracy))
+        self.units = np.where((both := np.hypot(rms, least)) > 0, both, 1.0)
         self.noise, self.floor = rms / self.units, np.ones(len(self.units))
+        self.groups = tuple((k,) for k in range(len(self.units)))
+        self.discrepancy = least / self.units
         self.runs = tuple(Recording(trial, _stacked(trial.measured, self.channels) / self.units[:, None]) for trial in trials)
         self.worst = _FAILED * max(1 / self.model.truest, *(run.moved for run in self.runs))
-        self._known = _Known()
+        self._known, self._tolerances = _Known(), dict[str, Array]()
+
+    def tolerances(self, run: Recording) -> Array:
+        """Return the change of a run's prediction for one standard deviation of each error of a declared number, (T, M, 1, K)."""
+        names = self.model.tolerances
+        if not names:
+            return np.zeros((*run.compared.shape, 0))
+        if run.name not in self._tolerances:
+            runs = [each for each in self.runs if each.name not in self._tolerances]
+            values = [self.model.neutral, *(self.model.neutral | {name: 1.0} for name in names)]
+            answers = iter(self.model.outputs([(point, each.trial) for each in runs for point in values]))
+            for each in runs:
+                centre, *changed = (self._scaled(next(answers)) for _ in values)
+                columns = [np.nan_to_num(one - centre) for one in changed]
+                self._tolerances[each.name] = np.stack(columns, axis=-1)
+        return self._tolerances[run.name][:: run.every]
 
     def _noise(self, channel: str, trials: Sequence[Trial]) -> float:
         """Return the standard deviation of a channel's noise, in its unit."""
@@ -251,11 +267,10 @@ class Recordings:
         found = [white_noise(np.asarray(trial.measured[channel])) for trial in trials]
         return float(np.nanmedian(found)) if np.isfinite(found).any() else 0.0
 
-    def _floor(self, channel: str, trials: Sequence[Trial]) -> float:
-        """Return the floor of a channel in its unit: its noise combined with the accuracy of the best possible model."""
+    def _inaccuracy(self, channel: str, trials: Sequence[Trial]) -> float:
+        """Return the accuracy of the best possible model for a channel, in its unit."""
         spread = float(np.nanstd(np.concatenate([np.asarray(trial.measured[channel]) for trial in trials])))
-        least = self.model.least.get(channel, self.model.truest * spread)
-        return math.hypot(self._noise(channel, trials), least) or 1.0
+        return self.model.least.get(channel, self.model.truest * spread)
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_known": _Known()}
@@ -267,8 +282,8 @@ class Recordings:
 
     @property
     def confounded(self) -> NDArray[np.bool_]:
-        """All false (K,): trial parameters declared by the user are not confounded with a discrepancy of the model."""
-        return np.zeros(self.unconditional, dtype=bool)
+        """All true (K,): a discrepancy of the model can look like an error of the initial state of a trial."""
+        return np.ones(self.unconditional, dtype=bool)
 
     def own(self, run: Recording) -> int:
         """Return the number of trial parameters of a run."""

@@ -233,6 +233,20 @@ class Prepared:
         return np.hypot(self.noise, TRUEST * self.dataset.length)
 
     @property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """One group: the markers of an arm share one variance of the model discrepancy."""
+        return (tuple(range(len(self.noise))),)
+
+    def tolerances(self, run: Run) -> Array:
+        """Return no columns: stiffness and damping are fitted, and other declared numbers have no tolerances."""
+        return np.zeros((*run.compared.shape, 0))
+
+    @property
+    def discrepancy(self) -> Array:
+        """Zeros (M,): no inaccuracy of the declared arm is known in advance."""
+        return np.zeros(len(self.noise))
+
+    @property
     def worst(self) -> float:
         """Error that is assigned to a failed simulation [m]."""
         return self.dataset.length

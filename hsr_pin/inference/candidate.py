@@ -12,7 +12,7 @@ from hsr_pin.inference.heldout import leave_one_out
 from hsr_pin.inference.model import Cause, Data, Model, information
 from hsr_pin.inference.problem import Problem
 from hsr_pin.inference.resampling import squares
-from hsr_pin.inference.residuals import lasting_square
+from hsr_pin.inference.residuals import lasting_squares
 from hsr_pin.trajectory import Array
 
 #: Key that distinguishes a model from other models of the same recordings.
@@ -68,9 +68,11 @@ class Candidate:
 
 
 def data_of(problem: Problem) -> Data:
-    """Return the noise variance and the number of coordinates of the recordings."""
-    seen = sum(int(np.isfinite(run.compared).sum()) for run in problem.runs)
-    return Data(float(np.mean(problem.noise**2)), seen)
+    """Return the variance of noise and of known inaccuracies, and the number of coordinates of the recordings."""
+    groups = [list(own) for own in problem.groups]
+    seen = [sum(int(np.isfinite(run.compared[:, own]).sum()) for run in problem.runs) for own in groups]
+    noise, discrepancy = (np.array([np.mean(each[own]) for own in groups]) for each in (problem.noise**2, problem.discrepancy**2))
+    return Data(problem.groups, noise, np.array(seen), discrepancy)
 
 
 def full_fit(problem: Problem, start: Fit, variants: Mapping[str, int]) -> Candidate:
@@ -92,14 +94,22 @@ def candidate(problem: Problem, fit: Fit, variants: Mapping[str, int]) -> Candid
 
 def model_of(problem: Problem, fit: Fit, variants: Mapping[str, int]) -> Model:
     """Return the summary of a fit for the evidence, with the parameters of single trials marginalised."""
-    facts, axes = fit.hypothesis.parameters, fit.residuals[0].shape[-1]
+    facts, errors, slopes_of = fit.hypothesis.parameters, fit.errors, [slopes for _, slopes in fit.whitened()]
+    whitened = []
+    for k, (run, weights) in enumerate(zip(problem.runs, fit.weights, strict=True)):
+        tolerances = (problem.tolerances(run) * weights[..., None])[weights > 0]
+        whitened.append(np.hstack([slopes_of[k], fit.eliminated(k)(tolerances)]))
     widths = np.array([fact.prior_width(value) for fact, value in zip(facts, fit.values, strict=True)])
     departures = np.array([fact.departure(value) for fact, value in zip(facts, fit.values, strict=True)])
-    eigenvalues = information([slopes for _, slopes in fit.whitened()], widths)
-    square = 1 / float(np.mean(1 / problem.floor**2))  # residuals are whitened by it
+    channels = [np.nonzero(weights > 0)[1] for weights in fit.weights]
+    matrices = []
+    for own in map(list, problem.groups):
+        slopes = [rows[np.isin(channel, own)] for rows, channel in zip(whitened, channels, strict=True)]
+        square = 1 / float(np.mean(1 / problem.floor[own] ** 2))  # residuals are whitened by it
+        matrices.append(square * information(slopes, np.append(widths, np.ones(len(errors)))))
     at_bound = {name.partition(".")[0] for name in fit.on_bound()}
     causes = tuple(
         Cause(part.name, part.kind, part.flexible or part.name in at_bound, variants.get(part.name, 1))
         for part in fit.hypothesis.parts
     )
-    return Model(causes, lasting_square(fit.residuals) / axes, eigenvalues * square, departures)
+    return Model(causes, lasting_squares(fit.residuals, problem.groups), np.array(matrices), departures, errors)

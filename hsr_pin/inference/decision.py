@@ -133,11 +133,10 @@ def _truths(found: Posterior) -> list[_Truth]:
 
 
 def _explained(found: Posterior) -> dict[Names, float]:
-    """Return by how much each set of causes lowers the misfit of the nominal model, in its best variant."""
-    nominal = max(model.misfit for model in found.models if not model.causes)
+    """Return the share of the gap of the nominal model that each set of causes explains, in its best variant."""
     answers: dict[Names, float] = {}
-    for model in found.models:
-        answers[model.names] = max(answers.get(model.names, 0.0), nominal - model.misfit)
+    for model, share in zip(found.models, found.explained, strict=True):
+        answers[model.names] = max(answers.get(model.names, 0.0), float(share))
     return answers
 
 

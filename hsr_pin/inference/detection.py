@@ -1,16 +1,16 @@
 """Detection limits: the size from which on a cause that was not named would have become part of the verdict.
 
 The change of the recordings that a cause of size a would make, beyond what the free parameters of the best model can hide, adds
-a^2 g to the mean square that a model without the cause leaves. The cause is found if this raises the log evidence by more than
-the cause costs (:mod:`hsr_pin.inference.evidence`) and by the logarithm of the odds, if it is more than the share of the gap for
-which the posterior keeps a simpler model, and if the gap is reported at all.
+a^2 g to the mean square that a model without the cause leaves in a group of channels. The cause is found if this raises the log
+evidence by more than the cause costs (:mod:`hsr_pin.inference.evidence`) and by the logarithm of the odds, if it is more than the
+share of the gap for which the posterior keeps a simpler model, and if the gap is reported at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from math import expm1, log, log1p, sqrt
+from math import expm1, inf, log, sqrt
 
 import numpy as np
 
@@ -20,11 +20,12 @@ from hsr_pin.inference.evidence import variance
 from hsr_pin.inference.model import Data
 from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal
+from hsr_pin.trajectory import Array
 
 #: Odds at which a cause counts as found.
 _ODDS = 20.0
-#: A limit beyond this exponent is not a number that anyone could use.
-_LARGEST = 300.0
+#: A limit beyond this exponent is not a number that anyone could use. Number of bisections for a limit.
+_LARGEST, _HALVINGS = 300.0, 50
 #: Number of limits in a sentence.
 _LISTED = 4
 
@@ -103,20 +104,30 @@ def detection_limits(
         calibration: constants of the model evidence.
         least: smallest a^2 g that would be reported.
     """
-    left = variance(best.model.misfit, data, calibration)
-    square = 1 / float(np.mean(1 / problem.floor**2))
+    left = variance(best.model.misfits, data, calibration)
+    squares = np.array([1 / float(np.mean(1 / problem.floor[list(own)] ** 2)) for own in problem.groups])
     kinds, found = {part.name: part.kind for part in parts}, []
     for proposal in proposals:
         facts = {fact.name: fact for fact in proposal.hypothesis.parameters}
         added = len(facts) - len(best.fit.values)
         for name, visibility in proposal.visibility.items():
             cause = name.partition(".")[0]
-            fact, growth = facts[name], visibility**2 * square / left
-            occam = 0.5 * log1p(calibration.samples * growth * fact.prior_width(fact.neutral) ** 2)
-            exponent = 2 * (log(_ODDS) + calibration.cause + occam) / calibration.samples
-            needed = max(expm1(exponent) if exponent < _LARGEST else float("inf"), least / left)
-            size = sqrt(needed / growth) if growth > 0 else float("inf")
+            fact, added_squares = facts[name], visibility**2 * squares
+            occam = 0.5 * np.log1p(calibration.samples * (added_squares / left).sum() * fact.prior_width(fact.neutral) ** 2)
+            needed = 2 * (log(_ODDS) + calibration.cause + occam) / calibration.samples
+            reported = sqrt(least / added_squares.mean()) if added_squares.any() else inf
             room = max(fact.upper - fact.neutral, fact.neutral - fact.lower)
-            shown = size if size <= room else None
-            found.append(DetectionLimit(cause, kinds[cause], name, shown, fact.unit, fact.scale, added))
+            size = max(_smallest(added_squares / left, float(needed)), reported)
+            found.append(DetectionLimit(cause, kinds[cause], name, size if size <= room else None, fact.unit, fact.scale, added))
     return tuple(found)
+
+
+def _smallest(growth: Array, needed: float) -> float:
+    """Return the size a at which sum_g ln(1 + a^2 growth_g) reaches a number; infinity if there is none that can be used."""
+    if not growth.max() > 0 or needed > _LARGEST:
+        return inf
+    low, high = 0.0, sqrt(expm1(needed) / growth.max())  # the group that grows most reaches it alone
+    for _ in range(_HALVINGS if len(growth) > 1 else 0):
+        middle = (low + high) / 2
+        low, high = (low, middle) if np.log1p(middle**2 * growth).sum() >= needed else (middle, high)
+    return high

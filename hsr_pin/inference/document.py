@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.candidate import Candidate
 from hsr_pin.inference.decision import Decision, Loss
@@ -50,7 +52,8 @@ def posterior_to_json(search: Search, decision: Decision | None, loss: Loss) -> 
         "expected_gain": None if decision is None else number_or_null(decision.gain),
         "probability": None if decision is None else number_or_null(decision.probability),
         "calibration": asdict(calibrated()),
-        "data": asdict(search.data),
+        "data": {name: np.asarray(value).tolist() for name, value in asdict(search.data).items() if name != "groups"}
+        | {"groups": [list(own) for own in search.data.groups]},
         "unfitted": [judged_to_json(model) for model in search.posterior.models[len(search.candidates) :]],
     }
 
@@ -80,8 +83,10 @@ def judged_to_json(model: Model) -> dict[str, Any]:
     return {
         "causes": [asdict(cause) for cause in model.causes],
         "misfit": number_or_null(model.misfit),
-        "information": [number_or_null(value) for value in model.information],
+        "misfits": [number_or_null(value) for value in model.misfits],
+        "information": model.information.tolist(),
         "departures": [number_or_null(value) for value in model.departures],
+        "errors": [number_or_null(value) for value in model.errors],
     }
 
 

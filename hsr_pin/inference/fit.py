@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import log
 from typing import Any
 
@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from hsr_pin.inference.misfit import Misfit
 from hsr_pin.inference.problem import Hypothesis, Problem
 from hsr_pin.inference.residuals import rms
-from hsr_pin.inference.trial_parameters import Eliminated, noise_inflation
+from hsr_pin.inference.trial_parameters import Eliminated, trial_inflation, without_trial_parameters
 from hsr_pin.parameters import Parameter
 from hsr_pin.trajectory import Array
 
@@ -32,15 +32,17 @@ class Fit:
         hypothesis: the fitted model (:class:`~hsr_pin.inference.problem.Hypothesis`).
         values: (P,) values of its free parameters.
         residuals: for each run (T, M, A) predicted minus measured, with the trial parameters eliminated.
-        raw_residuals: for each run (T, M, A) predicted minus measured, without this elimination.
+        raw_residuals: for each run (T, M, A) predicted minus measured, without this elimination; the predictions include the most
+            probable errors of declared numbers.
         slopes: for each run (T, M, A, P) derivatives of the prediction at the values.
         weights: for each run (T, M, A) weights of the residuals; zero in gaps.
         nuisance: for each run (T, M, A, K) change of the prediction for one prior standard deviation of each trial parameter.
         noise_inflation: (K,) factors by which the noise exceeds white noise, as seen by each trial parameter; see
-            :func:`hsr_pin.inference.trial_parameters.noise_inflation`.
+            :func:`hsr_pin.inference.trial_parameters.trial_inflation`.
         converged: whether the optimiser converged.
         evaluations: number of times that all runs were simulated.
         failed: names of the trials whose simulation fails at the values.
+        errors: (K,) most probable errors of declared numbers, in standard deviations.
     """
 
     hypothesis: Any
@@ -54,6 +56,7 @@ class Fit:
     converged: bool
     evaluations: int
     failed: tuple[str, ...] = ()
+    errors: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def rms(self) -> float:
@@ -123,7 +126,11 @@ def fit(
         x = np.clip(x, lower + 1e-9 * (upper - lower), upper - 1e-9 * (upper - lower))
         x, converged = _searched(misfit, x, spread, quick)
     predictions = misfit.predictions(x)
-    raw_residuals, reduced, nuisance = misfit.raw_residuals(x), misfit.reduced_residuals(x), misfit.nuisance(x)
+    errors, nuisance = misfit.errors(x), misfit.nuisance(x)
+    raw_residuals = [
+        residual + problem.tolerances(run) @ errors for residual, run in zip(misfit.raw_residuals(x), problem.runs, strict=True)
+    ]
+    reduced = without_trial_parameters(raw_residuals, misfit.weights, nuisance, problem)
     if not quick:  # one-sided differences suffice for the optimiser, not for intervals and null directions
         predictions = problem.predict_with_slopes(hypothesis, x * misfit.scale, central=True, own=False)
     weights = [
@@ -137,9 +144,10 @@ def fit(
         slopes=tuple(p.slopes for p in predictions if p.slopes is not None),
         weights=tuple(weights),
         nuisance=tuple(nuisance),
-        noise_inflation=noise_inflation(reduced, weights, problem.confounded),
+        noise_inflation=trial_inflation(raw_residuals, weights, nuisance, problem),
         converged=converged,
         evaluations=misfit.evaluations,
+        errors=errors,
         failed=tuple(run.name for run, p in zip(problem.runs, predictions, strict=True) if p.failed),
     )
 

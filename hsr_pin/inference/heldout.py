@@ -31,13 +31,15 @@ def leave_one_out(problem: Problem, fit: Fit) -> list[Array]:
     """
     rows = fit.whitened()
     values = [without(fit, rows[:run] + rows[run + 1 :]) for run in range(len(rows))]
-    missed = residuals(problem, problem.predict(fit.hypothesis, list(zip(problem.runs, values, strict=True))))
+    predicted = residuals(problem, problem.predict(fit.hypothesis, list(zip(problem.runs, values, strict=True))))
+    missed = [each + problem.tolerances(run) @ fit.errors for each, run in zip(predicted, problem.runs, strict=True)]
     far = [k for k, (there, here) in enumerate(zip(missed, fit.raw_residuals, strict=True)) if rms([there]) > _FAR * rms([here])]
     for k in far if len(rows) > 1 and len(far) <= _AGAIN else ():
         others = problem.of_runs(problem.runs[:k] + problem.runs[k + 1 :])
         again = fit_to(others, fit.hypothesis, start=fit.values, quick=True).values
         alone = problem.of_runs((problem.runs[k],))
-        (missed[k],) = residuals(alone, alone.predict(fit.hypothesis, [(problem.runs[k], again)]))
+        (predicted[k],) = residuals(alone, alone.predict(fit.hypothesis, [(problem.runs[k], again)]))
+        missed[k] = predicted[k] + problem.tolerances(problem.runs[k]) @ fit.errors
     return without_trial_parameters(missed, fit.weights, fit.nuisance, problem)
 
 

@@ -7,10 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from hsr_pin.inference.calibration import calibrated
 from hsr_pin.inference.problem import Hypothesis, Prediction, Problem
 from hsr_pin.inference.residuals import residuals
-from hsr_pin.inference.trial_parameters import Eliminated, noise_inflation, supported, without_trial_parameters
+from hsr_pin.inference.tolerances import Tolerances
+from hsr_pin.inference.trial_parameters import Eliminated, noise_inflation, supported, trial_inflation, without_trial_parameters
 from hsr_pin.trajectory import Array
+
+#: Number of times that errors of initial states and of declared numbers are estimated in turn.
+_TURNS = 3
 
 
 def scaled(hypothesis: Hypothesis) -> tuple[Array, Array, Array]:
@@ -39,6 +44,8 @@ class Misfit:
         self._at: tuple[bytes, tuple[bool, ...]] | None = None
         self._own = False
         self._eliminated: list[Eliminated] = []
+        self._tolerances: Tolerances | None = None
+        self._errors = np.zeros(problem.tolerances(problem.runs[0]).shape[-1])
         self._conditional = (False,) * len(problem.runs)
 
     @property
@@ -62,14 +69,37 @@ class Misfit:
 
     def residual(self, x: Array) -> Array:
         """Return the weighted residuals (n,), without gaps and with the trial parameters eliminated."""
-        parts = zip(self.raw_residuals(x), self.weights, self._eliminated_at(x), self._seen, strict=True)
-        return np.concatenate([without((residual * weight)[seen]) for residual, weight, without, seen in parts])
+        rows = self._whitened(x)
+        return self._tolerances(rows) if self._tolerances else rows
 
     def jacobian(self, x: Array) -> Array:
         """Return the derivatives (n, P) of :meth:`residual`."""
         parts = zip(self.predictions(x), self.weights, self._eliminated_at(x), self._seen, strict=True)
         rows = [without((p.slopes * w[..., None])[seen]) for p, w, without, seen in parts if p.slopes is not None]
-        return np.asarray(np.concatenate(rows) * self.scale)
+        slopes = np.asarray(np.concatenate(rows) * self.scale)
+        return self._tolerances(slopes) if self._tolerances else slopes
+
+    def errors(self, x: Array) -> Array:
+        """Return the most probable errors of declared numbers (K,), in standard deviations."""
+        rows = self._whitened(x)
+        tolerances = self._tolerated(rows)
+        return tolerances.errors(rows) if tolerances else np.zeros(0)
+
+    def _whitened(self, x: Array) -> Array:
+        """Return the weighted residuals (n,), without gaps and with the parameters of trials eliminated."""
+        parts = zip(self.raw_residuals(x), self.weights, self._eliminated_at(x), self._seen, strict=True)
+        return np.concatenate([without((residual * weight)[seen]) for residual, weight, without, seen in parts])
+
+    def _tolerated(self, rows: Array) -> Tolerances | None:
+        """Return the elimination of errors of declared numbers at whitened residuals (n,); None if there are none."""
+        changes = [self.problem.tolerances(run) for run in self.problem.runs]
+        if not changes[0].shape[-1]:
+            return None
+        columns = zip(changes, self.weights, self._eliminated, self._seen, strict=True)
+        basis = np.concatenate([without((each * w[..., None])[known]) for each, w, without, known in columns])
+        channels = np.concatenate([np.nonzero(known)[1] for known in self._seen])
+        groups = [np.isin(channels, own) for own in self.problem.groups]
+        return Tolerances.of(rows, basis, groups, calibrated().samples)
 
     def hold(self, x: Array) -> bool:
         """Freeze the elimination of trial parameters at ``x``, and return whether there are any.
@@ -78,10 +108,15 @@ class Misfit:
         """
         if any(map(self.problem.has_conditional, self.problem.runs)):
             self._conditional = self._with_conditional(x)
-        inflation = noise_inflation(self.reduced_residuals(x), self.weights, self.problem.confounded)
-        parts = zip(self.nuisance(x), self.weights, self._seen, strict=True)
-        bases = [(nuisance * w[..., None])[seen] / inflation[: nuisance.shape[-1]] for nuisance, w, seen in parts]
-        self._eliminated = [Eliminated.of(basis) for basis in bases]
+        nuisance, tolerances = self.nuisance(x), [self.problem.tolerances(run) for run in self.problem.runs]
+        for _ in range(_TURNS if tolerances[0].shape[-1] else 1):
+            raw = [r + each @ self._errors for r, each in zip(self.raw_residuals(x), tolerances, strict=True)]
+            inflation = trial_inflation(raw, self.weights, nuisance, self.problem)
+            parts = zip(nuisance, self.weights, self._seen, strict=True)
+            bases = [(each * w[..., None])[seen] / inflation[: each.shape[-1]] for each, w, seen in parts]
+            self._eliminated = [Eliminated.of(basis) for basis in bases]
+            self._errors = self.errors(x)
+        self._tolerances = self._tolerated(self._whitened(x))
         return any(basis.shape[1] for basis in bases)
 
     def _with_conditional(self, x: Array) -> tuple[bool, ...]:

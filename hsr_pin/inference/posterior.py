@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr_pin.inference.calibration import Calibration
-from hsr_pin.inference.evidence import log_evidence
+from hsr_pin.inference.evidence import explained, log_evidence
 from hsr_pin.inference.model import Data, Model
 from hsr_pin.trajectory import Array
 
@@ -24,11 +24,13 @@ class Posterior:
         models: all fitted models.
         evidence: (M,) log evidence of each model [nats].
         probabilities: (M,) probability of each model, after each model has been replaced by a special case that explains as much.
+        explained: (M,) share of the gap of the nominal model that each model explains.
     """
 
     models: tuple[Model, ...]
     evidence: Array
     probabilities: Array
+    explained: Array
 
     @property
     def best(self) -> int:
@@ -94,14 +96,15 @@ def posterior(
     inside = special_case or fewer_causes
     evidence = np.array([log_evidence(model, data, calibration) for model in models])
     weights = np.exp(evidence - evidence.max())
-    nominal = max((model.misfit for model in models if not model.causes), default=max(model.misfit for model in models))
+    nominal = max([model for model in models if not model.causes] or models, key=lambda model: model.misfit)
+    shares = np.array([explained(model, nominal, data, calibration) for model in models])
     handed = np.zeros(len(models))
-    for model, weight in zip(models, weights, strict=True):
-        enough = (1 - calibration.share) * (nominal - model.misfit)
-        simpler = [k for k, other in enumerate(models) if nominal - other.misfit >= enough and inside(other, model)]
+    for model, share, weight in zip(models, shares, weights, strict=True):
+        enough = (1 - calibration.share) * share
+        simpler = [k for k, other in enumerate(models) if shares[k] >= enough and inside(other, model)]
         chosen = min(simpler, key=lambda k: (len(models[k].causes), -evidence[k]), default=models.index(model))
         handed[chosen] += weight
-    return Posterior(tuple(models), evidence, handed / handed.sum())
+    return Posterior(tuple(models), evidence, handed / handed.sum(), shares)
 
 
 def fewer_causes(one: Model, other: Model) -> bool:

@@ -158,6 +158,17 @@ class Problem(Hashable, Protocol):
         """Standard deviation (M,) that noise and the best model leave in one coordinate of each channel."""
 
     @property
+    def groups(self) -> tuple[tuple[int, ...], ...]:
+        """Indices of the channels that share one variance of the model discrepancy."""
+
+    def tolerances(self, run: Any) -> Array:
+        """Return the change of a run's prediction for one standard deviation of each error of a declared number, (T, M, A, K)."""
+
+    @property
+    def discrepancy(self) -> Array:
+        """Standard deviation (M,) that known inaccuracies of every model leave in one coordinate of each channel."""
+
+    @property
     def worst(self) -> float:
         """Residual that stands for a failed simulation."""
 

@@ -30,6 +30,8 @@ _WORSE = 2.0
 _FARTHEST = 6.0
 #: Directions whose influence on the residuals is below this share of the strongest one are treated as undetermined.
 _BLIND = 1e-6
+#: Smallest squared residual, for recordings that a model predicts exactly.
+_NOTHING = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +42,14 @@ class Proposal:
         hypothesis: the model with the additional cause.
         starts: start points (P,), the most promising first.
         gain: share of the squared misfit that the fit from the first start point is predicted to remove, 0 to 1.
-        visibility: name of each amplitude -> RMS change of the weighted residuals for one unit of it, at the most visible values
-            of the shape parameters, beyond what a change of the other free parameters can hide.
+        visibility: name of each amplitude -> (G,) RMS change of the weighted residuals of each group of channels for one unit of
+            it, at the most visible values of the shape parameters, beyond what a change of the other free parameters can hide.
     """
 
     hypothesis: Hypothesis
     starts: tuple[Array, ...]
     gain: float
-    visibility: Mapping[str, float] = field(default_factory=dict)
+    visibility: Mapping[str, Array] = field(default_factory=dict)
 
 
 def proposals(problem: Problem, base: Fit, effects: Sequence[Part]) -> list[Proposal]:
@@ -94,7 +96,9 @@ def _propose(problem: Problem, base: Fit, effect: Part, known: _Known, seen: Seq
         [problem.changes_of_variant(whole, new, run, own) for own, run in zip(seen, problem.runs, strict=True)]
     )
     answers: dict[tuple[float, ...], tuple[float, Array]] = {}  # the best for each set of shape parameters
-    visibility: dict[str, float] = {}
+    visibility: dict[str, Array] = {}
+    channels = np.concatenate([np.nonzero(weights > 0)[1] for weights in base.weights])
+    groups = [np.isin(channels, own) for own in problem.groups]
     for n, probe in enumerate(probes):
         changes = every[:, n * len(amplitudes) : (n + 1) * len(amplitudes)]
         if not np.isfinite(changes).all():
@@ -104,7 +108,8 @@ def _propose(problem: Problem, base: Fit, effect: Part, known: _Known, seen: Seq
         answers[shape] = max(answer, answers.get(shape, answer), key=lambda each: each[0])
         for k, own in zip(amplitudes, known.without(changes).T, strict=True):
             if (size := abs(probe[k] - new[k].neutral)) > 0:
-                visibility[new[k].name] = max(visibility.get(new[k].name, 0.0), float(np.sqrt(np.mean(own**2))) / size)
+                shown = np.array([np.sqrt(np.mean(own[rows] ** 2)) if rows.any() else 0.0 for rows in groups]) / size
+                visibility[new[k].name] = max(visibility.get(new[k].name, 0 * shown), shown, key=np.linalg.norm)
     best = _distinct(answers)[:_STARTS]
     return [Proposal(whole, tuple(start for _, start in best), best[0][0], visibility)] if best else []
 
@@ -246,7 +251,7 @@ def _linear_propose(base: Fit, hypothesis: Hypothesis, start: Array, known: _Kno
     values[:old] += [fact.scale for fact in facts[:old]] * np.clip(known.step(rest), -3.0, 3.0)
     left = known.without(rest)
     lower, upper = (np.array([getattr(fact, side) for fact in facts]) for side in ("lower", "upper"))
-    gain = 1 - float(left @ left) / float(known.residual @ known.residual)
+    gain = 1 - float(left @ left) / max(float(known.residual @ known.residual), _NOTHING)
     return max(0.0, gain), np.asarray(np.clip(values, lower, upper))
 
 

@@ -47,6 +47,16 @@ def lasting_square(residuals: Sequence[Array]) -> float:
     return max(abs(_covariance(residuals, lag)) for lag in _LAGS)
 
 
+def lasting_squares(residuals: Sequence[Array], groups: Sequence[Sequence[int]]) -> Array:
+    """Return for each group of channels (G,) the mean square of one coordinate that is correlated from sample to sample.
+
+    Args:
+        residuals: for each trial (T, M, A); NaN in gaps.
+        groups: for each group the indices of its channels.
+    """
+    return np.array([lasting_square([each[:, list(own)] for each in residuals]) / residuals[0].shape[-1] for own in groups])
+
+
 def _covariance(residuals: Sequence[Array], lag: int) -> float:
     """Return the covariance at a lag, from samples between which there are no gaps."""
     total, count = 0.0, 0

@@ -17,14 +17,14 @@ import numpy as np
 from hsr_pin.inference.calibration import Calibration
 from hsr_pin.inference.candidate import Candidate, Key
 from hsr_pin.inference.detection import DetectionLimit, detection_limits, parts_for_limits
-from hsr_pin.inference.evidence import log_evidence, reachable, variance
+from hsr_pin.inference.evidence import explained, likelihood, log_evidence, reachable
 from hsr_pin.inference.fit import Fit
 from hsr_pin.inference.fit_pool import FitPool
 from hsr_pin.inference.model import Data, Model
 from hsr_pin.inference.posterior import Posterior, posterior
 from hsr_pin.inference.problem import Part, Problem
 from hsr_pin.inference.proposals import Proposal
-from hsr_pin.inference.residuals import lasting_square
+from hsr_pin.inference.residuals import lasting_squares
 from hsr_pin.inference.screening import from_one_basin, laws_first, screened
 
 #: A model is credible if the best model is at most this many times as probable, in the search; probability of the credible sets.
@@ -141,8 +141,10 @@ class _State:
 
     def can_grow(self, candidate: Candidate) -> bool:
         """Return whether an additional cause could improve a model enough to change the posterior."""
-        nominal = max(each.model.misfit for each in self.fitted.values() if not each.names)
-        noticed = candidate.model.misfit > self.calibration.share * nominal
+        nominal = max((each.model for each in self.fitted.values() if not each.names), key=lambda model: model.misfit)
+        whole = replace(nominal, misfits=0 * nominal.misfits)
+        shares = [explained(each, nominal, self.data, self.calibration) for each in (candidate.model, whole)]
+        noticed = shares[0] < (1 - self.calibration.share) * shares[1]
         return noticed and reachable(candidate.model, self.data, self.calibration) >= self.least
 
 
@@ -251,11 +253,10 @@ def _expanded(targets: Sequence[Candidate], parts: Sequence[Part], pool: FitPool
 
 def _promising(quick: Sequence[Fit], state: _State, least: int, most: int) -> list[Fit]:
     """Return the quick fits that may become credible, and in any case the first few."""
-    axes = 1.0 if not quick else float(quick[0].residuals[0].shape[-1])
 
     def fits(each: Fit) -> float:
-        v = variance(lasting_square(each.residuals) / axes, state.data, state.calibration)
-        return -0.5 * state.calibration.samples * log(v) - state.calibration.cause * len(each.hypothesis.parts)
+        misfits = lasting_squares(each.residuals, state.data.groups)
+        return likelihood(misfits, state.data, state.calibration) - state.calibration.cause * len(each.hypothesis.parts)
 
     ranked = [fits(each) for each in quick]
     limit = max([*ranked, state.least]) - _ROUGH if ranked else 0.0

@@ -7,7 +7,8 @@ explain is not counted as a gap that the laws have to explain.
 
 The prior of a trial parameter has to be compared with the effective noise of the residuals. A model discrepancy is correlated in
 time, so that its many samples carry little information (:func:`noise_inflation`). If they were taken as white noise, trial
-parameters far outside their prior would be accepted.
+parameters far outside their prior would be accepted. Errors of initial states are used as far as their squares, over all trials,
+agree with their prior (:func:`plausible_inflation`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from hsr_pin.inference.problem import Problem
 from hsr_pin.trajectory import Array
@@ -26,6 +28,8 @@ from hsr_pin.trajectory import Array
 _CHANCE = 1.5
 #: Upper limit of the correlation of residuals from one sample to the next.
 _LASTING = 0.995
+#: Probability with which chance allows the errors of initial states, and number of bisections of a noise inflation.
+_PLAUSIBLE, _HALVINGS = 0.99, 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +87,60 @@ def noise_inflation(residuals: Sequence[Array], weights: Sequence[Array], confou
     return np.where(confounded, ratio, 1.0)
 
 
+def _of_initial_state(problem: Problem) -> NDArray[np.bool_]:
+    """Return which trial parameters (K,) are errors of initial states, which every trial has."""
+    place = np.arange(len(problem.confounded))
+    return np.asarray(problem.confounded & (place >= problem.systematic) & (place < problem.unconditional))
+
+
+def plausible_inflation(residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], problem: Problem) -> Array:
+    """Return the factors (K,) by which the effective noise exceeds white noise, as seen by errors of initial states.
+
+    It is the smallest common factor with which the sum of squares of the estimated errors of all trials, in units of their
+    priors, is no larger than chance allows (discrepancy principle: V. A. Morozov, Methods for Solving Incorrectly Posed Problems,
+    1984). Errors of initial states are the confounded parameters that all trials have and that are not systematic; the factor of
+    all others is one.
+
+    Args:
+        residuals: for each trial (T, M, A); NaN in gaps.
+        weights: (T, M, A) inverse of the floor; zero in gaps.
+        bases: (T, M, A, K) change for one prior standard deviation of each parameter.
+        problem: which parameters are systematic, conditional and confounded.
+    """
+    limited, factors = np.flatnonzero(_of_initial_state(problem)), np.ones(len(problem.confounded))
+    if not len(limited):
+        return factors
+    sizes, parts = [], []
+    for residual, weight, basis in zip(residuals, weights, bases, strict=True):
+        known = weight > 0
+        u, s, _ = np.linalg.svd((basis[..., limited] * weight[..., None])[known], full_matrices=False)
+        sizes.append(s)
+        parts.append(u.T @ (np.nan_to_num(residual) * weight)[known])
+    size, part = np.concatenate(sizes), np.concatenate(parts)
+
+    def square(factor: float) -> float:
+        return float(np.sum((size * part / (size**2 + factor**2)) ** 2))
+
+    allowed = float(chdtri(len(size), 1 - _PLAUSIBLE))
+    low, high = 1.0, max(float(np.sqrt(np.abs(size * part).max())), 1.0)  # at the latter no error exceeds its standard deviation
+    if square(low) > allowed:
+        for _ in range(_HALVINGS):
+            middle = np.sqrt(low * high)
+            low, high = (middle, high) if square(middle) > allowed else (low, middle)
+        factors[limited] = high
+    return factors
+
+
+def trial_inflation(residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], problem: Problem) -> Array:
+    """Return the factors (K,) by which the noise exceeds white noise, as seen by each trial parameter.
+
+    The arguments are those of :func:`without_trial_parameters`.
+    """
+    reduced = without_trial_parameters(residuals, weights, bases, problem)
+    others = noise_inflation(reduced, weights, problem.confounded & ~_of_initial_state(problem))
+    return others * plausible_inflation(residuals, weights, bases, problem)
+
+
 def without_trial_parameters(
     residuals: Sequence[Array], weights: Sequence[Array], bases: Sequence[Array], problem: Problem
 ) -> list[Array]:
@@ -98,6 +156,8 @@ def without_trial_parameters(
         problem: which parameters are systematic, conditional and confounded.
     """
     systematic, unconditional = problem.systematic, problem.unconditional
+    plausible = plausible_inflation(residuals, weights, bases, problem)
+    bases = [basis / plausible[: basis.shape[-1]] for basis in bases]
     if any(basis.shape[-1] > unconditional for basis in bases):
         alone = without_trial_parameters(residuals, weights, [basis[..., :unconditional] for basis in bases], problem)
         inflation = noise_inflation(alone, weights, problem.confounded)

@@ -2,6 +2,7 @@
 
 - ``cause``: interface of one cause
 - ``causes``: catalogue of causes, one file each
+- ``declared``: errors of the declared numbers within their tolerances
 - ``explain``: explain_robot and explain_robot_change
 - ``friction``: regularised friction that can be integrated
 - ``model``: prediction model with its causes; recordings cut into stretches
@@ -9,6 +10,7 @@
 - ``robot``: the robot as its URDF declares it
 - ``servo``: position servos at the joints
 - ``simulation``: batch simulation of many cases
+- ``start``: state at the start of a stretch from encoder angles
 - ``transmission``: motors connected to their joints by elastic or loose transmissions
 """
 

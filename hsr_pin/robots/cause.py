@@ -45,6 +45,9 @@ class Scales:
         free_inertia: (n,) inertia at each joint while the other joints are free [kg m^2].
         rotor_inertia: (n,) declared inertia of each motor [kg m^2].
         encoders: part on which the encoders are mounted, "joint" or "motor"; empty: unknown.
+        accuracy: relative standard deviation of the errors of declared numbers.
+        interval: sampling interval of the recordings [s].
+        declared_servos: whether there are servos whose numbers are declared, not guessed.
     """
 
     torque: Array
@@ -57,6 +60,9 @@ class Scales:
     free_inertia: Array
     rotor_inertia: Array
     encoders: str = ""
+    accuracy: float = 0.0
+    interval: float = 0.0
+    declared_servos: bool = False
 
     @property
     def angle(self) -> Array:
@@ -82,6 +88,10 @@ class Values:
     def shared(self, name: str) -> Array:
         """Return the values of a parameter that all joints share, (B, 1)."""
         return self._array(name, [name])
+
+    def of_other_cause(self, cause: str) -> Array:
+        """Return the parameters of another cause with one for each joint, (B, n); 0 if the model does not have this cause."""
+        return np.array([[each.get(f"{cause}.{joint}", 0.0) for joint in self._joints] for each in self._values])
 
     def _array(self, cache_key: str, names: Sequence[str]) -> Array:
         """Return the values of K parameters, (B, K); the array is cached."""
@@ -159,6 +169,10 @@ class JointCause(ABC):
     def command(self, values: Values, time: Array, command: Array) -> Array:
         """Return the acting command (a torque, or the target of a servo), (B, N, n), for the one recorded at times (N,) [s]."""
         return command
+
+    def servo(self, values: Values) -> tuple[Array, Array] | None:
+        """Return the factors on stiffness and damping of the servos, each (B, n), or None."""
+        return None
 
     def drive(self, values: Values, torque: Array) -> tuple[Array, Array] | None:
         """Return the torque of the motors for a commanded torque (B, n) [N m], and its derivative, or None."""

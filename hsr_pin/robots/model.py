@@ -1,14 +1,15 @@
 """Model of a robot whose missing causes can be explained; each trial is cut into stretches with their own initial states.
 
 A long simulation of a robot drifts away from the recording if friction is low or badly known. Therefore each trial is cut into
-stretches. Each stretch starts at the encoder angles, with a fitted initial speed (multiple shooting: H. G. Bock, K. J. Plitt, A
-multiple shooting algorithm for direct solution of optimal control problems, IFAC 1984).
+stretches. Each stretch starts at an estimated angle and speed, whose errors are fitted within their priors (multiple shooting: H.
+G. Bock, K. J. Plitt, A multiple shooting algorithm for direct solution of optimal control problems, IFAC 1984).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from hsr_pin.explain.model import Model, Trial
 from hsr_pin.recordings.noise import white_noise
 from hsr_pin.robots.cause import JointCause, Scales
 from hsr_pin.robots.causes import CAUSES
+from hsr_pin.robots.declared import DECLARED
 from hsr_pin.robots.read import RobotRecordings, RobotTrial
 from hsr_pin.robots.simulation import Case, Stretch, simulate
+from hsr_pin.robots.start import half_windows, starts
 from hsr_pin.trajectory import Array
 
 #: Lengths of a stretch that are tried, the longest first [s].
@@ -26,10 +29,8 @@ _LENGTHS = (2.0, 1.0, 0.5, 0.25)
 _MAX_ERROR = 0.5
 #: Maximum number of stretches; of more, an even selection is used.
 _MAX_STRETCHES = 64
-#: Samples on either side that determine an initial speed, and duration of the known commands before a stretch [s].
-_HALF_WINDOW, _HISTORY = 6, 0.5
-#: Smallest prior standard deviation of an initial speed, relative to the RMS speed.
-_SPEED_UNCERTAINTY = 0.01
+#: Duration of the known commands before a stretch [s].
+_HISTORY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,14 +57,14 @@ class RobotModel:
         """The robot as a :class:`~hsr_pin.explain.model.Model` with its causes."""
         joints = self.recordings.robot.joints
         named = tuple(cause.as_cause(joints, self.scales) for cause in self.causes)
-        noise = {joint: self._noise(k) for k, joint in enumerate(joints)}
         return Model(
             self.predict,
             parameters=servo.parameters(joints) if (servo := self.recordings.robot.servo) else (),
             causes=named,
             name=self.recordings.name,
             units=dict.fromkeys(joints, "rad"),
-            noise=noise,
+            noise=dict(zip(joints, map(float, self.noise), strict=True)),
+            tolerances=tuple(DECLARED.named(joints, self.scales)) if self.recordings.robot.accuracy else (),
             predict_many=self.predict_many,
         )
 
@@ -81,12 +82,13 @@ class RobotModel:
 
     def predict_many(self, cases: Sequence[tuple[Mapping[str, float], Trial]]) -> list[Mapping[str, Array]]:
         """Return the predicted encoder angles of many stretches, simulated as one batch."""
-        robot = self.recordings.robot
+        robot, exact = self.recordings.robot, dict.fromkeys(DECLARED.named(self.recordings.robot.joints, self.scales), 0.0)
+        cases = [(exact | dict(values), trial) for values, trial in cases]
         asked = [
-            Case(trial.inputs, values, np.array([values.get(_start_speed(joint), 0.0) for joint in robot.joints]))
+            Case(trial.inputs, values, *(np.array([values.get(of(joint), 0.0) for joint in robot.joints]) for of in _ERRORS))
             for values, trial in cases
         ]
-        answers = simulate(robot, self.causes, self.neutral, self.scales, asked)
+        answers = simulate(robot, (*self.causes, DECLARED), self.neutral | exact, self.scales, asked)
         return [dict(zip(robot.joints, answer.T, strict=True)) for answer in answers]
 
     def trials(self, seconds: float | None = None) -> list[Trial]:
@@ -123,11 +125,15 @@ class RobotModel:
         """Return the stretches of one recording, all with the same number of samples."""
         step = float(np.median(np.diff(trial.time)))
         count, joints, found = round(seconds / step) + 1, self.recordings.robot.joints, []
-        begins = range(_HALF_WINDOW, len(trial.time) - max(count, _HALF_WINDOW), count)
-        starts = [self._start(trial, begin) for begin in begins]
-        difference = np.median([np.abs(each) for *_, each in starts], axis=0) if starts else np.zeros(len(joints))
-        uncertainty = np.sqrt(difference**2 + (_SPEED_UNCERTAINTY * self.scales.speed) ** 2)
-        for number, (begin, (position, speed, acceleration, _)) in enumerate(zip(begins, starts, strict=True), 1):
+        margin = half_windows(step)[-1]
+        begins = range(margin, len(trial.time) - max(count, margin), count)
+        if not begins:
+            return []
+        known = starts(trial.time, trial.position, begins, self.noise, self.resolution)
+        own = {_start_speed(joint): float(each) for joint, each in zip(joints, known.speed_error, strict=True)}
+        own |= {_start_angle(joint): float(each) for joint, each in zip(joints, known.angle_error, strict=True)}
+        states = zip(begins, known.angle, known.speed, known.acceleration, strict=True)
+        for number, (begin, position, speed, acceleration) in enumerate(states, 1):
             rows, earlier = slice(begin, begin + count), slice(max(0, begin - round(_HISTORY / step)), begin)
             stretch = Stretch(
                 trial.time[rows],
@@ -146,29 +152,37 @@ class RobotModel:
                     dict(zip(joints, trial.position[rows].T, strict=True)),
                     stretch,
                     {"trial": trial.name},
-                    {_start_speed(joint): float(each) for joint, each in zip(joints, uncertainty, strict=True)},
+                    own,
                 )
             )
         return found
 
-    def _start(self, trial: RobotTrial, at: int) -> tuple[Array, Array, Array, Array]:
-        """Return angle, speed and acceleration at a sample from a cubic fit, and how a parabola's speed differs, each (n,)."""
-        rows = slice(at - _HALF_WINDOW, at + _HALF_WINDOW + 1)
-        t, q = trial.time[rows] - trial.time[at], trial.position[rows]
-        parabola, cubic = (np.polynomial.polynomial.polyfit(t, q, degree) for degree in (2, 3))
-        return cubic[0], cubic[1], 2 * cubic[2], parabola[1] - cubic[1]
+    @cached_property
+    def noise(self) -> Array:
+        """Standard deviation of the noise of each encoder, (n,) [rad]."""
+        white = np.nanmedian([white_noise(trial.position) for trial in self.recordings.trials], axis=0)
+        return np.asarray(np.hypot(np.nan_to_num(white), self.resolution))
 
-    def _noise(self, joint: int) -> float:
-        """Return the noise of one encoder [rad]: white noise and quantisation."""
-        steps = [np.abs(np.diff(trial.position[:, joint])) for trial in self.recordings.trials]
-        smallest = min((float(each[each > 0].min()) for each in steps if (each > 0).any()), default=0.0)
-        white = float(np.nanmedian([white_noise(trial.position[:, joint]) for trial in self.recordings.trials]))
-        return float(np.hypot(np.nan_to_num(white), smallest / np.sqrt(12)))
+    @cached_property
+    def resolution(self) -> Array:
+        """Standard deviation of the rounding of each encoder, (n,) [rad]: of its smallest step."""
+        steps = np.abs(np.concatenate([np.diff(trial.position, axis=0) for trial in self.recordings.trials]))
+        smallest = np.min(np.where(steps > 0, steps, np.inf), axis=0)
+        return np.asarray(np.where(np.isfinite(smallest), smallest, 0.0) / np.sqrt(12))
 
 
 def _start_speed(joint: str) -> str:
     """Return the name of the parameter that corrects the initial speed of a joint in a stretch."""
     return f"start speed of {joint}"
+
+
+def _start_angle(joint: str) -> str:
+    """Return the name of the parameter that corrects the initial angle of a joint in a stretch."""
+    return f"start angle of {joint}"
+
+
+#: Names of the errors of an initial state, in the order of :class:`~hsr_pin.robots.simulation.Case`.
+_ERRORS = (_start_speed, _start_angle)
 
 
 def _scales(recordings: RobotRecordings) -> Scales:
@@ -190,6 +204,9 @@ def _scales(recordings: RobotRecordings) -> Scales:
         free_inertia=free_inertia,
         rotor_inertia=np.array(robot.rotor_inertia),
         encoders=robot.encoders,
+        accuracy=robot.accuracy,
+        interval=float(np.median(np.concatenate([np.diff(trial.time) for trial in trials]))),
+        declared_servos=servo is not None and not servo.guessed,
     )
 
 

@@ -37,6 +37,7 @@ _KEYS = (
     "servo",
     "rotor_inertia",
     "encoders",
+    "accuracy",
     "gravity",
     "torque_held",
     "torque_constant",
@@ -110,6 +111,8 @@ def read_robot(folder: str | Path) -> RobotRecordings:
     joints = _names(document, "joints", place)
     more: dict[str, Any] = {"gravity": tuple(_numbers(document, "gravity", place, 3))} if "gravity" in document else {}
     more["encoders"] = document.get("encoders", "")
+    if "accuracy" in document:
+        (more["accuracy"],) = _numbers({"accuracy": [document["accuracy"]]}, "accuracy", place, 1)
     rotors = _numbers(document, "rotor_inertia", place, len(joints)) if "rotor_inertia" in document else []
     robot = Robot.load(place.parent / str(document.get("urdf", "robot.urdf")), joints, rotors, **more)
     columns = _Columns.of(document, len(joints), place)

@@ -33,6 +33,7 @@ class Robot:
         gravity: (3,) gravity in the frame of the base [m/s^2].
         encoders: part on which the encoders are mounted, "joint" or "motor"; it matters for play or springs in the transmission;
             empty: unknown.
+        accuracy: relative standard deviation of the errors of declared masses, centres of mass, inertias and servo numbers.
         servo: position servos, if angles are commanded; None: torques are commanded.
         notes: notes on changes of the URDF.
     """
@@ -42,6 +43,7 @@ class Robot:
     rotor_inertia: tuple[float, ...]
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     encoders: str = ""
+    accuracy: float = 0.02
     servo: Servo | None = None
     notes: tuple[str, ...] = ()
 
@@ -53,7 +55,7 @@ class Robot:
             path: URDF file.
             joints: names of the recorded joints.
             rotor_inertia: inertia of each motor, reflected to its joint [kg m^2]; default: none.
-            more: ``gravity``, ``encoders``, ``servo``.
+            more: ``gravity``, ``encoders``, ``accuracy``, ``servo``.
 
         Raises:
             InputError: the file is no URDF, or it does not contain these joints.

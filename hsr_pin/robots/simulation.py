@@ -19,6 +19,8 @@ from hsr_pin.trajectory import Array
 
 #: Longest step [s].
 _LONGEST = 5e-3
+#: Time over which the speed of a true angle follows from that of the shown one [s].
+_SHORT = 1e-4
 #: Speed of a joint at which a simulation counts as diverged [rad/s].
 _DIVERGED = 1e3
 
@@ -55,12 +57,14 @@ class Case:
     Attributes:
         stretch: part of a recording that is simulated.
         values: parameter values of all causes, by name.
-        speed_error: (n,) correction of the initial speed [rad/s].
+        speed_error: (n,) correction of the initial speeds [rad/s].
+        angle_error: (n,) correction of the initial angles [rad].
     """
 
     stretch: Stretch
     values: Mapping[str, float]
-    speed_error: Array
+    speed_error: Array | float = 0.0
+    angle_error: Array | float = 0.0
 
 
 def simulate(
@@ -96,6 +100,9 @@ class _Batch:
         self.servo = robot.servo.numbers(robot.joints, named) if robot.servo else None
         self.limit = np.array(robot.servo.limit if robot.servo else ())
         self.causes = [(cause, Values(cause, robot.joints, named, scales)) for cause in causes]
+        for cause, values in self.causes:
+            if self.servo is not None and (factors := cause.servo(values)) is not None:
+                self.servo = self.servo[0] * factors[0], self.servo[1] * factors[1]
         self.groups = self._models()
 
     def _models(self) -> list[tuple[list[int], pin.ModelPool, Array]]:
@@ -128,12 +135,12 @@ class _Batch:
         """Return the simulated encoder angles, (B, N, n) [rad]."""
         command, step = self._command(), self._steps()
         linear = np.array([[not case.stretch.held] for case in self.cases])
-        q = np.array([case.stretch.q for case in self.cases])
+        q = np.array([case.stretch.q + case.angle_error for case in self.cases])
         v = np.array([case.stretch.v + case.speed_error for case in self.cases])
-        moved = q + v
+        moved = q + _SHORT * v
         for cause, values in reversed(self.causes):
             q, moved = cause.true_angle(values, q), cause.true_angle(values, moved)
-        v = moved - q
+        v = (moved - q) / _SHORT
         angles = np.empty((len(q), command.shape[1], q.shape[1]))
         angles[:, 0], last, self.states = q, np.zeros_like(q), [None for _ in self.causes]
         begin = StepStart(q, v, *self._drive(q, v, last, command[:, 0], 0 * step[:, :1]), 0 * step[:, :1])

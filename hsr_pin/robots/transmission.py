@@ -1,8 +1,8 @@
 """Elastic or loose transmissions, which give the motor an angle of its own.
 
 The lead of the motor over its joint is a state. Part of the inertia moves with the motor: the declared rotor inertia, or a
-share of the link's inertia. The transmitted torque is taken at the end of a step, or averaged over it, so that stiff contacts
-need no small steps.
+share of the link's inertia, and what the cause ``rotor_inertia`` adds. The transmitted torque is taken at the end of a step, or
+averaged over it, so that stiff contacts need no small steps.
 """
 
 from __future__ import annotations
@@ -55,11 +55,13 @@ class Transmission(JointCause):
         return (*[side] * (not scales.encoders), *[share] * (not (scales.rotor_inertia > 0).all()))
 
     def inertia(self, values: Values) -> Array:
-        """Return the inertia that turns with the motor, (B, n) [kg m^2]."""
-        scales = values.scales
+        """Return the inertia that turns with the motor, (B, n) [kg m^2], including that which ``rotor_inertia`` adds."""
+        scales, added = values.scales, values.of_other_cause("rotor_inertia")
         if (scales.rotor_inertia > 0).all():
-            return np.repeat(scales.rotor_inertia[None], len(values), axis=0)
-        return np.where(scales.rotor_inertia > 0, scales.rotor_inertia, values.shared("motor_share") * scales.free_inertia)
+            return scales.rotor_inertia + added
+        return (
+            np.where(scales.rotor_inertia > 0, scales.rotor_inertia, values.shared("motor_share") * scales.free_inertia) + added
+        )
 
     def armature(self, values: Values) -> Array:
         """Return the inertia that turns with the motor as a negative addition to that of the joint, (B, n) [kg m^2]."""

@@ -21,7 +21,7 @@ from hsr_pin.inference.verdict import Limits
 NOISE, LENGTH = 3e-4, 0.24
 LIMITS = Limits.of(np.sqrt(2) * NOISE, 5e-4 * LENGTH)
 TRIALS, SAMPLES = 6, 60
-DATA = Data(noise=NOISE**2, count=TRIALS * SAMPLES * 2)
+DATA = Data.of_one_group(noise=NOISE**2, count=TRIALS * SAMPLES * 2)
 
 _generator = np.random.default_rng(0)
 _noise = NOISE * _generator.standard_normal((TRIALS, SAMPLES, 1, 2))
@@ -69,7 +69,7 @@ def candidate(*parts, gap=0.0):
     causes = tuple(Cause(part.name, part.kind, part.flexible) for part in fit.hypothesis.parts)
     count = len(fit.values)
     left = heldout(*gaps)
-    return Candidate(fit, left, Model(causes, lasting_square(left) / 2, np.full(count, 1e-3), np.zeros(count)))
+    return Candidate(fit, left, Model(causes, np.array([lasting_square(left) / 2]), 1e-3 * np.eye(count)[None], np.zeros(count)))
 
 
 @dataclass

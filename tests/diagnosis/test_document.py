@@ -22,7 +22,8 @@ CANDIDATE = {
     "fit_rms_mm": NUMBER,
 }
 LEFT = {"mm": NUMBER, "percent_of_length": NUMBER, "share": NUMBER, "not_repeatable_mm": MAYBE}
-JUDGED = {"causes": [dict], "misfit": NUMBER, "information": [NUMBER], "departures": [NUMBER]}
+JUDGED = {"causes": [dict], "misfit": NUMBER, "misfits": [NUMBER], "information": [[[NUMBER]]]}
+JUDGED |= {"departures": [NUMBER], "errors": [NUMBER]}
 CANDIDATE |= JUDGED | {"probability": NUMBER, "log_evidence": NUMBER, "special_cases": [int]}
 POSTERIOR = {
     "sets": [{"effects": [str], "probability": NUMBER}],
@@ -30,7 +31,7 @@ POSTERIOR = {
     "expected_gain": MAYBE,
     "probability": MAYBE,
     "calibration": dict,
-    "data": {"noise": NUMBER, "count": int},
+    "data": {"groups": [[int]], "noise": [NUMBER], "count": [int], "discrepancy": [NUMBER]},
     "unfitted": [JUDGED],
 }
 ESTIMATE = {"value": NUMBER, "unit": str, "ci95": [NUMBER]}

@@ -9,7 +9,7 @@ import numpy as np
 from hsr_pin.inference import Calibration, Cause, Data, Model
 
 CALIBRATION = Calibration(samples=14.0, cause=1.0, flexible=3.0, floor=0.15, share=0.02)
-DATA = Data(noise=1.0, count=4000)
+DATA = Data.of_one_group(noise=1.0, count=4000)
 
 FRICTION = Cause("friction", "friction")
 LAG = Cause("lag", "actuation_time")
@@ -22,7 +22,7 @@ def model(causes: Sequence[Cause], misfit: float, *, departures: Sequence[float]
     count = 2 + len(causes)
     away = np.zeros(count)
     away[: len(departures)] = departures
-    return Model(tuple(causes), misfit, np.full(count, information), away)
+    return Model(tuple(causes), np.array([misfit]), information * np.eye(count)[None], away)
 
 
 def noise(size: float, *, trials: int = 4, samples: int = 5000, seed: int = 0) -> list[np.ndarray]:

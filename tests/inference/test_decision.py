@@ -14,7 +14,8 @@ def found(*weighted):
     """Return a posterior from causes, their remaining misfit (10 for the nominal model), and their probability."""
     models = tuple(model(causes, misfit) for causes, misfit, _ in weighted)
     probabilities = np.array([weight for *_, weight in weighted], dtype=float)
-    return Posterior(models, np.log(np.maximum(probabilities, 1e-12)), probabilities / probabilities.sum())
+    shares = np.array([1 - misfit / 10 for _, misfit, _ in weighted])
+    return Posterior(models, np.log(np.maximum(probabilities, 1e-12)), probabilities / probabilities.sum(), shares)
 
 
 def test_one_set_that_is_all_but_certain_is_reported():

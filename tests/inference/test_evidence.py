@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hsr_pin.inference import Cause, log_evidence
+from hsr_pin.inference import Cause, Data, Model, log_evidence
 from hsr_pin.inference.evidence import reachable
 from hsr_pin.inference.model import information
 from tests.inference.fabricated import CALIBRATION, CURVE, DATA, FRICTION, LAG, model
@@ -58,7 +58,7 @@ def test_differences_of_evidence_do_not_depend_on_the_unit_of_length():
     def difference(unit):
         data = replace(DATA, noise=DATA.noise * unit**2)
         one, other = (
-            replace(each, misfit=each.misfit * unit**2, information=each.information * unit**2)
+            replace(each, misfits=each.misfits * unit**2, information=each.information * unit**2)
             for each in (model([FRICTION], 0.2), model([], 0.9))
         )
         return log_evidence(one, data, CALIBRATION) - log_evidence(other, data, CALIBRATION)
@@ -75,3 +75,30 @@ def test_information_does_not_depend_on_the_unit_of_a_parameter():
 def test_a_trial_that_is_cut_in_two_carries_the_same_information():
     slopes, widths = np.random.default_rng(1).normal(size=(60, 2)), np.ones(2)
     assert information([slopes], widths) == pytest.approx(information([slopes[:25], slopes[25:]], widths))
+
+
+def test_a_channel_that_nothing_explains_does_not_hide_what_a_cause_explains_in_another():
+    """Two joints with a variance each: friction explains the gap of the second one."""
+    both = Data(((0,), (1,)), np.ones(2), np.full(2, 2000), np.zeros(2))
+    known = np.zeros((2, 0, 0))
+    nothing = Model((), np.array([1e4, 10.0]), known, np.zeros(0))
+    friction = Model((FRICTION,), np.array([1e4, 0.1]), known, np.zeros(0))
+    gain = log_evidence(friction, both, CALIBRATION) - log_evidence(nothing, both, CALIBRATION)
+    mixed = [replace(each, misfits=each.misfits.mean(keepdims=True), information=known[:1]) for each in (friction, nothing)]
+    assert gain > 10 > 1 > log_evidence(mixed[0], DATA, CALIBRATION) - log_evidence(mixed[1], DATA, CALIBRATION)
+
+
+def test_a_known_inaccuracy_of_every_model_limits_what_a_smaller_misfit_proves():
+    rough = replace(DATA, discrepancy=np.ones(1))
+    gains = [
+        log_evidence(model([FRICTION], 0.01), data, CALIBRATION) - log_evidence(model([FRICTION], 0.5), data, CALIBRATION)
+        for data in (DATA, rough)
+    ]
+    assert gains[0] > 5 > gains[1] > 0
+
+
+def test_errors_of_declared_numbers_cost_what_a_normal_distribution_says():
+    plain = model([FRICTION], 0.1)
+    wider = np.pad(plain.information, ((0, 0), (0, 2), (0, 2)))
+    off = replace(plain, information=wider, errors=np.array([3.0, -1.0]))
+    assert log_evidence(plain, DATA, CALIBRATION) - log_evidence(off, DATA, CALIBRATION) == pytest.approx(5.0)

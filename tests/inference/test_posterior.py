@@ -95,7 +95,8 @@ def _one_case(rng: np.random.Generator) -> tuple[tuple[tuple[str, ...], float], 
         value = np.linalg.lstsq(own, seen, rcond=None)[0]
         left = seen - own @ value
         causes = (Cause(f"shape {k}", "elastic"),) if k < 3 else ()
-        models.append(Model(causes, float(left @ left) / count, information([own], np.full(own.shape[1], 5.0)), value / 5.0))
-    found = posterior(models, Data(0.0, count), numbers).sets
+        known = information([own], np.full(own.shape[1], 5.0))[None]
+        models.append(Model(causes, np.array([left @ left]) / count, known, value / 5.0))
+    found = posterior(models, Data.of_one_group(0.0, count), numbers).sets
     names = next(iter(found))
     return (names, found[names]), ((f"shape {chosen}",) if chosen < 3 else ())

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hsr_pin.robots import Robot, RobotRecordings, RobotTrial
+from hsr_pin.robots.cause import Values
 from hsr_pin.robots.causes import CAUSES
 from hsr_pin.robots.model import RobotModel
 from hsr_pin.robots.servo import Servo
@@ -89,7 +90,7 @@ def test_viscous_friction_agrees_with_scipy(robot, model):
     assert found == pytest.approx(exact(robot, lambda q, v: np.array([-0.4, 0.0]) * v), abs=5e-4)
 
 
-def elastic(robot, passed, y0, command, side=0):
+def elastic(robot, passed, y0, command, side=0, rotor=0.01):
     """Return angles (N, 2) from SciPy: elbow, or on side 1 its rotor, and shoulder; the rotor transmits a torque to the elbow."""
     whole = pin.buildModelFromXML(robot.urdf)
     model = pin.buildReducedModel(whole, [whole.getJointId("wrist")], pin.neutral(whole))
@@ -101,7 +102,7 @@ def elastic(robot, passed, y0, command, side=0):
         motors = command(t, q, v)
         through = passed(ahead, faster)
         a = pin.aba(model, data, q, v, np.array([motors[0], through]) - np.array([0.05, 0.0]) * v)
-        return np.concatenate([v, a, [faster, (motors[1] - through) / 0.01 - a[1]]])
+        return np.concatenate([v, a, [faster, (motors[1] - through) / rotor - a[1]]])
 
     y0 = np.array(y0) - side * np.array([0, y0[4], 0, 0, 0, 0])
     found = solve_ivp(rates, (0, TIME[-1]), y0, t_eval=TIME, rtol=1e-8, atol=1e-9, max_step=1e-3).y
@@ -121,6 +122,29 @@ def test_a_joint_with_a_spring_agrees_with_scipy(robot, model, side):
     found = run(model, joint_elasticity__elbow=1 / stiffness, **shapes)
     assert np.abs(truth - exact(robot)).max() > 0.02  # a rigid joint would not pass
     assert found == pytest.approx(truth, abs=3e-3)
+
+
+def test_rotor_inertia_belongs_to_the_motor_of_an_elastic_joint(robot, model):
+    stiffness, rotor = 20.0, 0.03
+    damping, first = 2 * 0.1 * np.sqrt(stiffness * rotor), stretch().command[0, 0] / stiffness
+    truth = elastic(robot, lambda x, w: stiffness * x + damping * w, [-0.2, 0.3, 0.0, 0.5, first, 0.0], recorded, rotor=rotor)
+    causes = {
+        "joint_elasticity__elbow": 1 / stiffness,
+        "joint_elasticity__damping_ratio": 0.1,
+        "rotor_inertia__elbow": rotor - 0.01,
+    }
+    found, rigid = run(model, joint_elasticity__encoder_side=0, **causes), run(model, rotor_inertia__elbow=rotor - 0.01)
+    assert np.abs(truth - rigid).max() > 0.02
+    assert found == pytest.approx(truth, abs=3e-3)
+
+
+def test_an_eccentric_encoder_shows_the_angle_plus_a_sine_of_it(model):
+    (law,) = (cause for cause in CAUSES if cause.name == "encoder_eccentricity")
+    named = model.neutral | {"encoder_eccentricity.sine:elbow": 0.1, "encoder_eccentricity.cosine:elbow": -0.05}
+    values, angle = Values(law, JOINTS, [named], model.scales), np.array([[0.7, -1.2]])
+    shown = law.encoder_reading(values, angle)
+    assert shown == pytest.approx(np.array([[0.7 + 0.1 * np.sin(0.7) - 0.05 * np.cos(0.7), -1.2]]))
+    assert law.true_angle(values, shown) == pytest.approx(angle, abs=1e-12)
 
 
 @pytest.mark.parametrize("side", [0, 1])
@@ -217,6 +241,7 @@ SIZES = {
     "drive_lag.time_constant": 0.05,
     "encoder_offset.elbow": 0.05,
     "encoder_gain.shoulder": 0.05,
+    "encoder_eccentricity.cosine:shoulder": 0.05,
 }
 
 

@@ -236,7 +236,7 @@ def _rest(frame: Frame, best: Fitted) -> tuple[float, float]:
     """Return the squared residuals beyond noise that one change leaves, and the decrease that another change needs."""
     new = frame.run >= len(frame.pair.old.runs)
     count = int(new.sum())
-    return float((best.residual[new] ** 2).sum()) - count, needed(Data(1.0, count))
+    return float((best.residual[new] ** 2).sum()) - count, needed(Data.of_one_group(1.0, count))
 
 
 def _alone(several: Sequence[Fitted], single: Sequence[Fitted]) -> list[InitialEstimate]:

@@ -119,7 +119,12 @@ class ChangeEvidence:
     @cached_property
     def data(self) -> Data:
         """Unit noise variance and number of whitened residuals."""
-        return Data(1.0, int(self.new.sum()))
+        return Data.of_one_group(1.0, self.count)
+
+    @property
+    def count(self) -> int:
+        """Number of whitened residuals of the current recording."""
+        return int(self.new.sum())
 
     @cached_property
     def sizes(self) -> dict[tuple[str, ...], tuple[Size, ...]]:
@@ -134,9 +139,9 @@ class ChangeEvidence:
         floor = max(0.0, least - expected)  # remaining misfit of all hypotheses beyond noise
 
         def misfit(square: float) -> float:
-            return max(square - least + floor, self.chance.largest) / self.data.count
+            return max(square - least + floor, self.chance.largest) / self.count
 
-        models = [Model((), misfit(self.nothing), np.zeros(0), np.zeros(0))]
+        models = [Model((), np.array([misfit(self.nothing)]), np.zeros((1, 0, 0)), np.zeros(0))]
         seen: dict[int, ChangeHypothesis | None] = {id(models[0]): None}
         for fitted, _ in self.fits:
             if fitted.rms >= self.frame.pair.reportable:
@@ -173,14 +178,14 @@ class ChangeEvidence:
         frame = next(frame for each, frame in self.fits if each is fitted)
         _, residual = left_out(frame, fitted)
         was, is_, least = (float((each[self.new] ** 2).sum()) for each in (self.frame.seen, residual, fitted.residual))
-        beyond = max(0.0, least - self.data.count * self._noisier)
+        beyond = max(0.0, least - self.count * self._noisier)
         share = (was - is_) / max(self.gain(fitted) + beyond, was - is_, 1e-300)
         return Difference(self.frame.off(), frame.off(fitted.moved), self.frame.scatter, float(np.clip(share, 0.0, 1.0)))
 
     @property
     def needed(self) -> float:
         """Gain at which a change of one parameter is 20 times as probable as no change."""
-        return needed(self.data, self.chance.largest / self.data.count)
+        return needed(self.data, self.chance.largest / self.count)
 
 
 def needed(data: Data, scatter: float = 0.0) -> float:
@@ -191,7 +196,8 @@ def needed(data: Data, scatter: float = 0.0) -> float:
         scatter: mean square that no change is required to explain.
     """
     numbers = calibrated()
-    return data.count * variance(scatter, data, numbers) * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
+    left = float((data.count * variance(np.array([scatter]), data, numbers)).sum())
+    return left * (exp(2 * (numbers.cause + log(_ODDS)) / numbers.samples) - 1)
 
 
 def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
@@ -203,7 +209,7 @@ def _model(fitted: Fitted, misfit: float, names: set[str]) -> Model:
         for fact, after, before, width, sized in zip(facts, fitted.after, change.start, widths, change.sizes, strict=True)
     ]
     causes = tuple(Cause(name, kind) for name, kind in change.kinds.items() if name in names)
-    return Model(causes, misfit, information([fitted.slopes], widths), np.array(steps))
+    return Model(causes, np.array([misfit]), information([fitted.slopes], widths)[None], np.array(steps))
 
 
 def _special_case(one: ChangeHypothesis | None, other: ChangeHypothesis | None) -> bool:

@@ -6,6 +6,7 @@ from hsr_pin.robots.causes.centre_of_mass import CentreOfMass
 from hsr_pin.robots.causes.coulomb_friction import CoulombFriction
 from hsr_pin.robots.causes.dead_time import DeadTime
 from hsr_pin.robots.causes.drive_lag import DriveLag
+from hsr_pin.robots.causes.encoder_eccentricity import EncoderEccentricity
 from hsr_pin.robots.causes.encoder_gain import EncoderGain
 from hsr_pin.robots.causes.encoder_offset import EncoderOffset
 from hsr_pin.robots.causes.joint_elasticity import JointElasticity
@@ -52,4 +53,5 @@ CAUSES: tuple[JointCause, ...] = (
     DriveLag(),
     EncoderOffset(),
     EncoderGain(),
+    EncoderEccentricity(),
 )

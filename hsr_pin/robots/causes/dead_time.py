@@ -25,9 +25,13 @@ class DeadTime(JointCause):
 
     def command(self, values: Values, time: Array, command: Array) -> Array:
         """Return the commands shifted by the delay."""
-        delayed = command.copy()
-        for b, delay in enumerate(values.shared("delay")[:, 0]):
-            if delay:
-                for k in range(command.shape[2]):
-                    delayed[b, :, k] = np.interp(time - delay, time, command[b, :, k])
-        return delayed
+        return delayed(time, command, values.shared("delay")[:, 0])
+
+
+def delayed(time: Array, command: Array, delays: Array) -> Array:
+    """Return commands (B, N, n) at times (N,) [s], each simulation with its own delay (B,) [s]."""
+    found = command.copy()
+    for b in np.flatnonzero(delays):
+        for k in range(command.shape[2]):
+            found[b, :, k] = np.interp(time - delays[b], time, command[b, :, k])
+    return found

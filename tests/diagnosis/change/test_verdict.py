@@ -102,5 +102,5 @@ def test_what_no_candidate_explains_is_unexplained():
 
 @pytest.mark.parametrize("count", [200, 2000])
 def test_the_gain_that_is_needed_grows_with_the_rows_and_with_scatter(count):
-    assert needed(Data(1.0, 2 * count)) == pytest.approx(2 * needed(Data(1.0, count)))
-    assert needed(Data(1.0, count), 0.1) > needed(Data(1.0, count))
+    assert needed(Data.of_one_group(1.0, 2 * count)) == pytest.approx(2 * needed(Data.of_one_group(1.0, count)))
+    assert needed(Data.of_one_group(1.0, count), 0.1) > needed(Data.of_one_group(1.0, count))
