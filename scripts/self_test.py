@@ -51,7 +51,7 @@ CASES = (
     "tip_mass:mass=0.05",
     "added_mass:mass=0.08",
     "restraint:contact_stiffness=20",
-    "obstacle:hardness=200000,gap=0.015,place=0.6",
+    "obstacle:hardness=200000,gap=0.015,at=0.6",
     "side_force:force=0.2",
     "marker_offset:offset=0.006",
     "marker_slip:slip=0.006",

@@ -49,7 +49,7 @@ def test_an_arm_round_a_post_rests_in_mujoco_where_it_rests_here(bending):
 
 def test_an_effect_that_is_an_obstacle_is_exported_as_one():
     declared = to_mjcf(CorrectedModel(arm("plane", POST)))
-    found = to_mjcf(CorrectedModel(arm("plane"), effects=(Obstacle(hardness=3e6, gap=0.03, place=0.14 / 0.24, friction=0.3),)))
+    found = to_mjcf(CorrectedModel(arm("plane"), effects=(Obstacle(hardness=3e6, gap=0.03, at=0.14 / 0.24, friction=0.3),)))
     place = [[geom for geom in ET.fromstring(e.text).iter("geom") if geom.get("name") == "obstacle_1"] for e in (declared, found)]
     assert [each[0].get("type") for each in place] == ["cylinder", "cylinder"]
     for key in ("size", "pos", "friction"):
