@@ -9,6 +9,7 @@
 - ``compiled``: the loops as machine code
 - ``contact``: forces of obstacles and the state of friction, for the compiler
 - ``contact_forces``: the forces of obstacles in a motion
+- ``contact_rest``: the equilibrium of arms that may touch obstacles
 - ``drive``: commands over time: steps of torque or pressure, and commands from files
 - ``energy``: the energy balance of a motion
 - ``equilibrium``: the equilibrium pose of an arm under a constant torque

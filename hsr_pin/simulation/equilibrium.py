@@ -14,9 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.simulation.contact import RADIUS
-from hsr_pin.simulation.integrate import extrapolate
-from hsr_pin.simulation.reference import ROWS, add_joint_moments, single_arm, update_states
+from hsr_pin.simulation.reference import add_joint_moments, update_states
 from hsr_pin.trajectory import Array
 
 #: Residual torque [N m] at which the search stops, and the residual torque that is accepted if rounding prevents a smaller one.
@@ -25,11 +23,8 @@ TOLERANCE, ACCEPTED = 1e-12, 1e-8
 _NEWTON, _HALVINGS, _CREEP = 60, 8, 400
 #: Largest change of a joint angle in one step [rad].
 _FARTHEST = 0.5
-#: Among obstacles: steps over which the load rises, largest number of steps, first and longest step [s] (with the longest, a step
-#: is one of Newton's), and change of all angles in a step at which the search stops [rad].
-_RISE, _STEPS, _SHORT, _LONG, _DONE = 20, 4000, 1e-3, 1e4, 1e-10
 #: Functions that are compiled in addition to the search itself.
-PARTS = ("laws_at", "imbalance", "newton_step", "rest_in_contact")
+PARTS = ("laws_at", "imbalance", "newton_step")
 
 
 def laws_at(system: Any, q: Array, work: Array, z: Array, moment: Array) -> None:
@@ -93,55 +88,6 @@ def newton_step(joint: Array, link: Array, residual: Array, step: Array, work: A
         step[i] = right[i] - right[i - 1]
 
 
-def rest_in_contact(system: Any, farthest: float, impulse: Array, q: Array, z: Any) -> bool:
-    """Find the pose in which one arm among obstacles rests, and return whether there is one.
-
-    The arm moves without inertia, in steps of the time integration, while the load rises from zero. The steps become longer until
-    they are Newton's. The surfaces keep no friction at rest.
-
-    Args:
-        system: the arm.
-        farthest: largest change of all angles in a step [rad], so that no obstacle is passed over.
-        impulse: (1, 2) integral of the torque over a cell of unit length; in space (1, 2, U).
-        q: (1, C) initial coordinates [rad]; overwritten with those at rest.
-        z: (2, states, 1, N) workspace for the states.
-    """
-    still, last, work = np.zeros_like(q), np.zeros_like(q), np.zeros((7, 1, q.shape[1]))
-    once, part, drive, scratch = (
-        np.ones((2, 1)),
-        np.zeros_like(impulse),
-        np.zeros_like(impulse[:, 0]),
-        np.zeros((ROWS, q.shape[1])),
-    )
-    d = _SHORT
-    for step in range(_STEPS):
-        share = min(1.0, (step + 1) / _RISE)
-        part[:] = share * impulse
-        still[:] = 0.0
-        z[0] = 0.0
-        update_states(system, z[0], still, q, inf, z[1])
-        extrapolate(system, q, still, z[1], part, 0.0, 1.0, d, once, work, z[0], drive, scratch)
-        moved, back = 0.0, 0.0
-        for i in range(q.shape[1]):
-            change = work[0, 0, i] - q[0, i]
-            moved += abs(change)
-            back -= change * last[0, i]
-        if not moved < inf:
-            return False
-        if moved > farthest:
-            d /= 2
-            continue
-        if moved > _DONE and back > 0.25 * (last[0] ** 2).sum():  # the arm swings about its rest
-            d /= 4
-        else:
-            d = min(2 * d, _LONG)
-        last[:] = work[0] - q
-        q[:] = work[0]
-        if share == 1.0 and d == _LONG and moved < _DONE:
-            return True
-    return False
-
-
 def equilibrium(system: Any, arrays: Any, torque: Array, wanted: Array, q: Array, found: Array, states: int) -> None:
     """Find the poses in which arms rest under constant torques, loaded from the straight pose.
 
@@ -155,16 +101,6 @@ def equilibrium(system: Any, arrays: Any, torque: Array, wanted: Array, q: Array
         states: number of states of the laws.
     """
     count, links = q.shape
-    if arrays.world.shape[1]:
-        for b in range(count):
-            if wanted[b]:
-                farthest = arrays.world[b, 0, RADIUS] / arrays.reach[b].sum()  # the tip moves by less than the arm's radius
-                impulse, z = np.zeros((1, 2)), np.zeros((2, states, 1, links))
-                impulse[0, 1] = torque[b]
-                found[b] = rest_in_contact(single_arm(system, b), farthest, impulse, q[b : b + 1], z)
-            if not found[b]:
-                q[b] = 0.0
-        return
     z = np.zeros((2, states, count, links))
     still, moment, out, near, trial, ahead, behind, step = np.zeros((8, count, links))
     work, joint, link = np.zeros((2, links)), np.zeros(links), np.zeros(links)

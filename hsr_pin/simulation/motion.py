@@ -20,10 +20,13 @@ from hsr_pin.simulation import equilibrium, integrate, reference
 from hsr_pin.simulation.arm_batch import ArmBatch
 from hsr_pin.simulation.command import Delivered, apply_compiled_law, apply_numpy_law, deliver
 from hsr_pin.simulation.compiled import Loops, loops
+from hsr_pin.simulation.contact_rest import rest_among_obstacles
 from hsr_pin.simulation.integrator import FIRST, LONGEST, Integrator
 from hsr_pin.trajectory import Array
 
 Dynamics = Literal["compiled", "aba", "rnea"]
+#: Weights of one step of the linearly implicit Euler method.
+_EULER = np.array([[1.0], [0.0]])
 #: Factor on the tolerance of a step among obstacles, where the errors of an impact do not average out.
 _AMONG_OBSTACLES = 0.3
 #: Largest number of links for which the loops with Pinocchio are the default.
@@ -86,6 +89,7 @@ class Engine:
     def __init__(self, batch: ArmBatch, dynamics: Dynamics) -> None:
         if dynamics not in get_args(Dynamics):
             raise InputError("dynamics", expected=" or ".join(get_args(Dynamics)), received=repr(dynamics))
+        self.dynamics: Dynamics = dynamics
         self.batch, self._limit = batch, np.ascontiguousarray(batch.arms.bending_limit)
         self._compiled, self._space = dynamics == "compiled", batch.space
         self._system: Any
@@ -143,10 +147,33 @@ class Engine:
         if np.iscomplexobj(torque):
             torque = self._by_section(torque if torque.ndim == 2 else torque[:, None])
             torque = np.stack([torque.real, torque.imag], axis=2).reshape(len(torque), -1)
+        if self.batch.world.shape[1]:
+            return rest_among_obstacles(self, self._of_each(torque), wanted, near)
         q, found = np.array(near, order="C"), np.zeros(len(near), dtype=bool)
         with np.errstate(all="ignore"):
             self._loops.equilibrium(self._system, self._arrays, self._of_each(torque), wanted, q, found, self.batch.states)
         return q, found
+
+    def of(self, members: NDArray[np.intp]) -> Engine:
+        """Return the loops with some of the arms."""
+        return Engine(self.batch.members(members), self.dynamics)
+
+    def step_from_rest(self, q: Array, torque: Array, step: float) -> Array:
+        """Return the coordinates (B, C) [rad] of arms after a linearly implicit step from rest at q (B, C), of ``step`` [s].
+
+        The torque is (B,) [N m], or (B, U) torques and loads in space. A very long step is one of Newton's.
+        """
+        state = self.loaded(q, np.zeros_like(q))
+        impulse = np.zeros((len(q), 2, *torque.shape[1:]))
+        impulse[:, 1] = torque
+        after, unlimited = state.q, np.full(len(q), inf)
+        with np.errstate(all="ignore"):
+            if self._compiled and not self._space:
+                whole = np.concatenate([after[None], state.v[None], state.z])
+                self._advance_packed(whole, impulse, step, _EULER, unlimited)
+                return np.asarray(whole[0])
+            self._loops.advance(self._system, after, state.v, state.z, impulse, step, _EULER, unlimited)
+        return after
 
     def _of_each(self, given: Array) -> Array:
         """Return a contiguous array (B, ...), repeating a single row for all arms."""

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from hsr_pin.simulation.contact import RADIUS
-from hsr_pin.simulation.equilibrium import rest_in_contact
 from hsr_pin.simulation.space.elements import combined, cross, dot, factors, plus, turned
 from hsr_pin.simulation.space.kernel import add_joint_moments, single_arm, update_states
 from hsr_pin.trajectory import Array
@@ -29,7 +27,7 @@ _WIDTH = 1e-6
 #: Torsional stiffness of a freely twisting arm during the search, relative to its bending stiffness.
 _HELD = 1e-9
 #: Functions that are compiled in addition to the search itself.
-PARTS = ("laws_at", "imbalance", "matrix", "rest_in_contact")
+PARTS = ("laws_at", "imbalance", "matrix")
 
 
 def laws_at(system: Any, q: Array, work: Array, z: Array, moment: Array) -> None:
@@ -147,14 +145,6 @@ def equilibrium(system: Any, arrays: Any, torque: Array, wanted: Array, q: Array
             q[b] = 0.0
             continue
         one, pose, near, far, after = single_arm(system, b), q[b : b + 1], q[b].copy(), inf, inf
-        if arrays.world.shape[1]:
-            farthest = arrays.world[b, 0, RADIUS] / arrays.reach[b].sum()
-            impulse = np.zeros((1, 2, torque.shape[1]))
-            impulse[0, 1] = torque[b]
-            found[b] = rest_in_contact(one, farthest, impulse, pose, z)
-            if not found[b]:
-                q[b] = 0.0
-            continue
         for phase in range(2):
             drag = size * arrays.keq[b] if phase else 0.0
             for _ in range(_CREEP if phase else _NEWTON):

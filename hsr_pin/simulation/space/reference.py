@@ -174,7 +174,7 @@ def python_loops() -> Loops:
     }
     for module, names in (
         (integrate, ("extrapolate", "integrate", "integrate_separately", "advance")),
-        (equilibrium, ("laws_at", "rest_in_contact", "equilibrium")),
+        (equilibrium, ("laws_at", "equilibrium")),
     ):
         for name in names:
             function = getattr(module, name)
