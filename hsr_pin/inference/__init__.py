@@ -23,6 +23,7 @@ No module in this package knows anything about soft arms or robots.
 - ``screening``: selection of the proposals that get a quick fit
 - ``search``: the models to fit, until no other model could enter the credible set
 - ``step``: one damped Gauss-Newton step
+- ``tolerances``: errors of declared numbers, which are eliminated from a fit
 - ``trial_parameters``: parameters of single trials, which are eliminated from a fit
 - ``uncertainty``: intervals, correlations and parameters that the data do not determine
 - ``verdict``: the reported verdict and its sentence

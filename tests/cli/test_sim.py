@@ -213,7 +213,7 @@ BAD = {
     "half a pressure pair": (["--pressures", "1"], "--pressures"),
     "a torque that is no number": (["--torque", "nan"], "torque: expected a finite number [N m], got nan"),
     "a torque beyond the arm": (["--torque", "50"], "the arm bent beyond its limit"),
-    "unknown mount": (["--mount", "sideways"], "mount: expected hanging or upright or horizontal, got 'sideways'"),
+    "unknown mount": (["--mount", "sideways"], "mount: expected hanging or upright or horizontal or flat, got 'sideways'"),
     "unknown placement": (["--placement", "end"], "placement: expected base or mid or shifted, got 'end'"),
     "unknown dynamics": (["--dynamics", "euler"], "'euler' is not one of 'aba', 'rnea', 'compiled'"),
     "stiffness without pressures": (["--keq", "1.5"], "keq: expected 1.11 or 2.33 Nm/rad, whose pressure combinations the paper"),

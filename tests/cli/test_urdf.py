@@ -54,7 +54,7 @@ def test_the_help_names_the_defaults_of_the_specification(capsys):
         (["--damping", "some"], "damping: expected a number, zero or more [Nm s/rad], got 'some'"),
         (["--tip-mass", "-0.1"], "tip_mass: expected a number, zero or more [kg], got -0.1"),
         (["--tilt", "9"], "tilt: expected an angle from -pi to pi rad, got 9.0"),
-        (["--mount", "sideways"], "mount: expected hanging or upright or horizontal, got 'sideways'"),
+        (["--mount", "sideways"], "mount: expected hanging or upright or horizontal or flat, got 'sideways'"),
         (["--placement", "end"], "placement: expected base or mid or shifted, got 'end'"),
         (["--frobnicate"], "--frobnicate"),
         (["--links"], "'--links' requires an argument"),

@@ -157,7 +157,8 @@ class DoublePendulum:
         path = next(f for f in files("example-robot-data") if f.name == "double_pendulum.urdf")
         self.model = pin.buildModelFromUrdf(str(path.locate()))
         spring, damper = np.full((1, 2), self.k), np.full((1, 2), self.c)
-        arrays = SimpleNamespace(share=np.zeros((1, 2)), spring=spring, stiff=spring, damper=damper, drag=damper)
+        joints = {"share": np.zeros((1, 2)), "spring": spring, "stiff": spring, "damper": damper, "drag": damper}
+        arrays = SimpleNamespace(**joints, world=np.zeros((1, 0, 1)))
         self.system = PinocchioSystem(arrays, (self.model,), (self.model.createData(),), (), dynamics)
 
 
