@@ -19,6 +19,7 @@ from hsr_pin.robot.sections import along_sections
 from hsr_pin.robot.space import base_rotations, space_model
 from hsr_pin.robot.specification import joint_arc_lengths
 from hsr_pin.simulation.contact import COMPONENTS, compiled, points_per_link
+from hsr_pin.simulation.contact import ENTRIES as CONTACT_ENTRIES
 from hsr_pin.simulation.integrator import HARDLY_DAMPED
 from hsr_pin.simulation.kernel import System
 from hsr_pin.simulation.reference import PinocchioSystem
@@ -156,6 +157,8 @@ class ArmBatch:
     def world(self) -> Array:
         """The obstacles (B, O, ENTRIES) as :mod:`hsr_pin.simulation.contact` gets them."""
         arms = self.arms
+        if not arms.obstacles and not any(effect.acts_through("obstacle") for effect in self.effects):
+            return np.zeros((len(self), 0, CONTACT_ENTRIES))
         rows = rows_in(self.frames, arms.obstacles)
         own = [found for e in self.effects if (found := e.obstacle(arms.length, arms.diameter)) is not None]
         each = (np.broadcast_to(row, (len(self), ENTRIES))[:, None] for row in own if np.any(row[..., STIFFNESS]))
