@@ -27,7 +27,8 @@ from hsr_pin.simulation.code_cache import cached
 from hsr_pin.simulation.kernel import ADDED
 from hsr_pin.simulation.laws import with_helpers
 from hsr_pin.simulation.source_hash import source_hash
-from hsr_pin.simulation.space.kernel import place
+from hsr_pin.simulation.space.elements import Vector
+from hsr_pin.simulation.space.kernel import place as place_links
 from hsr_pin.trajectory import Array
 
 #: Rows of an array with the poses of N links: position of the joint, direction of the link, and their velocities.
@@ -81,7 +82,7 @@ def distance(w: Array, x: float, y: float, z: float) -> tuple[float, float, floa
     return gap, nx, ny, nz
 
 
-def held(x: float, y: float, z: float, nx: float, ny: float, nz: float, limit: float) -> tuple[float, float, float]:
+def along_surface(x: float, y: float, z: float, nx: float, ny: float, nz: float, limit: float) -> tuple[float, float, float]:
     """Return the part of a displacement along a surface with a normal, up to a limit [m]."""
     away = x * nx + y * ny + z * nz
     x, y, z = x - away * nx, y - away * ny, z - away * nz
@@ -89,6 +90,63 @@ def held(x: float, y: float, z: float, nx: float, ny: float, nz: float, limit: f
     if size > limit:
         x, y, z = x * limit / size, y * limit / size, z * limit / size
     return x, y, z
+
+
+def add_contact(
+    out: Array, i: int, place: Vector, normal: Vector, along: float, across: float, drift: Vector, force: Vector
+) -> None:
+    """Add one contact to what contacts add to link i, as in :func:`press`.
+
+    Args:
+        out: (ADDED, N) sums.
+        i: index of the link.
+        place: point of contact, from the joint of the link [m].
+        normal: normal of the surface.
+        along: resistance to acceleration along the normal [kg].
+        across: resistance to acceleration across the normal [kg].
+        drift: centripetal acceleration of the point [m/s^2].
+        force: force of the obstacle [N].
+    """
+    (nx, ny, nz), (rx, ry, rz), more = normal, place, along - across
+    xx, xy, xz = across + more * nx * nx, more * nx * ny, more * nx * nz
+    yy, yz, zz = across + more * ny * ny, more * ny * nz, across + more * nz * nz
+    h00, h01, h02 = ry * xz - rz * xy, ry * yz - rz * yy, ry * zz - rz * yz  # r x
+    h10, h11, h12 = rz * xx - rx * xz, rz * xy - rx * yz, rz * xz - rx * zz
+    h20, h21, h22 = rx * xy - ry * xx, rx * yy - ry * xy, rx * yz - ry * xz
+    out[0, i] += h02 * ry - h01 * rz  # -(r x) M (r x)
+    out[1, i] += h00 * rz - h02 * rx
+    out[2, i] += h01 * rx - h00 * ry
+    out[3, i] += h10 * rz - h12 * rx
+    out[4, i] += h11 * rx - h10 * ry
+    out[5, i] += h21 * rx - h20 * ry
+    out[6, i] += h00
+    out[7, i] += h01
+    out[8, i] += h02
+    out[9, i] += h10
+    out[10, i] += h11
+    out[11, i] += h12
+    out[12, i] += h20
+    out[13, i] += h21
+    out[14, i] += h22
+    out[15, i] += xx
+    out[16, i] += xy
+    out[17, i] += xz
+    out[18, i] += yy
+    out[19, i] += yz
+    out[20, i] += zz
+    cx, cy, cz = drift
+    fx, fy, fz = force
+    fx, fy, fz = (
+        xx * cx + xy * cy + xz * cz - fx,
+        xy * cx + yy * cy + yz * cz - fy,
+        xz * cx + yz * cy + zz * cz - fz,
+    )
+    out[21, i] += ry * fz - rz * fy
+    out[22, i] += rz * fx - rx * fz
+    out[23, i] += rx * fy - ry * fx
+    out[24, i] += fx
+    out[25, i] += fy
+    out[26, i] += fz
 
 
 def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float, out: Array) -> None:
@@ -134,51 +192,13 @@ def press(g: Array, b: Array, reach: Array, world: Array, points: int, d: float,
                 push = stiff * (depth + d * closing)
                 fx, fy, fz = push * nx, push * ny, push * nz
                 if w[FRICTION] > 0.0:
-                    bx, by, bz = held(b[m, 0, i], b[m, 1, i], b[m, 2, i], nx, ny, nz, w[FRICTION] * depth)
+                    bx, by, bz = along_surface(b[m, 0, i], b[m, 1, i], b[m, 2, i], nx, ny, nz, w[FRICTION] * depth)
                     if bx * bx + by * by + bz * bz < (w[FRICTION] * depth) ** 2 * (1.0 - 1e-9):  # the surfaces stick
                         tangential = d * d * stiff
                         bx, by, bz = bx + d * (ux + closing * nx), by + d * (uy + closing * ny), bz + d * (uz + closing * nz)
                     fx, fy, fz = fx - stiff * bx, fy - stiff * by, fz - stiff * bz
-                # the resistance to acceleration, as a matrix at the point
-                more = normal - tangential
-                xx, xy, xz = tangential + more * nx * nx, more * nx * ny, more * nx * nz
-                yy, yz, zz = tangential + more * ny * ny, more * ny * nz, tangential + more * nz * nz
-                h00, h01, h02 = ry * xz - rz * xy, ry * yz - rz * yy, ry * zz - rz * yz  # r x
-                h10, h11, h12 = rz * xx - rx * xz, rz * xy - rx * yz, rz * xz - rx * zz
-                h20, h21, h22 = rx * xy - ry * xx, rx * yy - ry * xy, rx * yz - ry * xz
-                out[0, i] += h02 * ry - h01 * rz  # -(r x) M (r x)
-                out[1, i] += h00 * rz - h02 * rx
-                out[2, i] += h01 * rx - h00 * ry
-                out[3, i] += h10 * rz - h12 * rx
-                out[4, i] += h11 * rx - h10 * ry
-                out[5, i] += h21 * rx - h20 * ry
-                out[6, i] += h00
-                out[7, i] += h01
-                out[8, i] += h02
-                out[9, i] += h10
-                out[10, i] += h11
-                out[11, i] += h12
-                out[12, i] += h20
-                out[13, i] += h21
-                out[14, i] += h22
-                out[15, i] += xx
-                out[16, i] += xy
-                out[17, i] += xz
-                out[18, i] += yy
-                out[19, i] += yz
-                out[20, i] += zz
-                cx, cy, cz = oy * tz - oz * ty, oz * tx - ox * tz, ox * ty - oy * tx  # centripetal acceleration
-                fx, fy, fz = (
-                    xx * cx + xy * cy + xz * cz - fx,
-                    xy * cx + yy * cy + yz * cz - fy,
-                    xz * cx + yz * cy + zz * cz - fz,
-                )
-                out[21, i] += ry * fz - rz * fy
-                out[22, i] += rz * fx - rx * fz
-                out[23, i] += rx * fy - ry * fx
-                out[24, i] += fx
-                out[25, i] += fy
-                out[26, i] += fz
+                drift = (oy * tz - oz * ty, oz * tx - ox * tz, ox * ty - oy * tx)
+                add_contact(out, i, (rx, ry, rz), (nx, ny, nz), normal, tangential, drift, (fx, fy, fz))
 
 
 def elastic_energy(g: Array, reach: Array, world: Array, points: int) -> float:
@@ -234,7 +254,7 @@ def slide(start: Array, end: Array, b: Array, reach: Array, world: Array, points
                 bx, by, bz = out[m, 0, i], out[m, 1, i], out[m, 2, i]
                 if bx == 0.0 and by == 0.0 and bz == 0.0:  # it touches no other obstacle
                     bx, by, bz = b[m, 0, i] + part * (x - ax), b[m, 1, i] + part * (y - ay), b[m, 2, i] + part * (z - az)
-                out[m, 0, i], out[m, 1, i], out[m, 2, i] = held(bx, by, bz, nx, ny, nz, w[FRICTION] * depth)
+                out[m, 0, i], out[m, 1, i], out[m, 2, i] = along_surface(bx, by, bz, nx, ny, nz, w[FRICTION] * depth)
 
 
 def poses_in_plane(q: Array, v: Array, start: float, reach: Array, g: Array) -> None:
@@ -253,7 +273,7 @@ def poses_in_plane(q: Array, v: Array, start: float, reach: Array, g: Array) -> 
 def poses_in_space(q: Array, v: Array, start: float, reach: Array, g: Array) -> None:
     """Compute the poses (POSES, N) of the links of an arm in space, as :func:`poses_in_plane`."""
     work = np.empty((14, q.shape[0]))
-    place(q, v, work)
+    place_links(q, v, work)
     x, y, z, vx, vy, vz = 0.0, 0.0, start, 0.0, 0.0, 0.0
     for i in range(reach.shape[0]):
         j = 3 * i
