@@ -94,7 +94,7 @@ class Obstacle(ABC):
             value = getattr(self, field.name)
             if field.type.startswith("tuple"):
                 object.__setattr__(self, field.name, _vector(field.name, value))
-        if hasattr(self, "length") and not self.length > 0:
+        if hasattr(self, "length") and (not _is_number(self.length) or not self.length > 0):
             raise InputError("length of an obstacle", expected="a number above zero [m]", received=quoted(self.length))
         for name in ("normal", "axis"):
             if hasattr(self, name) and not np.any(getattr(self, name)):
@@ -249,10 +249,14 @@ def rows_in(frames: NDArray[np.float64], obstacles: Sequence[Obstacle]) -> NDArr
 
 
 def _vector(name: str, value: Any) -> tuple[float, ...]:
-    given = np.asarray(value)
-    if given.shape != (3,) or given.dtype.kind not in "iuf" or not np.all(np.isfinite(given)):
+    parts = list(value) if isinstance(value, list | tuple | np.ndarray) else []
+    if len(parts) != 3 or not all(_is_number(part) and np.isfinite(part) for part in parts):
         raise InputError(f"{name} of an obstacle", expected="three finite numbers", received=quoted(value))
-    return tuple(float(part) for part in given)
+    return tuple(float(part) for part in parts)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def _axes(direction: Sequence[float]) -> NDArray[np.float64]:

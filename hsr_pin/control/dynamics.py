@@ -59,7 +59,7 @@ class Linearisation:
 
 
 class ArmDynamics:
-    """The equations of motion of one arm.
+    """The equations of motion of one arm in air: obstacles of the arm are not part of them.
 
     Args:
         arm: the nominal arm.

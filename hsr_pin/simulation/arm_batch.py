@@ -263,6 +263,7 @@ def batch_key(scenario: Scenario) -> object:
     """Return the properties that scenarios must share to be simulated in one batch."""
     arm = scenario.arm
     kinds = tuple((type(effect), effect.options) for effect in scenario.effects)
+    touches = arm.obstacles or any(effect.acts_through("obstacle") for effect in scenario.effects)
     return (
         arm.links,
         arm.placement,
@@ -270,6 +271,7 @@ def batch_key(scenario: Scenario) -> object:
         arm.bending,
         arm.sections,
         arm.obstacles,
+        (arm.length, arm.diameter) if touches else None,  # they determine the number of points of contact
         kinds,
         len(scenario.markers),
         len(scenario.loads),

@@ -37,7 +37,8 @@ def simulate_batch(
         threads: number of threads among which the scenarios are divided; the compiled loops run in parallel.
 
     Returns:
-        One result per scenario, in the order of the scenarios; each is identical to that of the scenario simulated alone.
+        One result per scenario, in the order of the scenarios; each is identical to that of the scenario simulated alone (with
+        obstacles up to the tolerance of the initial equilibrium).
     """
     method = Integrator(integrator, tolerance, step)
     groups: dict[object, list[int]] = defaultdict(list)

@@ -24,11 +24,11 @@ class ContactForces:
 
     Attributes:
         by_link: (T, O, N, 3) force on each link [N].
-        moments: (T, O, N, 3) moments of these forces about the origin [N m].
+        places: (T, O, N, 3) points of the backbone at which these forces act [m].
     """
 
     by_link: Array
-    moments: Array
+    places: Array
 
     @property
     def force(self) -> Array:
@@ -37,11 +37,10 @@ class ContactForces:
 
     @property
     def point(self) -> Array:
-        """Point (T, O, 3) on the line of action of each force that is closest to the origin [m]; NaN without contact."""
-        force, moment = self.force, self.moments.sum(axis=2)
-        square = (force**2).sum(axis=2, keepdims=True)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.asarray(np.where(square > 0, np.cross(force, moment) / square, np.nan))
+        """Point of the backbone (T, O, 3) at which each force acts on average [m]; NaN without contact."""
+        size = np.linalg.norm(self.by_link, axis=3, keepdims=True)
+        with np.errstate(invalid="ignore"):
+            return np.asarray((size * self.places).sum(axis=2) / size.sum(axis=2))
 
 
 def contact_forces(scenario: Scenario, motion: Trajectory) -> ContactForces:
@@ -73,10 +72,15 @@ def contact_forces(scenario: Scenario, motion: Trajectory) -> ContactForces:
             body = np.ascontiguousarray(world[o])
             press(*(part.ctypes.data for part in (q[t], v[t], new, reach, body, found[t, o])), 1, 0, links, 1, points, 0.0)
     g, poses = np.empty((POSES, links)), poses_in_space if batch.space else poses_in_plane
-    joint = np.empty((len(q), 1, links, 3))
+    placed = np.empty((len(q), 1, links, 6))
     for t in range(len(q)):
         poses(q[t], v[t], world[0, START] if len(world) else 0.0, reach, g)
-        joint[t, 0] = g[:3].T
+        placed[t, 0] = g[:6].T
+    joint, along = placed[..., :3], placed[..., 3:]
     force, moment = -found[:, :, 24:27].swapaxes(2, 3), -found[:, :, 21:24].swapaxes(2, 3)
+    lever = np.cross(along, force)  # the moment about the joint for each metre along the link
+    square = (lever**2).sum(axis=3, keepdims=True)
+    way = np.divide((lever * moment).sum(axis=3, keepdims=True), square, out=np.zeros_like(square), where=square > 0)
+    places = joint + np.clip(way, 0.0, reach[:, None]) * along
     frame = batch.frames[0]
-    return ContactForces(force @ frame, (moment + np.cross(joint, force)) @ frame)
+    return ContactForces(force @ frame, places @ frame)

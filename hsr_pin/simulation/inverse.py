@@ -42,7 +42,8 @@ def joint_torques(arm: ArmSpecification, q: ArrayLike, v: ArrayLike, a: ArrayLik
     They are the torques of the rigid bodies (RNEA) plus those that overcome springs, dampers and effects.
 
     Raises:
-        InputError: the arrays are not (T, N), or an effect has a memory (its moment does not follow from q and v).
+        InputError: the arrays are not (T, N), an effect has a memory (its moment does not follow from q and v), or the arm has
+            obstacles.
     """
     batch = _batch(arm, effects)
     q, v, a = (_checked(name, x, arm.links) for name, x in (("q", q), ("v", v), ("a", a)))
@@ -90,7 +91,11 @@ def _batch(arm: ArmSpecification, effects: Sequence[Effect]) -> ArmBatch:
     if with_memory:
         raise InputError("effects", expected="only effects without memory", received=", ".join(with_memory))
     scenario = Scenario(in_plane(arm, "inverse dynamics"), np.array([0.0, 1.0]), np.zeros(2), effects=tuple(effects))
-    return ArmBatch.of([scenario])
+    batch = ArmBatch.of([scenario])
+    if batch.world.shape[1]:
+        hint = "contact forces do not follow from the motion alone"
+        raise InputError("obstacles", expected="none for inverse dynamics", received=batch.world.shape[1], hint=hint)
+    return batch
 
 
 def _checked(name: str, values: ArrayLike, links: int) -> Array:

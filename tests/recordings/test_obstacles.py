@@ -67,6 +67,9 @@ def test_declared_obstacles_are_those_of_the_arm_and_survive_being_written(folde
         ('shape = "half_space"\npoint = [0, 0, 0]\nmaterial = "wool"', "material.*silicone.*wool"),
         ('shape = "half_space"\npoint = [0, 0, 0]\nradius = 1.0', "radius"),
         ('shape = "half_space"\npoint = [0, 0, 0]\nfriction = -1', "friction"),
+        ('shape = "half_space"\npoint = [0, [1], 0]', "point.*three finite numbers"),
+        ('shape = "cylinder"\ncentre = [0, 0, 0]\nradius = 0.1\nlength = "long"', "length.*above zero"),
+        ('shape = "cylinder"\ncentre = [0, 0, 0]\nradius = 0.1\nlength = nan', "length.*above zero"),
     ],
 )
 def test_a_fault_is_named_with_its_place(folder, table, words):

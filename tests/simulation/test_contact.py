@@ -12,6 +12,7 @@ from hsr_pin.errors import InputError
 from hsr_pin.obstacles import Box, Cylinder, HalfSpace, Sphere, Surface
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation.arm_batch import ArmBatch
+from hsr_pin.simulation.batch import simulate_batch
 from hsr_pin.simulation.load import Load
 from hsr_pin.simulation.motion import Engine
 from hsr_pin.simulation.scenario import Pose, Scenario, step_scenario
@@ -169,3 +170,10 @@ def test_a_long_step_is_one_of_newtons_and_returns_to_rest(space):
 def test_a_wrong_obstacle_is_refused_by_name(make, word):
     with pytest.raises(InputError, match=word):
         make()
+
+
+def test_arms_of_several_lengths_in_one_batch_move_as_alone():
+    scenarios = [swing(POST, length=length, links=6) for length in (0.2, 0.24, 0.3)]
+    for together, scenario in zip(simulate_batch(scenarios), scenarios, strict=True):
+        (alone,) = simulate_batch([scenario])
+        np.testing.assert_allclose(together.trajectory.positions, alone.trajectory.positions, rtol=0, atol=1e-9)

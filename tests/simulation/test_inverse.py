@@ -1,14 +1,18 @@
 """Inverse dynamics gives back the torque that made a motion."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hsr_pin.effects.damping_gradient import DampingGradient
 from hsr_pin.effects.effect import Effect
 from hsr_pin.effects.hysteresis import Hysteresis
+from hsr_pin.effects.obstacle import Obstacle
 from hsr_pin.effects.quadratic_damping import QuadraticDamping
 from hsr_pin.effects.stiffening import Stiffening
 from hsr_pin.errors import InputError
+from hsr_pin.obstacles import HalfSpace
 from hsr_pin.robot.pressure import PressureMap
 from hsr_pin.robot.specification import ArmSpecification
 from hsr_pin.simulation import kernel
@@ -101,3 +105,10 @@ def test_an_effect_with_memory_is_refused():
 def test_angles_of_another_shape_are_refused(shape):
     with pytest.raises(InputError, match=r"q: expected finite values \(T, 4\)"):
         joint_torques(ARM, np.zeros(shape), np.zeros((5, 4)), np.zeros((5, 4)))
+
+
+@pytest.mark.parametrize("beside", [{"obstacles": (HalfSpace(),)}, {}])
+def test_an_arm_with_obstacles_has_no_inverse(beside):
+    effects = () if beside else (Obstacle(hardness=1e4),)
+    with pytest.raises(InputError, match=r"obstacles: expected none for inverse dynamics"):
+        joint_torques(replace(ARM, **beside), *np.zeros((3, 2, ARM.links)), effects)
